@@ -1,0 +1,59 @@
+"""The shared ground: what is solved, and what an answer is.  Knows neither solver."""
+
+from lapjoint.contact import FREE, ContactState, contact_states, paper_state_number
+from lapjoint.errors import InputError
+from lapjoint.presets import paper_joint, sdnl104
+from lapjoint.problem import (
+    AtRest,
+    BaseMotion,
+    Beam,
+    Circle,
+    Material,
+    ModalDamping,
+    NoDamping,
+    PolynomialShape,
+    Problem,
+    Rectangle,
+    SampledShape,
+    SineLoad,
+    StepLoad,
+    Stop,
+    Support,
+    Tube,
+    ViscousDamping,
+    initial_from_functions,
+)
+from lapjoint.solution import Contact, History, Modes, Outcome, SteadyState
+
+__all__ = [
+    "FREE",
+    "AtRest",
+    "BaseMotion",
+    "Beam",
+    "Circle",
+    "Contact",
+    "ContactState",
+    "History",
+    "InputError",
+    "Material",
+    "ModalDamping",
+    "Modes",
+    "NoDamping",
+    "Outcome",
+    "PolynomialShape",
+    "Problem",
+    "Rectangle",
+    "SampledShape",
+    "SineLoad",
+    "SteadyState",
+    "StepLoad",
+    "Stop",
+    "Support",
+    "Tube",
+    "ViscousDamping",
+    "contact_states",
+    "initial_from_functions",
+    "paper_joint",
+    "paper_state_number",
+    "sdnl104",
+]

@@ -1,0 +1,88 @@
+"""Contact states: which stops are closed, and the paper's numbering of the nine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+from lapjoint.problem import Problem
+
+
+@dataclass(frozen=True, order=True)
+class ContactState:
+    """The set of closed stops, as indices into ``problem.stops``, ascending."""
+
+    closed: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "closed", tuple(sorted(set(self.closed))))
+
+    def __contains__(self, stop: int) -> bool:
+        return stop in self.closed
+
+    def toggled(self, stop: int) -> ContactState:
+        """The state after `stop` has opened or closed."""
+        return ContactState(tuple(set(self.closed) ^ {stop}))
+
+    def name(self, problem: Problem) -> str:
+        """The names of the closed stops, or ``free``."""
+        return " + ".join(problem.stop_names[i] for i in self.closed) or "free"
+
+
+FREE = ContactState()
+
+
+def contact_states(problem: Problem) -> tuple[ContactState, ...]:
+    """Every set of stops that can be closed together, fewest first.
+
+    Stops at one position can be closed together only if they are on the same side.
+    """
+    positions = sorted({stop.x for stop in problem.stops})
+    choices: list[list[tuple[int, ...]]] = []
+    for x in positions:
+        subsets: set[tuple[int, ...]] = {()}
+        for side in ("top", "bottom"):
+            # Stops on one side close in the order of their gaps; those with equal gaps close together.
+            here = [i for i, s in enumerate(problem.stops) if s.x == x and s.side == side]
+            for gap in {problem.stops[i].gap for i in here}:
+                subsets.add(tuple(i for i in here if problem.stops[i].gap <= gap))
+        choices.append(sorted(subsets, key=lambda c: (len(c), c)))
+    states = {ContactState(tuple(i for part in combination for i in part)) for combination in product(*choices)}
+    return tuple(sorted(states, key=lambda s: (len(s.closed), s.closed)))
+
+
+# The paper's Table 1, by (place, side) of the closed stops; Table 4 gives the order of states 6 to 9.
+_PAPER_STATES = {
+    frozenset(): 1,
+    frozenset({("tip", "bottom")}): 2,
+    frozenset({("mid", "bottom")}): 3,
+    frozenset({("tip", "top")}): 4,
+    frozenset({("mid", "top")}): 5,
+    frozenset({("tip", "bottom"), ("mid", "bottom")}): 6,
+    frozenset({("tip", "bottom"), ("mid", "top")}): 7,
+    frozenset({("tip", "top"), ("mid", "bottom")}): 8,
+    frozenset({("tip", "top"), ("mid", "top")}): 9,
+}
+
+
+def is_paper_joint(problem: Problem) -> bool:
+    """Whether the stops are laid out as the paper's: one on each side at mid-span and at the tip."""
+    L = problem.beam.length
+    places = sorted((stop.x, stop.side) for stop in problem.stops)
+    return places == [(L / 2, "bottom"), (L / 2, "top"), (L, "bottom"), (L, "top")]
+
+
+def paper_state_number(problem: Problem, state: ContactState) -> int:
+    """The paper's number, 1 to 9, of a contact state of its joint.
+
+    Raises
+    ------
+    ValueError
+        If the stops are not laid out as the paper's.
+    """
+    if not is_paper_joint(problem):
+        raise ValueError("only the paper's joint, with stops at mid-span and tip, has numbered states")
+    tip = problem.beam.length
+    return _PAPER_STATES[
+        frozenset(("tip" if problem.stops[i].x == tip else "mid", problem.stops[i].side) for i in state.closed)
+    ]
