@@ -6,3 +6,7 @@ class InputError(ValueError):
 
     The command line prints it without a traceback and exits with status 2.
     """
+
+
+class SolverError(RuntimeError):
+    """The solver could not do what was asked; the message says where it stopped and why."""

@@ -1,0 +1,251 @@
+r"""Natural frequencies: a characteristic function that neither overflows nor cancels, and a count of its roots.
+
+The paper sets the determinant of its boundary matrix [g] to zero (15).  That determinant overflows with the
+hyperbolic terms and loses its digits when supports are soft.  Here the same condition is carried along the
+beam by the minors of two solutions.  Write, for the two independent solutions u, v of
+
+.. math:: \phi'''' - \beta^4 \phi = 0                                                                     (8)
+
+that satisfy the conditions at x = 0, with :math:`M = \phi''` and :math:`Q = -\phi'''`,
+
+    A = [phi, theta],  B = [phi, M],  C = -[phi, Q] = [theta, M],  D = -[theta, Q],  F = -[M, Q]
+
+where ``[a, b] = a_u b_v - a_v b_u``.  Along a span they obey
+
+    A' = B,   B' = 2 C,   C' = D,   D' = F - beta^4 A,   F' = -beta^4 B
+
+so that ``A'''' + 4 beta^4 A = 2 (F + beta^4 A)``, whose right-hand side is constant: closed form.  A translational
+spring kappa = k L^3 / EI and a torsional spring kappa_t = kt L / EI add
+
+    B += kappa_t A,   D += kappa A,   F += kappa B + kappa_t D + kappa kappa_t A
+
+(13a)-(13h).  At beta = 0 every term is positive, so nothing cancels however soft a spring is; an infinite spring
+is the leading coefficient.  A beam that begins free has (A, B, C, D, F) = (1, 0, 0, 0, 0) before the springs at
+x = 0, and the frequencies are the roots of F after the springs at x = L.
+
+The count.  sign F = (-1)^J, where J is the number of frequencies below the trial value.  Releasing one constraint
+raises J by 0 or 1 (Rayleigh), and the two signs tell which.  Starting from the beam that is clamped at every node,
+whose J is a sum over clamped-clamped spans in closed form, and releasing one constraint after another, J follows
+with certainty: the Wittrick-Williams algorithm with signs in place of a factorisation.
+
+Lengths are divided by L here, so that z = beta L is the unknown.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from lapjoint.problem import FloatArray, Problem
+
+_SERIES_BELOW = 1.0  # below this z the two differences that cancel are summed as series; 8 terms give 1e-20
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Nodes of the beam and the springs that act at them, made dimensionless with L and EI."""
+
+    x: FloatArray
+    """Node positions over L, from 0 to 1, shape ``(nodes,)``."""
+    translational: FloatArray
+    """k L^3 / EI at each node, possibly infinite, shape ``(nodes,)``."""
+    torsional: FloatArray
+    """kt L / EI at each node, possibly infinite, shape ``(nodes,)``."""
+
+    @property
+    def spans(self) -> FloatArray:
+        """Span lengths over L, shape ``(nodes - 1,)``."""
+        return np.diff(self.x)
+
+    def rigid_modes(self) -> int:
+        """Number of rigid-body modes that the springs allow: 0, 1 or 2."""
+        rows = [(1.0, x) for x, k in zip(self.x, self.translational, strict=True) if k > 0]
+        rows += [(0.0, 1.0) for k in self.torsional if k > 0]
+        if not rows:
+            return 2
+        if any(row[0] == 0 for row in rows) and any(row[0] == 1 for row in rows):
+            return 0
+        return 1 if len({row[1] for row in rows}) == 1 or rows[0][0] == 0 else 0
+
+
+def node_positions(problem: Problem) -> FloatArray:
+    """Ends of the beam and every point where something acts, m, ascending, shape ``(nodes,)``."""
+    parts = (*problem.supports, *problem.stops, *problem.point_loads)
+    return np.unique(np.array([0.0, problem.beam.length, *(part.x for part in parts)]))
+
+
+def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
+    """The beam with its supports and the stops `closed` as springs."""
+    beam, x = problem.beam, node_positions(problem)
+    translational, torsional = np.zeros(x.size), np.zeros(x.size)
+    for support in problem.supports:
+        node = int(np.searchsorted(x, support.x))
+        translational[node] += support.translational
+        torsional[node] += support.torsional
+    for i in closed:
+        translational[int(np.searchsorted(x, problem.stops[i].x))] += problem.stops[i].stiffness
+    L = beam.length
+    return Layout(x / L, translational * (L**3 / beam.EI), torsional * (L / beam.EI))
+
+
+def characteristic(layout: Layout, z: FloatArray) -> FloatArray:
+    """The characteristic function F at z = beta L, times a positive factor; ``z`` of shape ``(n,)``, positive."""
+    zero = np.zeros_like(z)
+    minors = (np.ones_like(z), zero, zero, zero, zero)
+    for i, length in enumerate([*layout.spans, None]):
+        minors = _through_springs(minors, layout.translational[i], layout.torsional[i])
+        if length is not None:
+            minors = _through_span(minors, z, float(length))
+    return minors[4]
+
+
+Minors = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
+    A, B, C, D, F = minors
+    zero = np.zeros_like(A)
+    # Dividing by 1 + stiffness keeps the numbers of order one, and gives the infinite spring as the limit.
+    if math.isinf(kappa_t):
+        A, B, C, D, F = zero, A, zero, zero, D
+    elif kappa_t > 0:
+        s = 1 / (1 + kappa_t)
+        A, B, C, D, F = A * s, B * s + (kappa_t * s) * A, C * s, D * s, F * s + (kappa_t * s) * D
+    if math.isinf(kappa):
+        A, B, C, D, F = zero, zero, zero, A, B
+    elif kappa > 0:
+        s = 1 / (1 + kappa)
+        A, B, C, D, F = A * s, B * s, C * s, D * s + (kappa * s) * A, F * s + (kappa * s) * B
+    return A, B, C, D, F
+
+
+def _through_span(minors: Minors, z: FloatArray, length: float) -> Minors:
+    A, B, C, D, F = minors
+    b4 = z**4
+    half, g0, g1, g2, g3, g4 = _minor_functions(z, length)
+    return (
+        half * A + g1 * B + 2 * (g2 * C + g3 * D + g4 * F),
+        -2 * b4 * g3 * A + g0 * B + 2 * (g1 * C + g2 * D + g3 * F),
+        -b4 * (g2 * A + 2 * g3 * B) + g0 * C + g1 * D + g2 * F,
+        -b4 * (g1 * A + 2 * g2 * B + 4 * g3 * C) + g0 * D + g1 * F,
+        b4 * (2 * b4 * g4 * A - g1 * B - 2 * (g2 * C + g3 * D)) + half * F,
+    )
+
+
+def _minor_functions(z: FloatArray, length: float) -> tuple[FloatArray, ...]:
+    """(1 + cos cosh)/2 and g0 ... g4, each over exp(z length).
+
+    g0 ... g3 solve g'''' = -4 z^4 g with one unit derivative at 0; g4 answers a unit right-hand side.
+    """
+    s = z * length
+    decay = np.exp(-s)
+    ch, sh = (1 + decay**2) / 2, -np.expm1(-2 * s) / 2
+    cos, sin = np.cos(s), np.sin(s)
+    small = s < _SERIES_BELOW
+    one_minus = np.where(small, decay * _one_minus_cos_cosh(np.where(small, s, 0)), decay - ch * cos)
+    difference = np.where(small, decay * _sin_cosh_minus_cos_sinh(np.where(small, s, 0)), sin * ch - cos * sh)
+    return (
+        (decay + ch * cos) / 2,
+        ch * cos,
+        (sin * ch + cos * sh) / (2 * z),
+        sin * sh / (2 * z**2),
+        difference / (4 * z**3),
+        one_minus / (4 * z**4),
+    )
+
+
+def _one_minus_cos_cosh(s: FloatArray) -> FloatArray:
+    """1 - cos s cosh s = -sum_{n>0} (-4)^n s^(4n) / (4n)!, without cancellation for small s."""
+    return -sum(((-4.0) ** n / math.factorial(4 * n) * s ** (4 * n) for n in range(1, 8)), np.zeros_like(s))
+
+
+def _sin_cosh_minus_cos_sinh(s: FloatArray) -> FloatArray:
+    """sin s cosh s - cos s sinh s = sum_n (-4)^n 4 s^(4n+3) / (4n+3)!, without cancellation for small s."""
+    return sum(
+        (4 * (-4.0) ** n / math.factorial(4 * n + 3) * s ** (4 * n + 3) for n in range(8)), np.zeros_like(s)
+    )
+
+
+def count_below(layout: Layout, z: FloatArray) -> np.ndarray:
+    """Number of natural frequencies below each trial z = beta L, shape ``(n,)``, integers.
+
+    Rigid-body modes count.  Right unless z is a frequency itself to within a few rounding errors.
+    """
+    nodes = layout.x.size
+    translational, torsional = np.full(nodes, np.inf), np.full(nodes, np.inf)
+    count = sum((_clamped_span_count(z * length) for length in layout.spans), np.zeros(z.shape, dtype=int))
+    positive = np.prod([_clamped_span_sign(z * length) for length in layout.spans], axis=0) > 0
+    for constrained, actual in ((torsional, layout.torsional), (translational, layout.translational)):
+        for node in range(nodes):
+            if math.isinf(actual[node]):
+                continue
+            constrained[node] = actual[node]
+            now_positive = characteristic(Layout(layout.x, translational, torsional), z) >= 0
+            count = count + (now_positive != positive)
+            positive = now_positive
+    return np.asarray(count)
+
+
+def _clamped_span_sign(s: FloatArray) -> FloatArray:
+    """Sign of the clamped-clamped characteristic 1 - cos s cosh s."""
+    return np.where(_minor_functions(s, 1.0)[5] >= 0, 1.0, -1.0)
+
+
+def _clamped_span_count(s: FloatArray) -> np.ndarray:
+    """Clamped-clamped frequencies below s: one in each interval (n pi, (n + 1) pi), n > 0."""
+    n = np.floor(s / math.pi).astype(int)
+    expected = np.where(n % 2 == 0, 1.0, -1.0)
+    # At n pi the first n - 1 roots are passed; the sign tells whether the n-th is too.
+    return np.where(n == 0, 0, n - 1 + (_clamped_span_sign(s) == expected))
+
+
+def frequencies(layout: Layout, count: int) -> FloatArray:
+    """The lowest `count` roots z = beta L, ascending, 0 for rigid-body modes, shape ``(count,)``.
+
+    Every root is bracketed by the count, so none can be missed; near-degenerate pairs come out as two.  Relative
+    error of z: a few rounding errors.
+    """
+    rigid = min(layout.rigid_modes(), count)
+    index = np.arange(rigid, count)  # the root with this index has this many below it
+    lo = np.full(index.size, 1e-6)
+    while index.size and count_below(layout, lo[:1])[0] > rigid:
+        lo *= 1e-3
+    hi = np.full(index.size, math.pi * (count + layout.x.size + 1))
+    lo, hi = _isolate(layout, index, lo, hi)
+    alone = np.append(lo[1:] >= hi[:-1], True) & np.append(True, lo[1:] >= hi[:-1])
+    f_lo, f_hi = characteristic(layout, lo), characteristic(layout, hi)
+    alone &= f_lo * f_hi < 0
+    roots = (lo + hi) / 2
+    if alone.any():
+        found = elementwise.find_root(
+            lambda z: characteristic(layout, z), (lo[alone], hi[alone]), tolerances={"xrtol": 4e-16, "xatol": 0.0}
+        )
+        roots[alone] = found.x
+    if not alone.all():
+        few = ~alone
+        narrow = _bisect(layout, index[few], lo[few], hi[few], steps=80)
+        roots[few] = (narrow[0] + narrow[1]) / 2
+    return np.concatenate([np.zeros(rigid), roots])
+
+
+def _isolate(layout: Layout, index: np.ndarray, lo: FloatArray, hi: FloatArray) -> tuple[FloatArray, FloatArray]:
+    for _ in range(12):
+        if np.all(lo[1:] >= hi[:-1]) and np.all(hi < 1.5 * lo):
+            break
+        lo, hi = _bisect(layout, index, lo, hi, steps=4)
+    return lo, hi
+
+
+def _bisect(
+    layout: Layout, index: np.ndarray, lo: FloatArray, hi: FloatArray, steps: int
+) -> tuple[FloatArray, FloatArray]:
+    for _ in range(steps):
+        middle = np.where(hi > 2 * lo, np.sqrt(lo * hi), (lo + hi) / 2)
+        if np.all((middle <= lo) | (middle >= hi)):
+            break
+        above = count_below(layout, middle) > index
+        lo, hi = np.where(above, lo, middle), np.where(above, middle, hi)
+    return lo, hi

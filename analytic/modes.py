@@ -1,0 +1,88 @@
+"""Mass-normalised modes (16)-(17) of any contact state, with exact shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.boundary import boundary_matrix, mode_waves
+from analytic.characteristic import Layout, frequencies, layout_of
+from analytic.shapes import BeamFunctions, gram
+from lapjoint.contact import ContactState
+from lapjoint.problem import FloatArray, Problem
+
+_CLUSTER = 1e-6  # roots closer than this, relatively, share their plane of shapes and are made orthogonal in it
+
+
+@dataclass(frozen=True)
+class ExactModes:
+    """Frequencies and shapes of one state: rigid-body modes first, then the elastic ones."""
+
+    omega: FloatArray
+    """Natural angular frequencies, rad/s, shape ``(modes,)``."""
+    shapes: BeamFunctions
+    """Mass-normalised shapes, kg^-1/2."""
+
+
+def exact_modes(problem: Problem, state: ContactState, count: int) -> ExactModes:
+    """The lowest `count` modes of `problem` in contact state `state`."""
+    beam, layout = problem.beam, layout_of(problem, state.closed)
+    L = beam.length
+    z = frequencies(layout, count)
+    rigid = int(np.count_nonzero(z == 0))
+    elastic = _elastic_shapes(layout, z[rigid:], L)
+    shapes = _joined(_rigid_shapes(layout, rigid, L), elastic)
+    norm = 1 / np.sqrt(beam.m * np.diag(gram(shapes, shapes)))  # (16), (17)
+    shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
+    return ExactModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
+
+
+def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:
+    waves, spans = mode_waves(z), layout.spans.size
+    amplitudes = np.zeros((z.size, 4 * spans))
+    if z.size:
+        _, _, vh = np.linalg.svd(boundary_matrix(layout, waves))
+        amplitudes = vh[:, -1, :]
+        # Roots that coincide to rounding share a null space of two dimensions: take one vector each.
+        twin = np.flatnonzero(np.diff(z) < 1e-9 * z[1:])
+        amplitudes[twin], amplitudes[twin + 1] = vh[twin, -2, :], vh[twin, -1, :]
+    return waves.functions(layout.x * L, amplitudes.reshape(z.size, spans, 4), L)
+
+
+def _rigid_shapes(layout: Layout, rigid: int, L: float) -> FloatArray:
+    """p0, p1 of the rigid-body modes, orthogonal on a uniform beam, shape ``(rigid, 2)``."""
+    if rigid == 2:
+        return np.array([[1.0, 0.0], [-1.0, 2.0 / L]])
+    if rigid == 1:
+        held = np.flatnonzero(layout.translational > 0)
+        return np.array([[-layout.x[held[0]], 1.0 / L]]) if held.size else np.array([[1.0, 0.0]])
+    return np.zeros((0, 2))
+
+
+def _joined(rigid: FloatArray, elastic: BeamFunctions) -> BeamFunctions:
+    n, spans = rigid.shape[0], elastic.nodes.size - 1
+    waves = elastic.mu.shape[1]
+    return BeamFunctions(
+        elastic.nodes,
+        np.concatenate([np.zeros((n, waves)), elastic.mu]),
+        elastic.right,
+        np.concatenate([np.zeros((n, spans, waves)), elastic.c]),
+        np.concatenate([np.repeat(rigid[:, None, :], spans, axis=1), elastic.p]),
+    )
+
+
+def _orthogonal_clusters(shapes: BeamFunctions, z: FloatArray, m: float) -> BeamFunctions:
+    """Make the shapes of nearly coincident frequencies orthogonal, moving each as little as possible (Lowdin)."""
+    close = np.flatnonzero(np.diff(z) < _CLUSTER * z[1:])
+    if not close.size:
+        return shapes
+    c = shapes.c.copy()
+    for cluster in np.split(close, np.flatnonzero(np.diff(close) > 1) + 1):
+        members = np.arange(cluster[0], cluster[-1] + 2)
+        one = BeamFunctions(shapes.nodes, shapes.mu[members], shapes.right, shapes.c[members], shapes.p[members])
+        values, vectors = np.linalg.eigh(m * gram(one, one))
+        # The exponents of the members agree to 1e-6 of themselves or better; exchanging them changes the
+        # shapes by no more than their own uncertainty within the cluster.
+        c[members] = one.mixed(vectors @ np.diag(values**-0.5) @ vectors.T).c
+    return BeamFunctions(shapes.nodes, shapes.mu, shapes.right, c, shapes.p)

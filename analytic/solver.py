@@ -1,0 +1,173 @@
+"""The analytic solver: numerical options, and the three questions that it answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analytic.default_modes import default_count
+from analytic.march import Joint, march
+from analytic.modes import exact_modes
+from analytic.motion import history_of
+from analytic.start import initial_coordinates, initial_state
+from analytic.steady import Search, Section, find_orbit
+from lapjoint.contact import FREE, ContactState
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.solution import History, Modes, Outcome, SteadyState, steady_impulses
+from lapjoint.solver import Progress
+
+MOST_MODES = 500
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Exact separation of variables, state by state.
+
+    Parameters
+    ----------
+    n_modes : int, optional
+        Modes in every state; by default chosen for the problem by `analytic.default_modes`.
+    free_modes, contact_modes : int, optional
+        Modes in the free state, and in every other; they go before `n_modes`.
+    tolerance : float
+        What the default number of modes aims at: the relative error of impulses by truncation.
+    max_order : int
+        Longest periodic motion looked for, in excitation periods.
+    max_periods : int
+        Most excitation periods marched in search of a steady state.
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    n_modes: int | None = None
+    free_modes: int | None = None
+    contact_modes: int | None = None
+    tolerance: float = 1e-5
+    max_order: int = 8
+    max_periods: int = 4000
+
+    def __post_init__(self) -> None:
+        for field in ("n_modes", "free_modes", "contact_modes"):
+            value = getattr(self, field)
+            if value is not None:
+                _check_count(field, value)
+        if not 1e-9 <= self.tolerance <= 1e-1:
+            raise InputError(f"tolerance = {self.tolerance!r}: allowed are 1e-9 to 0.1")
+        for field in ("max_order", "max_periods"):
+            value = getattr(self, field)
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise InputError(f"{field} = {value!r}: must be an integer of at least 1")
+
+    @property
+    def name(self) -> str:
+        """Name and options in a line."""
+        given = [
+            f"{label} {value}"
+            for label, value in (
+                ("modes", self.n_modes),
+                ("free modes", self.free_modes),
+                ("contact modes", self.contact_modes),
+            )
+            if value is not None
+        ]
+        return f"analytic ({', '.join(given) or f'modes by criterion {self.tolerance:g}'})"
+
+    def refined(self, factor: float) -> Solver:
+        """The same solver with its numbers of modes multiplied by `factor`, or a tighter criterion.
+
+        The error falls with about the sixth power of the number of modes, so a criterion is tightened by
+        ``factor**6``.
+        """
+
+        def more(value: int | None) -> int | None:
+            return None if value is None else math.ceil(value * factor)
+
+        return replace(
+            self,
+            n_modes=more(self.n_modes),
+            free_modes=more(self.free_modes),
+            contact_modes=more(self.contact_modes),
+            tolerance=float(np.clip(self.tolerance / factor**6, 1e-9, 1e-1)),
+        )
+
+    def mode_counts(self, problem: Problem) -> tuple[int, int]:
+        """Numbers of modes used for `problem`: in the free state, and in every other."""
+        common = self.n_modes
+        if common is None and (self.free_modes is None or self.contact_modes is None):
+            common = default_count(problem, self.tolerance)
+        assert common is not None or (self.free_modes is not None and self.contact_modes is not None)
+        return self.free_modes or common or 0, self.contact_modes or common or 0
+
+    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+        """The lowest `count` modes of a contact state, exact to rounding.
+
+        Raises
+        ------
+        InputError
+            If `count` is not between 1 and 500.
+        """
+        _check_count("count", count)
+        found = exact_modes(problem, state, count)
+        return Modes(state, found.omega, found.shapes)
+
+    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+        """The motion from the initial state over `duration` seconds.
+
+        Raises
+        ------
+        InputError
+            If `duration` is not positive and finite.
+        SolverError
+            If the march cannot go on.
+        """
+        if not (math.isfinite(duration) and duration > 0):
+            raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
+        joint, start = self._start(problem)
+        motion = march(joint, start.state, 0.0, start.q, start.v, float(duration), progress=progress)
+        return history_of(problem, self.name, joint, motion)
+
+    def steady_state(self, problem: Problem, *, progress: Progress | None = None) -> SteadyState:
+        """The periodic motion that the march from the initial state leads to; see `analytic.steady`.
+
+        Raises
+        ------
+        InputError
+            If the excitation has no single frequency.
+        """
+        frequency = problem.excitation_frequency
+        if frequency is None:
+            raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
+        joint, start = self._start(problem)
+        orbit = find_orbit(
+            joint, start, 2 * math.pi / frequency, Search(1e-9, self.max_order, self.max_periods), progress
+        )
+        history = history_of(problem, self.name, joint, orbit.motion)
+        outcome = Outcome.PERIODIC if history.contacts else Outcome.NO_CONTACT
+        return SteadyState(
+            problem=problem,
+            solver=self.name,
+            outcome=outcome if orbit.order else Outcome.NOT_PERIODIC,
+            order=orbit.order,
+            residual=orbit.residual,
+            multipliers=orbit.multipliers,
+            history=history,
+            impulses=steady_impulses(history, orbit.order or self.max_order),
+        )
+
+    def _start(self, problem: Problem) -> tuple[Joint, Section]:
+        free, contact = self.mode_counts(problem)
+        joint = Joint(problem, {FREE: free}, contact)
+        state = initial_state(problem)
+        q, v = initial_coordinates(problem, joint.state(state).model.modes)
+        return joint, Section(state, q, v)
+
+
+def _check_count(field: str, value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_MODES:
+        raise InputError(f"{field} = {value!r}: the analytic solver takes an integer from 1 to {MOST_MODES}")

@@ -1,0 +1,55 @@
+"""The initial state in modal coordinates: which stops are closed at t = 0, and the inner products with the modes.
+
+The initial shape is data, a polynomial or a spline, not a solution of the beam equation, so these inner products
+alone are taken by Gauss-Legendre quadrature, on panels short enough for every mode to be resolved to rounding.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analytic.modes import ExactModes
+from lapjoint.contact import ContactState
+from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
+
+_POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
+
+
+def initial_state(problem: Problem) -> ContactState:
+    """The stops that are closed at t = 0: beyond the gap, or at it and moving outwards."""
+    closed = []
+    for i, stop in enumerate(problem.stops):
+        x = np.array(stop.x)
+        depth = stop.sign * float(problem.initial.displacement_at(x)) - stop.gap
+        outwards = stop.sign * float(problem.initial.velocity_at(x)) > 0
+        if depth > 0 or (depth == 0 and outwards and stop.gap > 0):
+            closed.append(i)
+    return ContactState(tuple(closed))
+
+
+def initial_coordinates(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatArray]:
+    """Modal displacements and velocities at t = 0, each of shape ``(N,)``."""
+    count = modes.omega.size
+    if isinstance(problem.initial, AtRest):
+        return np.zeros(count), np.zeros(count)
+    x, weights = _quadrature(problem, modes)
+    weighted = problem.beam.m * modes.shapes(x) * weights
+    return weighted @ problem.initial.displacement_at(x), weighted @ problem.initial.velocity_at(x)
+
+
+def _quadrature(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatArray]:
+    breaks = modes.shapes.nodes
+    if isinstance(problem.initial, SampledShape):
+        breaks = np.union1d(breaks, np.array(problem.initial.x))
+    longest = problem.beam.length / max(modes.omega.size, 1)
+    edges = np.concatenate(
+        [
+            np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[:-1]
+            for a, b in zip(breaks[:-1], breaks[1:], strict=True)
+        ]
+        + [breaks[-1:]]
+    )
+    nodes, w = np.polynomial.legendre.leggauss(_POINTS_PER_PANEL)
+    half = np.diff(edges)[:, None] / 2
+    x = (edges[:-1, None] + half) + half * nodes
+    return np.minimum(x, problem.beam.length).ravel(), (half * w).ravel()
