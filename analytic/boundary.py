@@ -2,8 +2,8 @@ r"""The boundary and compatibility conditions (13a)-(13h) as a matrix, for any n
 
 Each span carries four real waves.  The unknowns are their amplitudes; the rows say, node by node, that deflection
 and slope are continuous, that the shear jumps by ``k phi`` and the moment by ``kt phi'``; at an infinite spring
-the deflection or the slope vanishes instead.  Rows and columns are scaled so that stiff and soft springs, low and high
-modes leave entries of order one.
+the deflection or the slope vanishes instead.  Rows and columns are scaled so that stiff and soft springs, low and
+high modes leave entries of order one.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ class BeamFunctions:
     """p0 and p1 of each span, shape ``(n, S, 2)``."""
 
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """Values or a derivative at ``x`` of shape ``(k,)``; returns ``(n, k)``; at a node the span to the left."""
+        """Values or a derivative at ``x`` of shape ``(k,)``; gives ``(n, k)``; at a node the span to the left."""
         span = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
         anchor = np.where(self.right, self.nodes[span + 1][:, None], self.nodes[span][:, None])  # (k, J)
         waves = self.c[:, span, :] * np.exp(self.mu[:, None, :] * (x[:, None] - anchor)[None])

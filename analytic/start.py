@@ -6,6 +6,8 @@ alone are taken by Gauss-Legendre quadrature, on panels short enough for every m
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from analytic.modes import ExactModes
@@ -43,10 +45,7 @@ def _quadrature(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatA
         breaks = np.union1d(breaks, np.array(problem.initial.x))
     longest = problem.beam.length / max(modes.omega.size, 1)
     edges = np.concatenate(
-        [
-            np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[:-1]
-            for a, b in zip(breaks[:-1], breaks[1:], strict=True)
-        ]
+        [np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[:-1] for a, b in itertools.pairwise(breaks)]
         + [breaks[-1:]]
     )
     nodes, w = np.polynomial.legendre.leggauss(_POINTS_PER_PANEL)

@@ -2,9 +2,9 @@ r"""Everything the march needs to know of one contact state, and of the passage 
 
 In a state with modes Phi_i, i <= N, and the loads p_l of `analytic.residual`, equation (26) reads
 
-    q_i'' + 2 zeta_i omega_i q_i' + omega_i^2 q_i = F0_i + sum_h Fh_i sin(theta_h(t)),    theta_h = Omega_h t + phase_h
+    q_i'' + 2 zeta_i omega_i q_i' + omega_i^2 q_i = F0_i + sum_h Fh_i sin(theta_h(t))
 
-in coordinates q_i = (Phi_i, z) of the whole displacement, where F0 holds the forces k gap of the closed stops and
+with theta_h = Omega_h t + phase_h, in coordinates q_i = (Phi_i, z) of the whole displacement, where F0 holds the forces k gap of the closed stops and
 the step loads.  The paper's eta_i of (20) is q_i(t) - q_i(T), measured from the deflected shape G at the last
 switch; both give the same motion within the span of the modes, and (40) holds by construction.
 
@@ -26,7 +26,7 @@ from analytic.modes import ExactModes, exact_modes
 from analytic.residual import Loads, Residual, residual
 from analytic.shapes import gram, integral
 from lapjoint.contact import ContactState
-from lapjoint.problem import FloatArray, ModalDamping, Problem, SineLoad, StepLoad, ViscousDamping
+from lapjoint.problem import BaseMotion, FloatArray, ModalDamping, Problem, SineLoad, StepLoad, ViscousDamping
 
 _SEPARATE = 1e-7  # relative distance kept between coincident poles; the motion changes by its square
 
@@ -47,8 +47,8 @@ class Harmonics:
 
 def harmonics_of(problem: Problem) -> Harmonics:
     """The base motion first (if any), then the sine loads."""
-    found = [] if problem.base_motion is None else [problem.base_motion]
-    parts = [*found, *(load for load in problem.point_loads if isinstance(load, SineLoad))]
+    parts: list[BaseMotion | SineLoad] = [] if problem.base_motion is None else [problem.base_motion]
+    parts += [load for load in problem.point_loads if isinstance(load, SineLoad)]
     return Harmonics(
         np.array([part.angular_frequency for part in parts]), np.array([part.phase for part in parts])
     )
@@ -165,7 +165,7 @@ def _roots(omega: FloatArray, decay: FloatArray) -> np.ndarray:
 
 
 def _static_answer(F0: FloatArray, omega: FloatArray, decay: FloatArray) -> FloatArray:
-    """Particular solution for a constant force (31): F0/omega^2, or for a rigid-body mode F0 t/(2 decay), F0 t^2/2."""
+    """Particular solution for a constant force (31); a rigid-body mode drifts, F0 t/(2 decay), or F0 t^2/2."""
     answer = np.zeros((F0.size, 3))
     rigid = omega == 0
     answer[~rigid, 0] = F0[~rigid] / omega[~rigid] ** 2
