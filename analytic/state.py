@@ -4,9 +4,10 @@ In a state with modes Phi_i, i <= N, and the loads p_l of `analytic.residual`, e
 
     q_i'' + 2 zeta_i omega_i q_i' + omega_i^2 q_i = F0_i + sum_h Fh_i sin(theta_h(t))
 
-with theta_h = Omega_h t + phase_h, in coordinates q_i = (Phi_i, z) of the whole displacement, where F0 holds the forces k gap of the closed stops and
-the step loads.  The paper's eta_i of (20) is q_i(t) - q_i(T), measured from the deflected shape G at the last
-switch; both give the same motion within the span of the modes, and (40) holds by construction.
+with theta_h = Omega_h t + phase_h, in coordinates q_i = (Phi_i, z) of the whole displacement, where F0 holds
+the forces k gap of the closed stops and the step loads.  The paper's eta_i of (20) is q_i(t) - q_i(T), measured
+from the deflected shape G at the last switch; both give the same motion within the span of the modes, and (40)
+holds by construction.
 
 At a switch displacement and velocity are carried over (36), (41) by closed-form inner products (43)-(44):
 

@@ -1,0 +1,171 @@
+"""Frequencies of the exact solver against 50-digit arithmetic, textbook values and the paper's Table 4."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic.characteristic import Layout, characteristic, count_below, frequencies, layout_of
+from lapjoint import Beam, Problem, Stop, Support, contact_states, paper_joint
+
+DIGITS = 50
+
+
+def dynamic_stiffness_count(layout: Layout, z: mp.mpf) -> int:
+    """Frequencies below z by the Wittrick-Williams algorithm on the dynamic stiffness matrix, in 50 digits.
+
+    Independent of the minors: members are assembled from the textbook stiffness functions, and the sign count of
+    an LDL^T factorisation is added to the clamped-clamped roots of the members.
+    """
+    x = [mp.mpf(float(value)) for value in layout.x]
+    n = 2 * len(x)
+    K = mp.zeros(n, n)
+    total = 0
+    for e in range(len(x) - 1):
+        length = x[e + 1] - x[e]
+        s = z * length
+        c, sn, ch, sh = mp.cos(s), mp.sin(s), mp.cosh(s), mp.sinh(s)
+        d = 1 - c * ch
+        entries = {
+            (0, 0): (z**3, sn * ch + c * sh), (0, 1): (z**2, sn * sh), (0, 2): (z**3, -(sn + sh)),
+            (0, 3): (z**2, ch - c), (1, 1): (z, sn * ch - c * sh), (1, 2): (z**2, -(ch - c)),
+            (1, 3): (z, sh - sn), (2, 2): (z**3, sn * ch + c * sh), (2, 3): (z**2, -sn * sh),
+            (3, 3): (z, sn * ch - c * sh),
+        }  # fmt: skip
+        for (i, j), (power, value) in entries.items():
+            K[2 * e + i, 2 * e + j] += power * value / d
+            if i != j:
+                K[2 * e + j, 2 * e + i] += power * value / d
+        k = int(mp.floor(s / mp.pi))
+        total += 0 if k == 0 else k - 1 + int((d > 0) == (k % 2 == 0))
+    kept = []
+    for node in range(len(x)):
+        for offset, spring in ((0, layout.translational[node]), (1, layout.torsional[node])):
+            if not math.isinf(spring):
+                K[2 * node + offset, 2 * node + offset] += mp.mpf(float(spring))
+                kept.append(2 * node + offset)
+    return total + negative_pivots(K, kept)
+
+
+def negative_pivots(K: mp.matrix, kept: list[int]) -> int:
+    a = [[K[i, j] for j in kept] for i in kept]
+    negative = 0
+    for p in range(len(kept)):
+        pivot = a[p][p]
+        negative += pivot < 0
+        for i in range(p + 1, len(kept)):
+            factor = a[i][p] / pivot
+            for j in range(p, len(kept)):
+                a[i][j] -= factor * a[p][j]
+    return negative
+
+
+springs = st.one_of(
+    st.just(0.0), st.just(math.inf), st.integers(0, 15).map(lambda n: 10.0**n), st.floats(1.0, 1e15)
+)
+positions = st.lists(st.integers(1, 39), max_size=3, unique=True).map(sorted)
+
+
+@st.composite
+def layouts(draw: st.DrawFn) -> Layout:
+    """Random beams: up to three inner supports, springs 0, 1 ... 1e15 and infinite, at EI and L of the paper."""
+    inner = draw(positions)
+    x = np.array([0.0, *(value / 40 for value in inner), 1.0]) * 2.5
+    beam = Beam(length=2.5, bending_stiffness=640625.0, mass_per_length=118.35)
+    supports = tuple(Support(x=float(value), translational=draw(springs), torsional=draw(springs)) for value in x)
+    return layout_of(Problem(beam=beam, supports=supports))
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(layouts())
+def test_frequencies_hold_twelve_digits_and_none_is_missed(layout: Layout) -> None:
+    roots = frequencies(layout, 12)
+    with mp.workdps(DIGITS):
+        for i, root in enumerate(roots):
+            if root == 0:
+                continue
+            # omega = z^2: 1e-12 of the frequency is 5e-13 of z.  At most i roots below, at least i + 1 above:
+            # the i-th root, counted from 0, lies between, and no root has been passed over.
+            below, above = mp.mpf(float(root)) * (1 - mp.mpf(5e-13)), mp.mpf(float(root)) * (1 + mp.mpf(5e-13))
+            assert dynamic_stiffness_count(layout, below) <= i
+            assert dynamic_stiffness_count(layout, above) >= i + 1
+    assert np.count_nonzero(roots == 0) == layout.rigid_modes()
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(layouts(), st.floats(0.3, 60.0))
+def test_count_by_signs_agrees_with_the_dynamic_stiffness_in_fifty_digits(layout: Layout, z: float) -> None:
+    with mp.workdps(DIGITS):
+        expected = dynamic_stiffness_count(layout, mp.mpf(z))
+    assert count_below(layout, np.array([z]))[0] == expected
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "equation"),
+    [
+        ((math.inf, math.inf), (0, 0), lambda z: mp.cos(z) + mp.sech(z)),
+        ((math.inf, math.inf), (math.inf, math.inf), lambda z: mp.cos(z) - mp.sech(z)),
+        ((math.inf, 0), (math.inf, 0), mp.sin),
+        ((math.inf, math.inf), (math.inf, 0), lambda z: mp.tan(z) - mp.tanh(z)),
+        ((0, math.inf), (0, math.inf), mp.sin),
+    ],
+    ids=["cantilever", "clamped-clamped", "pinned-pinned", "clamped-pinned", "sliding-sliding"],
+)
+def test_textbook_beams_satisfy_their_characteristic_equations_up_to_sixty_modes(left, right, equation) -> None:
+    layout = Layout(
+        np.array([0.0, 1.0]), np.array([left[0], right[0]], float), np.array([left[1], right[1]], float)
+    )
+    roots = frequencies(layout, 60)
+    elastic = roots[roots > 0]
+    with mp.workdps(DIGITS):
+        for z in elastic:
+            exact = mp.findroot(equation, mp.mpf(float(z)))
+            assert abs(z - exact) <= 1e-14 * exact  # a few roundings of double precision
+    # Roots of a beam are asymptotically pi apart: none is missing and none is double.
+    assert np.all(np.diff(elastic)[1:] > 3.0)
+    assert np.all(np.diff(elastic)[1:] < 3.3)
+
+
+def test_soft_springs_carry_the_beam_as_a_rigid_body() -> None:
+    # Two springs of 1 N/m under a stiff beam: omega^2 = 2 k / m L and 6 k / m L, to the order k L^3 / EI = 1e-5.
+    beam = Beam(length=2.0, bending_stiffness=1e6, mass_per_length=10.0)
+    problem = Problem(beam=beam, supports=(Support(x=0, translational=1.0), Support(x=2.0, translational=1.0)))
+    omega = (frequencies(layout_of(problem), 2) / 2.0) ** 2 * math.sqrt(1e6 / 10.0)
+    np.testing.assert_allclose(omega, [math.sqrt(0.1), math.sqrt(0.3)], rtol=1e-6)
+
+
+def test_a_beam_clamped_at_its_middle_has_pairs_of_equal_frequencies() -> None:
+    layout = Layout(np.array([0, 0.5, 1.0]), np.array([0, math.inf, 0]), np.array([0, math.inf, 0]))
+    roots = frequencies(layout, 8)
+    np.testing.assert_allclose(roots[::2], roots[1::2], rtol=1e-14)
+    np.testing.assert_allclose(roots[:2], 2 * 1.8751040687119611, rtol=1e-14)
+
+
+def test_nearly_equal_frequencies_come_out_as_two() -> None:
+    layout = Layout(np.array([0, 0.5, 1.0]), np.array([0, 1e9, 0]), np.array([0, 1e9, 0.0]))
+    z = frequencies(layout, 2)
+    assert 0 < z[1] - z[0] < 1e-6
+    middle = np.array([z[0] * (1 - 1e-12), (z[0] + z[1]) / 2, z[1] * (1 + 1e-12)])
+    assert count_below(layout, middle).tolist() == [0, 1, 2]
+    assert np.sign(characteristic(layout, middle)).tolist() == [1, -1, 1]
+
+
+def test_high_modes_of_the_paper_joint_are_evenly_spaced() -> None:
+    for state in contact_states(paper_joint(k_star=5000.0)):
+        z = frequencies(layout_of(paper_joint(k_star=5000.0), state.closed), 120)
+        # Springs shift high wave numbers by k L^3 / (EI z^3): spacing tends to pi.
+        np.testing.assert_allclose(np.diff(z[60:]), math.pi, rtol=0.03)
+
+
+def test_a_stop_counts_as_a_spring_only_while_closed() -> None:
+    beam = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
+    clamped = Support(x=0, translational=math.inf, torsional=math.inf)
+    stop = Stop(x=1.0, side="top", gap=0.1, stiffness=1e20)
+    problem = Problem(beam=beam, supports=(clamped,), stops=(stop,))
+    assert frequencies(layout_of(problem), 1)[0] == pytest.approx(1.8751040687119611, rel=1e-14)
+    assert frequencies(layout_of(problem, (0,)), 1)[0] == pytest.approx(3.9266023120479185, rel=1e-14)

@@ -1,0 +1,106 @@
+"""Exact mode shapes: normalisation, orthogonality, closed-form inner products, boundary conditions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic.modes import exact_modes
+from analytic.shapes import gram, integral
+from analytic.state import build_passage, build_state
+from lapjoint import FREE, Beam, ContactState, Problem, Support, contact_states, paper_joint
+
+BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
+PROBLEMS = {
+    "free": (),
+    "pinned": (Support(x=0.3, translational=math.inf),),
+    "clamped in the middle": (Support(x=1.0, translational=math.inf, torsional=math.inf),),
+    "nearly clamped in the middle": (Support(x=1.0, translational=1e12, torsional=1e12),),
+    "on soft springs": (Support(x=0.0, translational=1.0), Support(x=2.0, translational=1.0)),
+    "general (Figure 1)": (
+        Support(x=0.0, translational=3e4, torsional=2e3),
+        Support(x=0.7, translational=5e5, torsional=4e4),
+        Support(x=2.0, translational=1e4, torsional=1e5),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_modes_are_orthonormal(name: str) -> None:
+    problem = Problem(beam=BEAM, supports=PROBLEMS[name])
+    shapes = exact_modes(problem, FREE, 60).shapes
+    # (16), (18).  Within a cluster of frequencies 1e-7 apart the null vectors hold nine digits.
+    tolerance = 1e-9 if "nearly" in name else 1e-11
+    np.testing.assert_allclose(BEAM.m * gram(shapes, shapes), np.eye(60), atol=tolerance)
+
+
+def test_closed_form_inner_products_agree_with_quadrature() -> None:
+    problem = paper_joint()
+    free, both = (exact_modes(problem, state, 60).shapes for state in (FREE, ContactState((0, 1))))
+    x, w = np.polynomial.legendre.leggauss(400)  # resolves 60 half waves to rounding on each half of the beam
+    L = problem.beam.length
+    x, w = np.concatenate([(x + 1) * L / 4, (x + 3) * L / 4]), np.concatenate([w, w]) * L / 4
+    np.testing.assert_allclose(
+        problem.beam.m * gram(both, free), problem.beam.m * (both(x) * w) @ free(x).T, atol=1e-12
+    )
+    np.testing.assert_allclose(integral(both), both(x) @ w, atol=1e-12)
+
+
+def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:
+    # (8) by parts: (omega_i^2 - omega_j^2) <Phi_i, Phi_j> = sum of k Phi_i Phi_j over the stops that differ.
+    problem = paper_joint()
+    free, both = build_state(problem, FREE, 30), build_state(problem, ContactState((0, 1)), 30)
+    S = build_passage(problem, free, both).S
+    k = problem.stops[0].stiffness
+    jump = k * both.at_stops[:2].T @ free.at_stops[:2]
+    squares = both.modes.omega[:, None] ** 2 - free.modes.omega**2
+    np.testing.assert_allclose(S * squares, jump, atol=1e-11 * np.abs(squares).max())
+
+
+def test_shapes_meet_the_conditions_13a_to_13h() -> None:
+    problem = Problem(beam=BEAM, supports=PROBLEMS["general (Figure 1)"])
+    shapes, EI = exact_modes(problem, FREE, 20).shapes, BEAM.EI
+    eps = 1e-12
+
+    def at(x: float, d: int) -> np.ndarray:
+        return shapes(np.array([x]), d)[:, 0]
+
+    root, middle, tip = problem.supports
+    scale = EI * np.abs(shapes(np.linspace(0, 2, 50), 3)).max(axis=1)
+    assert np.all(np.abs(EI * at(0, 3) + root.translational * at(0, 0)) < 1e-9 * scale)  # V up is -EI phi'''
+    assert np.all(np.abs(EI * at(0, 2) - root.torsional * at(0, 1)) < 1e-9 * scale)
+    jump = EI * (at(0.7 + eps, 3) - at(0.7, 3))
+    assert np.all(np.abs(jump + middle.translational * at(0.7, 0)) < 1e-8 * scale)
+    turn = EI * (at(0.7 + eps, 2) - at(0.7, 2))
+    assert np.all(np.abs(turn - middle.torsional * at(0.7, 1)) < 1e-8 * scale)
+    assert np.all(np.abs(EI * at(2.0, 3) - tip.translational * at(2.0, 0)) < 1e-9 * scale)
+    assert np.all(np.abs(EI * at(2.0, 2) + tip.torsional * at(2.0, 1)) < 1e-9 * scale)
+
+
+def test_derivatives_of_shapes_agree_with_differences() -> None:
+    shapes = exact_modes(paper_joint(), ContactState((1,)), 10).shapes
+    x, h = np.array([0.31, 1.0, 2.1]), 1e-5
+    for d in (1, 2, 3):
+        difference = (shapes(x + h, d - 1) - shapes(x - h, d - 1)) / (2 * h)
+        scale = np.abs(shapes(x, d)).max(axis=1, keepdims=True)
+        assert np.all(np.abs(difference - shapes(x, d)) < 1e-7 * scale)  # h^2 beta^2 / 6 at the tenth mode
+
+
+def test_residual_shape_is_the_sum_of_the_left_out_modes() -> None:
+    problem, state, x = paper_joint(), ContactState((0, 1)), np.array([0.3, 1.25, 2.5])
+    few, many = build_state(problem, state, 20), build_state(problem, state, 300)
+    forces = np.vstack([many.F0, many.Fh])[:, 20:]
+    summed = (forces / many.modes.omega[20:] ** 2) @ many.modes.shapes(x)[20:]
+    # The sum is cut at 300 modes (3e-4 of it is left out) and the foundation of the closed form moves it by 1e-6.
+    np.testing.assert_allclose(few.residual(x), summed, rtol=2e-3, atol=2e-3 * np.abs(summed).max())
+
+
+def test_frequencies_of_all_nine_states_interlace_the_free_ones() -> None:
+    problem = paper_joint(k_star=5000.0)
+    free = exact_modes(problem, FREE, 12).omega
+    for state in contact_states(problem):
+        omega = exact_modes(problem, state, 10).omega
+        assert np.all(omega >= free[:10] * (1 - 1e-14))
+        assert np.all(omega <= free[len(state.closed) : 10 + len(state.closed)] * (1 + 1e-14))
