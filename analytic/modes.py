@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -10,14 +11,17 @@ from analytic.boundary import boundary_matrix, mode_waves
 from analytic.characteristic import Layout, frequencies, layout_of
 from analytic.shapes import BeamFunctions, gram
 from lapjoint.contact import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import Beam, FloatArray, Problem
 
 _CLUSTER = 1e-6  # roots closer than this, relatively, share their plane of shapes and are made orthogonal in it
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactModes:
-    """Frequencies and shapes of one state: rigid-body modes first, then the elastic ones."""
+    """Frequencies and shapes of one state: rigid-body modes first, then the elastic ones.
+
+    Compared and hashed by identity, so that what is derived from them can be kept.
+    """
 
     omega: FloatArray
     """Natural angular frequencies, rad/s, shape ``(modes,)``."""
@@ -26,9 +30,20 @@ class ExactModes:
 
 
 def exact_modes(problem: Problem, state: ContactState, count: int) -> ExactModes:
-    """The lowest `count` modes of `problem` in contact state `state`."""
-    beam, layout = problem.beam, layout_of(problem, state.closed)
-    L = beam.length
+    """The lowest `count` modes of `problem` in contact state `state`.
+
+    The last ones computed are kept: modes do not depend on the excitation, and a sweep asks for them every time.
+    """
+    layout = layout_of(problem, state.closed)
+    springs = (tuple(layout.x), tuple(layout.translational), tuple(layout.torsional))
+    return _exact_modes(problem.beam, *springs, count)
+
+
+@lru_cache(maxsize=64)
+def _exact_modes(
+    beam: Beam, x: tuple[float, ...], translational: tuple[float, ...], torsional: tuple[float, ...], count: int
+) -> ExactModes:
+    L, layout = beam.length, Layout(np.array(x), np.array(translational), np.array(torsional))
     z = frequencies(layout, count)
     rigid = int(np.count_nonzero(z == 0))
     elastic = _elastic_shapes(layout, z[rigid:], L)

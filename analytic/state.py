@@ -20,6 +20,7 @@ where S0 and Sh carry the residual shapes of the old state.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -187,9 +188,15 @@ class Passage:
     """S0 first, then Sh, shape ``(1 + H, N_new)``."""
 
 
+@lru_cache(maxsize=256)
+def _overlap(new: ExactModes, old: ExactModes) -> FloatArray:
+    """Integrals of Phi_i_new Phi_j_old, shape ``(N_new, N_old)``; kept: they do not depend on the excitation."""
+    return gram(new.shapes, old.shapes)
+
+
 def build_passage(problem: Problem, old: StateModel, new: StateModel) -> Passage:
     """The map from `old` to `new` by closed-form inner products (43)."""
     m = problem.beam.m
-    S = m * gram(new.modes.shapes, old.modes.shapes)
+    S = m * _overlap(new.modes, old.modes)
     onto = m * gram(old.residual.foundation, new.modes.shapes) - old.residual.weights @ S.T
     return Passage(S, onto)
