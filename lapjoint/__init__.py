@@ -2,6 +2,7 @@
 
 from lapjoint.contact import FREE, ContactState, contact_states, paper_state_number
 from lapjoint.errors import InputError
+from lapjoint.files import read_problem, write_problem
 from lapjoint.presets import paper_joint, sdnl104
 from lapjoint.problem import (
     AtRest,
@@ -55,5 +56,7 @@ __all__ = [
     "initial_from_functions",
     "paper_joint",
     "paper_state_number",
+    "read_problem",
     "sdnl104",
+    "write_problem",
 ]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import product
 
+from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 
 
@@ -30,12 +32,19 @@ class ContactState:
 
 
 FREE = ContactState()
+MOST_STATES = 4096
+"""More contact states than this are not listed."""
 
 
 def contact_states(problem: Problem) -> tuple[ContactState, ...]:
     """Every set of stops that can be closed together, fewest first.
 
     Stops at one position can be closed together only if they are on the same side.
+
+    Raises
+    ------
+    InputError
+        If there are more than `MOST_STATES` of them.
     """
     positions = sorted({stop.x for stop in problem.stops})
     choices: list[list[tuple[int, ...]]] = []
@@ -47,6 +56,9 @@ def contact_states(problem: Problem) -> tuple[ContactState, ...]:
             for gap in {problem.stops[i].gap for i in here}:
                 subsets.add(tuple(i for i in here if problem.stops[i].gap <= gap))
         choices.append(sorted(subsets, key=lambda c: (len(c), c)))
+    number = math.prod(len(subsets) for subsets in choices)
+    if number > MOST_STATES:
+        raise InputError(f"stops: these have {number} contact states; at most {MOST_STATES} can be listed")
     states = {ContactState(tuple(i for part in combination for i in part)) for combination in product(*choices)}
     return tuple(sorted(states, key=lambda s: (len(s.closed), s.closed)))
 

@@ -12,169 +12,56 @@ frequencies in rad/s.  Nothing numerical (modes, elements, tolerances) belongs h
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-import numpy.typing as npt
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-FloatArray = npt.NDArray[np.float64]
+from lapjoint.beam import Beam, Circle, Material, Rectangle, Section, Tube
+from lapjoint.initial import (
+    AtRest,
+    InitialState,
+    PolynomialShape,
+    SampledShape,
+    ShapeFunction,
+    initial_from_functions,
+)
+from lapjoint.schema import Finite, FloatArray, NonNegative, Part, Positive, SpringStiffness
 
-
-def _refuse_text_and_booleans(value: object) -> object:
-    if isinstance(value, str | bool):
-        raise ValueError(f"must be a number, not {value!r}")
-    return value
-
-
-_Number = BeforeValidator(_refuse_text_and_booleans)
-Finite = Annotated[float, _Number, Field(allow_inf_nan=False)]
-Positive = Annotated[float, _Number, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, _Number, Field(ge=0, allow_inf_nan=False)]
-SpringStiffness = Annotated[float, _Number, Field(ge=0)]  # infinite allowed, NaN refused by ge
-
-
-class Part(BaseModel):
-    """Base of every part of a problem: frozen, and unknown keys are refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
-
-
-class Material(Part):
-    """A linear elastic material."""
-
-    youngs_modulus: Positive
-    """Young's modulus E, Pa."""
-    density: Positive
-    """Mass density rho, kg/m3."""
-
-
-class Rectangle(Part):
-    """A solid rectangular section, bending about its breadth."""
-
-    shape: Literal["rectangle"] = "rectangle"
-    breadth: Positive
-    """Breadth b, across the motion, m."""
-    height: Positive
-    """Height h, along the motion, m."""
-
-    @property
-    def area(self) -> float:
-        """Area A, m2."""
-        return self.breadth * self.height
-
-    @property
-    def second_moment(self) -> float:
-        """Second moment of area I = b h^3 / 12, m4."""
-        return self.breadth * self.height**3 / 12
-
-    @property
-    def depth(self) -> float:
-        """Extent along the motion, m."""
-        return self.height
-
-
-class Circle(Part):
-    """A solid circular section."""
-
-    shape: Literal["circle"] = "circle"
-    diameter: Positive
-    """Diameter, m."""
-
-    @property
-    def area(self) -> float:
-        """Area A, m2."""
-        return math.pi * self.diameter**2 / 4
-
-    @property
-    def second_moment(self) -> float:
-        """Second moment of area I = pi d^4 / 64, m4."""
-        return math.pi * self.diameter**4 / 64
-
-    @property
-    def depth(self) -> float:
-        """Extent along the motion, m."""
-        return self.diameter
-
-
-class Tube(Part):
-    """A circular tube."""
-
-    shape: Literal["tube"] = "tube"
-    outer_diameter: Positive
-    """Outer diameter, m."""
-    inner_diameter: Positive
-    """Inner diameter, m; less than the outer."""
-
-    @model_validator(mode="after")
-    def _inner_within_outer(self) -> Self:
-        if self.inner_diameter >= self.outer_diameter:
-            raise ValueError(
-                f"inner_diameter = {self.inner_diameter:g} must be less than "
-                f"outer_diameter = {self.outer_diameter:g}"
-            )
-        return self
-
-    @property
-    def area(self) -> float:
-        """Area A, m2."""
-        return math.pi * (self.outer_diameter**2 - self.inner_diameter**2) / 4
-
-    @property
-    def second_moment(self) -> float:
-        """Second moment of area I, m4."""
-        return math.pi * (self.outer_diameter**4 - self.inner_diameter**4) / 64
-
-    @property
-    def depth(self) -> float:
-        """Extent along the motion, m."""
-        return self.outer_diameter
-
-
-Section = Annotated[Rectangle | Circle | Tube, Field(discriminator="shape")]
-
-
-class Beam(Part):
-    """A uniform Euler-Bernoulli beam: its length, and either EI and m or a material and a section."""
-
-    length: Positive
-    """Length L, m."""
-    bending_stiffness: Positive | None = None
-    """Bending stiffness EI, N m2 (with mass_per_length, instead of material and section)."""
-    mass_per_length: Positive | None = None
-    """Mass per unit length m = rho A, kg/m (with bending_stiffness)."""
-    material: Material | None = None
-    """Material (with section, instead of bending_stiffness and mass_per_length)."""
-    section: Section | None = None
-    """Cross-section (with material)."""
-
-    @model_validator(mode="after")
-    def _one_description(self) -> Self:
-        numbers = (self.bending_stiffness is not None, self.mass_per_length is not None)
-        parts = (self.material is not None, self.section is not None)
-        if not ((all(numbers) and not any(parts)) or (all(parts) and not any(numbers))):
-            raise ValueError(
-                "give either bending_stiffness and mass_per_length, or material and section, and not both"
-            )
-        return self
-
-    @property
-    def EI(self) -> float:
-        """Bending stiffness EI, N m2."""
-        if self.material is None or self.section is None:
-            assert self.bending_stiffness is not None
-            return self.bending_stiffness
-        return self.material.youngs_modulus * self.section.second_moment
-
-    @property
-    def m(self) -> float:
-        """Mass per unit length rho A, kg/m."""
-        if self.material is None or self.section is None:
-            assert self.mass_per_length is not None
-            return self.mass_per_length
-        return self.material.density * self.section.area
+__all__ = [
+    "AtRest",
+    "BaseMotion",
+    "Beam",
+    "Circle",
+    "Damping",
+    "Finite",
+    "FloatArray",
+    "InitialState",
+    "Material",
+    "ModalDamping",
+    "NoDamping",
+    "NonNegative",
+    "Part",
+    "PointLoad",
+    "PolynomialShape",
+    "Positive",
+    "Problem",
+    "Rectangle",
+    "SampledShape",
+    "Section",
+    "ShapeFunction",
+    "Side",
+    "SineLoad",
+    "SpringStiffness",
+    "StepLoad",
+    "Stop",
+    "Support",
+    "Tube",
+    "ViscousDamping",
+    "initial_from_functions",
+]
 
 
 class Support(Part):
@@ -211,6 +98,10 @@ class Stop(Part):
         return 1 if self.side == "top" else -1
 
 
+def _one_or_each(value: object) -> str:
+    return "each" if isinstance(value, list | tuple) else "one"
+
+
 class NoDamping(Part):
     """No damping."""
 
@@ -221,7 +112,10 @@ class ModalDamping(Part):
     """Damping ratios in the modes of the current contact state (the paper's)."""
 
     kind: Literal["modal"] = "modal"
-    ratio: NonNegative | Annotated[tuple[NonNegative, ...], Field(min_length=1)]
+    ratio: Annotated[
+        Annotated[NonNegative, Tag("one")] | Annotated[tuple[NonNegative, ...], Field(min_length=1), Tag("each")],
+        Discriminator(_one_or_each),
+    ]
     """One ratio for every mode, or one per mode from the lowest; the last then holds for all above."""
 
     def ratios(self, count: int) -> FloatArray:
@@ -277,108 +171,6 @@ class SineLoad(Part):
 
 
 PointLoad = Annotated[StepLoad | SineLoad, Field(discriminator="kind")]
-ShapeFunction = Callable[[FloatArray], FloatArray]
-
-
-class AtRest(Part):
-    """Straight and still at t = 0."""
-
-    kind: Literal["rest"] = "rest"
-
-    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
-        return np.zeros_like(np.asarray(x, dtype=float))
-
-    velocity_at = displacement_at
-
-
-class PolynomialShape(Part):
-    """Initial displacement and velocity as polynomials in x, coefficients in ascending powers."""
-
-    kind: Literal["polynomial"] = "polynomial"
-    displacement: tuple[Finite, ...] = ()
-    """z(x, 0) = sum of displacement[n] x^n, m."""
-    velocity: tuple[Finite, ...] = ()
-    """z_t(x, 0) = sum of velocity[n] x^n, m/s."""
-
-    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
-        return _polynomial(self.displacement, x, derivative)
-
-    def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z_t(x, 0) or a derivative in x; ``x`` of any shape, m."""
-        return _polynomial(self.velocity, x, derivative)
-
-
-class SampledShape(Part):
-    """Initial displacement and velocity through given points, joined by a C2 cubic spline (not-a-knot)."""
-
-    kind: Literal["sampled"] = "sampled"
-    x: Annotated[tuple[Finite, ...], Field(min_length=4)]
-    """Positions, m, ascending, from 0 to L."""
-    displacement: tuple[Finite, ...] = ()
-    """z(x, 0), m, one for each position; empty: zero."""
-    velocity: tuple[Finite, ...] = ()
-    """z_t(x, 0), m/s, one for each position; empty: zero."""
-
-    _splines: dict[str, Any] = PrivateAttr(default_factory=dict)
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if np.any(np.diff(self.x) <= 0):
-            raise ValueError("x must ascend strictly")
-        for name in ("displacement", "velocity"):
-            n = len(getattr(self, name))
-            if n not in (0, len(self.x)):
-                raise ValueError(f"{name} has {n} values, and x has {len(self.x)}")
-        return self
-
-    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
-        return self._spline("displacement", x, derivative)
-
-    def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z_t(x, 0) or a derivative in x; ``x`` of any shape, m."""
-        return self._spline("velocity", x, derivative)
-
-    def _spline(self, name: str, x: FloatArray, derivative: int) -> FloatArray:
-        values = getattr(self, name)
-        if not values:
-            return np.zeros_like(np.asarray(x, dtype=float))
-        if name not in self._splines:
-            from scipy.interpolate import CubicSpline
-
-            self._splines[name] = CubicSpline(self.x, values)
-        result: FloatArray = self._splines[name](x, derivative)
-        return result
-
-
-def _polynomial(coefficients: tuple[float, ...], x: FloatArray, derivative: int) -> FloatArray:
-    series = np.polynomial.Polynomial(np.array(coefficients or (0.0,), dtype=float))
-    result: FloatArray = (series.deriv(derivative) if derivative else series)(np.asarray(x, dtype=float))
-    return np.asarray(result, dtype=float)
-
-
-InitialState = Annotated[AtRest | PolynomialShape | SampledShape, Field(discriminator="kind")]
-
-
-def initial_from_functions(
-    length: float,
-    displacement: ShapeFunction | None = None,
-    velocity: ShapeFunction | None = None,
-    points: int = 401,
-) -> SampledShape:
-    """Initial state from Python callables, sampled at `points` equidistant positions over ``[0, length]``.
-
-    The callables take and return arrays of shape ``(points,)``.  The cubic spline through the samples is what
-    both solvers see, and what a file keeps; its error is O((length / points)^4).
-    """
-    x = np.linspace(0.0, length, points)
-
-    def sample(function: ShapeFunction | None) -> tuple[float, ...]:
-        return () if function is None else tuple(np.asarray(function(x), dtype=float).tolist())
-
-    return SampledShape(x=tuple(x.tolist()), displacement=sample(displacement), velocity=sample(velocity))
 
 
 class Problem(Part):
@@ -397,39 +189,12 @@ class Problem(Part):
     initial: InitialState = AtRest()
 
     @model_validator(mode="after")
-    def _within_the_beam(self) -> Self:
-        L = self.beam.length
-        for group in ("supports", "stops", "point_loads"):
-            for i, part in enumerate(getattr(self, group)):
-                if part.x > L:
-                    raise ValueError(f"{group}[{i}].x = {part.x:g} lies outside the beam, 0 to {L:g} m")
-        names = self.stop_names
-        if len(set(names)) != len(names):
-            raise ValueError(f"stops: the names {', '.join(names)} are not all different")
-        return self
-
-    @model_validator(mode="after")
-    def _initial_respects_fixed_supports(self) -> Self:
-        initial = self.initial
-        if isinstance(initial, AtRest):
-            return self
-        L = self.beam.length
-        if isinstance(initial, SampledShape) and (initial.x[0] != 0.0 or initial.x[-1] != L):
-            raise ValueError(
-                f"initial.x runs from {initial.x[0]:g} to {initial.x[-1]:g}, and must run from 0 to {L:g} m"
-            )
-        grid = np.linspace(0.0, L, 101)
-        for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
-            for derivative, word, spring in ((0, "moves", "translational"), (1, "turns", "torsional")):
-                # A spline of a callable meets a fixed support to its interpolation error only.
-                allowed = 1e-6 * float(np.max(np.abs(shape(grid, derivative)), initial=0.0))
-                for i, support in enumerate(self.supports):
-                    value = float(shape(np.array(support.x), derivative))
-                    if math.isinf(getattr(support, spring)) and abs(value) > allowed:
-                        raise ValueError(
-                            f"initial.{name} {word} supports[{i}] at x = {support.x:g} m, which is fixed: "
-                            f"{'its slope' if derivative else 'it'} is {value:g} there and must be 0"
-                        )
+    def _parts_fit_together(self) -> Self:
+        faults = [*_outside_the_beam(self), *_names_used_twice(self)]
+        if not faults:
+            faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
+        if faults:
+            raise ValueError("\n".join(faults))
         return self
 
     @property
@@ -448,3 +213,42 @@ class Problem(Part):
     def replace(self, **changes: Any) -> Problem:
         """A validated copy with some of the top-level parts changed."""
         return Problem.model_validate({name: getattr(self, name) for name in Problem.model_fields} | changes)
+
+
+def _outside_the_beam(problem: Problem) -> Iterator[str]:
+    L = problem.beam.length
+    for group in ("supports", "stops", "point_loads"):
+        for i, part in enumerate(getattr(problem, group)):
+            if part.x > L:
+                yield f"{group}[{i}].x = {part.x:g}: lies outside the beam; allowed are 0 to {L:g} m"
+
+
+def _names_used_twice(problem: Problem) -> Iterator[str]:
+    names = problem.stop_names
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            yield f'stops[{i}].name = "{name}": is the name of stops[{names.index(name)}] too'
+
+
+def _initial_off_the_beam(problem: Problem) -> Iterator[str]:
+    initial, L = problem.initial, problem.beam.length
+    if isinstance(initial, SampledShape) and (initial.x[0] != 0.0 or initial.x[-1] != L):
+        yield f"initial.x: runs from {initial.x[0]:g} to {initial.x[-1]:g}, and must run from 0 to {L:g} m"
+
+
+def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
+    initial = problem.initial
+    if isinstance(initial, AtRest):
+        return
+    grid = np.linspace(0.0, problem.beam.length, 101)
+    for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
+        for derivative, word, spring in ((0, "moves", "translational"), (1, "turns", "torsional")):
+            # A spline of a callable meets a fixed support to its interpolation error only.
+            allowed = 1e-6 * float(np.max(np.abs(shape(grid, derivative)), initial=0.0))
+            for i, support in enumerate(problem.supports):
+                value = float(shape(np.array(support.x), derivative))
+                if math.isinf(getattr(support, spring)) and abs(value) > allowed:
+                    yield (
+                        f"initial.{name}: {word} supports[{i}] at x = {support.x:g} m, which is fixed; "
+                        f"{'its slope' if derivative else 'it'} is {value:g} there and must be 0"
+                    )

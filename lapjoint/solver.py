@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from importlib.metadata import entry_points
 from typing import Any, Protocol, runtime_checkable
 
 from lapjoint.contact import ContactState
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes, SteadyState
 
@@ -49,13 +50,25 @@ def make_solver(name: str, **options: Any) -> Solver:
     ------
     InputError
         If there is no such solver, or it does not take these options or values.
+    SolverError
+        If it is registered but cannot be loaded.
     """
     found = {entry.name: entry for entry in entry_points(group=ENTRY_POINT_GROUP)}
     if name not in found:
         raise InputError(f"solver = {name!r} is not installed; allowed: {', '.join(sorted(found))}")
     try:
-        solver = found[name].load()(**options)
+        factory = found[name].load()
+    except (ImportError, AttributeError) as error:
+        raise SolverError(f"solver {name!r} is installed but cannot be loaded: {error}") from error
+    allowed = [field.name for field in fields(factory)] if is_dataclass(factory) else None
+    unknown = [] if allowed is None else [option for option in options if option not in allowed]
+    if unknown and allowed is not None:
+        raise InputError(f"solver {name!r} has no option {unknown[0]!r}; allowed: {', '.join(allowed)}")
+    try:
+        solver = factory(**options)
     except TypeError as error:
-        raise InputError(f"solver {name!r} does not take these options: {error}") from None
-    assert isinstance(solver, Solver)
+        given = ", ".join(f"{option} = {value!r}" for option, value in options.items())
+        raise InputError(f"solver {name!r} does not take {given}: {error}") from None
+    if not isinstance(solver, Solver):
+        raise InputError(f"solver {name!r} is not a lapjoint solver: it lacks a part of lapjoint.solver.Solver")
     return solver

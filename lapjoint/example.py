@@ -1,0 +1,81 @@
+"""The example of a problem file that ``lapjoint init`` writes."""
+
+from __future__ import annotations
+
+
+def commented_example() -> str:
+    """A TOML file with comments on units and what is allowed: the joint of Rahmani and Ervin (2014)."""
+    return _EXAMPLE
+
+
+_EXAMPLE = """\
+# A problem for `lapjoint`.  SI units: m, kg, s, N, rad; angular frequencies in rad/s.
+# x runs from the root (0) to the tip (length); z is the displacement relative to the base, positive upwards.
+# `lapjoint schema` prints every key that is allowed.
+title = "Lap joint of Rahmani and Ervin (2014)"
+
+[beam]
+length = 2.5                  # m, > 0
+# Either a material and a section, as here, or bending_stiffness (EI, N m2) and mass_per_length (kg/m).
+
+[beam.material]
+youngs_modulus = 2.05e11      # Pa, > 0
+density = 7890.0              # kg/m3, > 0
+
+[beam.section]
+shape = "rectangle"           # "rectangle" (breadth, height), "circle" (diameter), "tube" (outer_, inner_diameter)
+breadth = 0.3                 # m, across the motion
+height = 0.05                 # m, along the motion
+
+[[supports]]                  # linear springs to the base that always act; any number, also none
+x = 0.0                       # m, within the beam
+translational = inf           # N/m, 0 to inf; inf fixes the displacement
+torsional = inf               # N m/rad, 0 to inf; inf fixes the slope
+
+[[stops]]                     # one-sided springs behind a gap; any number, also none
+name = "P2"                   # for tables
+x = 2.5                       # m, within the beam
+side = "bottom"               # "bottom" acts at z < -gap, "top" at z > gap
+gap = 1e-3                    # m, >= 0
+stiffness = 1.476e8           # N/m, > 0; here 1200 times 3 EI / length^3
+
+[[stops]]
+name = "P3"
+x = 1.25
+side = "bottom"
+gap = 1e-3
+stiffness = 1.476e8
+
+[[stops]]
+name = "P4"
+x = 2.5
+side = "top"
+gap = 1e-3
+stiffness = 1.476e8
+
+[[stops]]
+name = "P5"
+x = 1.25
+side = "top"
+gap = 1e-3
+stiffness = 1.476e8
+
+[damping]
+kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2) or "none"
+ratio = 0.08                  # of every mode of the current contact state, >= 0; or a list, one per mode
+
+[base_motion]                 # y(t) = amplitude sin(angular_frequency t + phase); leave out for a base at rest
+amplitude = 0.06              # m, >= 0
+angular_frequency = 515.0     # rad/s, > 0
+phase = 0.0                   # rad
+
+# [[point_loads]]             # transverse forces from t = 0 on; any number
+# kind = "sine"               # "step" (x, force) or "sine" (x, force, angular_frequency, phase)
+# x = 2.5                     # m, within the beam
+# force = 100.0               # N, positive upwards
+# angular_frequency = 515.0   # rad/s
+
+[initial]
+kind = "rest"                 # "rest", "polynomial" (displacement and velocity: coefficients of 1, x, x^2 ...)
+                              # or "sampled" (x, displacement, velocity: lists of equal length)
+"""

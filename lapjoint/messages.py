@@ -1,0 +1,173 @@
+"""What is wrong with a problem, said in the words of its file: one line for each fault.
+
+A line names the field, shows its value and says what is allowed, as in
+``stops[1].gap = "wide": must be a number``.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel, ValidationError
+    from pydantic_core import ErrorDetails
+
+LONGEST_VALUE = 60
+_SEQUENCES = (list, tuple)
+
+
+def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> str:
+    """All faults that `error` found in `data`, one a line.
+
+    Parameters
+    ----------
+    error : pydantic.ValidationError
+        What validation of `data` against `model` raised.
+    data : mapping
+        The tables as read from a file.
+    model : type
+        The schema, for the names of the keys that are allowed.
+    """
+    lines: list[str] = []
+    for fault in error.errors(include_url=False):
+        lines += [line for line in _lines(fault, data, model) if line not in lines]
+    return "\n".join(lines)
+
+
+def shown(value: Any) -> str:
+    """A value as its file would write it, shortened."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, str):
+        text = json.dumps(value, ensure_ascii=False)
+    elif isinstance(value, Mapping):
+        text = "{" + ", ".join(f"{key} = ..." for key in value) + "}"
+    else:
+        try:
+            text = repr(value)
+        except ValueError:  # Python refuses to write integers of more than some thousand digits
+            text = "a very long number"
+    return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + "..."
+
+
+def closest(name: str, allowed: Sequence[str]) -> str:
+    """A hint at the allowed names: the closest one where there is one, then all."""
+    near = difflib.get_close_matches(name, allowed, n=1)
+    return (f"did you mean {near[0]}? " if near else "") + f"allowed: {', '.join(allowed)}"
+
+
+def field_path(loc: Sequence[int | str], data: Any) -> str:
+    """The path of a field as a person writes it, ``stops[1].gap``.
+
+    A validator's location also holds the kind of a part (``rectangle``), which is no key; what is neither a
+    key of the data nor the last element is left out.
+    """
+    path, here = "", data
+    for i, key in enumerate(loc):
+        if isinstance(key, int) and isinstance(here, _SEQUENCES) and key < len(here):
+            path, here = f"{path}[{key}]", here[key]
+        elif isinstance(key, str) and isinstance(here, Mapping) and key in here:
+            path, here = f"{path}.{key}", here[key]
+        elif isinstance(key, str) and isinstance(here, Mapping) and i == len(loc) - 1:
+            path = f"{path}.{key}"
+    return path.removeprefix(".")
+
+
+def _lines(fault: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterator[str]:
+    kind, value, loc = fault["type"], fault["input"], fault["loc"]
+    if kind in ("missing", "extra_forbidden"):
+        path = field_path(loc, data)
+        if kind == "missing":
+            yield f"{path}: is missing{_described(model, loc)}"
+        else:
+            yield f"{path}: unknown key; {closest(str(loc[-1]), _allowed_keys(model, loc[:-1]))}"
+        return
+    # The kind of the part itself may end the location; it is not a key there.
+    path = field_path((*loc, ""), data).removesuffix(".")
+    if kind == "union_tag_not_found":
+        key = str(fault["ctx"]["discriminator"]).strip("'")
+        yield f"{path}.{key}: is missing; allowed: {', '.join(_tags(model, loc))}"
+    elif kind == "union_tag_invalid":
+        key = str(fault["ctx"]["discriminator"]).strip("'")
+        yield f"{path}.{key} = {shown(fault['ctx']['tag'])}: allowed: {', '.join(_tags(model, loc))}"
+    elif kind == "value_error":
+        for line in fault["msg"].removeprefix("Value error, ").split("\n"):
+            yield _joined(path, value, line)
+    else:
+        yield f"{path or 'the file'} = {shown(value)}: {_requirement(fault)}"
+
+
+def _joined(path: str, value: Any, message: str) -> str:
+    if isinstance(value, Mapping) or not isinstance(value, str | int | float):
+        return f"{path}: {message}" if path else message
+    return f"{path} = {shown(value)}: {message}"
+
+
+def _requirement(fault: ErrorDetails) -> str:
+    kind, ctx = fault["type"], fault.get("ctx", {})
+    simple = {
+        "finite_number": "must be a finite number",
+        "float_type": "must be a number",
+        "tuple_type": "must be a list",
+        "string_type": "must be text",
+        "string_unicode": "must be valid Unicode text",
+        "model_type": "must be a table",
+        "model_attributes_type": "must be a table",
+        "dict_type": "must be a table",
+    }
+    if kind in simple:
+        return simple[kind]
+    if kind == "greater_than":
+        return f"must be greater than {ctx['gt']:g}"
+    if kind == "greater_than_equal":
+        return f"must be at least {ctx['ge']:g}"
+    if kind == "too_short":
+        return f"must have at least {ctx['min_length']} values"
+    if kind == "literal_error":
+        return "must be " + str(ctx["expected"]).replace("'", '"')
+    return fault["msg"].replace("Input should be", "must be")
+
+
+def _schema_at(model: type[BaseModel], loc: Sequence[int | str]) -> Mapping[str, Any]:
+    """The part of the JSON Schema that describes the value at a validator's location."""
+    schema: Mapping[str, Any] = model.model_json_schema()
+    definitions = schema.get("$defs", {})
+
+    def resolved(part: Mapping[str, Any]) -> Mapping[str, Any]:
+        while True:
+            if "$ref" in part:
+                part = definitions[part["$ref"].rsplit("/", 1)[-1]]
+            elif "anyOf" in part:  # an optional part: the first is the part, the second null
+                part = part["anyOf"][0]
+            else:
+                return part
+
+    here = resolved(schema)
+    for key in loc:
+        if isinstance(key, int):
+            here = resolved(here.get("items", {}))
+        elif key in here.get("properties", {}):
+            here = resolved(here["properties"][key])
+        elif key in here.get("discriminator", {}).get("mapping", {}):
+            here = resolved({"$ref": here["discriminator"]["mapping"][key]})
+    return here
+
+
+def _allowed_keys(model: type[BaseModel], loc: Sequence[int | str]) -> list[str]:
+    return list(_schema_at(model, loc).get("properties", {}))
+
+
+def _tags(model: type[BaseModel], loc: Sequence[int | str]) -> list[str]:
+    return list(_schema_at(model, loc).get("discriminator", {}).get("mapping", {}))
+
+
+def _described(model: type[BaseModel], loc: Sequence[int | str]) -> str:
+    properties = _schema_at(model, loc[:-1]).get("properties", {})
+    description = properties.get(loc[-1], {}).get("description", "")
+    return f" ({description.rstrip('.')})" if description else ""

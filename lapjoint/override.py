@@ -1,0 +1,68 @@
+"""Single values of a problem changed by assignments, as the command line's ``--set`` takes them."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+from lapjoint.errors import InputError
+
+
+def override(tables: dict[str, Any], assignment: str) -> None:
+    """Set one value of a problem's tables, in place, as in ``base_motion.angular_frequency=820``.
+
+    An element of a list is given by number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop also by name
+    (``stops.P2.gap``), and all of them by ``*``.  The value is TOML; a bare word is text.
+
+    Raises
+    ------
+    InputError
+        If the assignment cannot be read, or names an element that is not there.
+    """
+    path, equals, value = assignment.partition("=")
+    keys = [key for key in re.split(r"[.\[\]]+", path.strip()) if key]
+    if not equals or not keys:
+        raise InputError(f"--set {assignment}: must be key=value, as in base_motion.angular_frequency=820")
+    _assign(tables, keys, toml_value(value), assignment)
+
+
+def toml_value(text: str) -> Any:
+    """A value given as TOML (``820``, ``[0.01, 0.02]``, ``true``); anything else is text."""
+    try:
+        tables = tomllib.loads(f"value = {text.strip()}")
+    except (ValueError, RecursionError):
+        return text.strip()
+    return tables["value"] if set(tables) == {"value"} else text.strip()
+
+
+def _assign(here: Any, keys: list[str], value: Any, assignment: str) -> None:
+    key, rest = keys[0], keys[1:]
+    if isinstance(here, dict):
+        if rest:
+            _assign(here.setdefault(key, {}), rest, value, assignment)
+        else:
+            here[key] = value
+    elif isinstance(here, list):
+        for index in _indices(here, key, assignment):
+            if rest:
+                _assign(here[index], rest, value, assignment)
+            else:
+                here[index] = value
+    else:
+        raise InputError(f"--set {assignment}: {key!r} is below a single value, and cannot be set")
+
+
+def _indices(items: list[Any], key: str, assignment: str) -> list[int]:
+    if key == "*":
+        return list(range(len(items)))
+    if key.isdecimal() and int(key) < len(items):
+        return [int(key)]
+    named = [i for i, item in enumerate(items) if isinstance(item, dict) and item.get("name") == key]
+    if not named:
+        raise InputError(
+            f"--set {assignment}: there is no element {key!r}; allowed are 0 to {len(items) - 1}, a name, or *"
+            if items
+            else f"--set {assignment}: there is no element {key!r}; the list is empty"
+        )
+    return named

@@ -1,0 +1,30 @@
+"""What every part of a problem is made of: checked numbers, and a frozen table that refuses unknown keys."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def _refuse_text_and_booleans(value: object) -> object:
+    if isinstance(value, str | bool):
+        raise ValueError("must be a number")
+    return value
+
+
+_Number = BeforeValidator(_refuse_text_and_booleans)
+Finite = Annotated[float, _Number, Field(allow_inf_nan=False)]
+Positive = Annotated[float, _Number, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, _Number, Field(ge=0, allow_inf_nan=False)]
+SpringStiffness = Annotated[float, _Number, Field(ge=0)]  # infinite allowed, NaN refused by ge
+
+
+class Part(BaseModel):
+    """Base of every part of a problem: frozen, and unknown keys are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)

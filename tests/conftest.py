@@ -1,0 +1,54 @@
+"""What several tests need: a history that is known exactly, because it is written down and not solved for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lapjoint import FREE, Beam, Contact, ContactState, History, Problem, Stop
+
+AMPLITUDE = 3e-3  # m
+OMEGA = 2 * math.pi  # rad/s: one period a second
+GAP = 1e-3  # m
+STIFFNESS = 1e4  # N/m
+
+
+def swinging(x: NDArray[np.float64], t: NDArray[np.float64], dx: int = 0, dt: int = 0) -> NDArray[np.float64]:
+    """z = A x^2 (3 - x) / 2 sin(omega t) on a beam of length 1, and its derivatives, shape ``(n, m)``."""
+    shape = (x**2 * (3 - x) / 2, (6 * x - 3 * x**2) / 2, 3 - 3 * x, np.full_like(x, -3.0))[dx]
+    wave = (
+        np.sin(OMEGA * t),
+        OMEGA * np.cos(OMEGA * t),
+        -(OMEGA**2) * np.sin(OMEGA * t),
+    )[dt]
+    return AMPLITUDE * np.outer(shape, wave)
+
+
+@pytest.fixture
+def history() -> History:
+    """One second of a tip that swings between two stops, its contacts and their impulses in closed form."""
+    problem = Problem(
+        title="Written down",
+        beam=Beam(length=1.0, bending_stiffness=2.0, mass_per_length=1.0),
+        stops=(
+            Stop(name="above", x=1.0, side="top", gap=GAP, stiffness=STIFFNESS),
+            Stop(name="below", x=1.0, side="bottom", gap=GAP, stiffness=STIFFNESS),
+        ),
+    )
+    a = math.asin(GAP / AMPLITUDE) / OMEGA
+    b = 0.5 - a
+    impulse = STIFFNESS * (2 * AMPLITUDE * math.cos(OMEGA * a) / OMEGA - GAP * (b - a))
+    peak = STIFFNESS * (AMPLITUDE - GAP)
+    return History(
+        problem=problem,
+        solver="written down",
+        start=0.0,
+        end=1.0,
+        switch_times=np.array([a, b, 0.5 + a, 0.5 + b]),
+        states=(FREE, ContactState((0,)), FREE, ContactState((1,)), FREE),
+        contacts=(Contact(0, a, b, impulse, peak), Contact(1, 0.5 + a, 0.5 + b, -impulse, peak)),
+        field=swinging,
+    )

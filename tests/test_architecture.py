@@ -1,0 +1,58 @@
+"""Who imports whom: validation -> analytic, fe_lapjoint -> lapjoint, and nothing else."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+ALLOWED = {
+    "lapjoint": {"lapjoint"},
+    "analytic": {"analytic", "lapjoint"},
+    "fe_lapjoint": {"fe_lapjoint", "lapjoint"},
+    "validation": {"validation", "analytic", "fe_lapjoint", "lapjoint"},
+}
+
+
+def imported_packages(path: Path) -> set[str]:
+    """Top-level names that a file imports anywhere, also inside functions and by ``import_module``."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative imports hide who imports whom"
+            found.add(str(node.module).split(".")[0])
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__")):
+            found |= {str(arg.value).split(".")[0] for arg in node.args if isinstance(arg, ast.Constant)}
+    return found
+
+
+@pytest.mark.parametrize("package", sorted(ALLOWED))
+def test_a_package_imports_only_what_lies_below_it(package: str) -> None:
+    files = sorted((ROOT / package).rglob("*.py"))
+    assert files
+    for file in files:
+        ours = imported_packages(file) & set(ALLOWED)
+        assert ours <= ALLOWED[package], f"{file} imports {ours - ALLOWED[package]}"
+
+
+@pytest.mark.parametrize(("one", "other"), [("analytic", "fe_lapjoint"), ("fe_lapjoint", "analytic")])
+def test_a_solver_runs_without_the_other_being_loaded(one: str, other: str) -> None:
+    code = f"import sys, {one}; {one}.Solver(); sys.exit('{other}' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys; from click.testing import CliRunner; from validation.cli import main; "
+        "assert CliRunner().invoke(main, ['--help']).exit_code == 0; "
+        "heavy = {'numpy', 'scipy', 'matplotlib', 'pyvista', 'skfem', 'numba'} & set(sys.modules); "
+        "sys.exit(', '.join(heavy) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, f"loaded: {done.stderr}"

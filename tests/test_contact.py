@@ -1,0 +1,79 @@
+"""Contact states, and the paper's numbers for them."""
+
+from __future__ import annotations
+
+import pytest
+
+from lapjoint import (
+    FREE,
+    Beam,
+    ContactState,
+    InputError,
+    Problem,
+    Stop,
+    contact_states,
+    paper_joint,
+    paper_state_number,
+)
+
+
+def beam_with(*stops: Stop) -> Problem:
+    return Problem(beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0), stops=stops)
+
+
+def stop(x: float, side: str, gap: float = 0.0) -> Stop:
+    return Stop.model_validate({"x": x, "side": side, "gap": gap, "stiffness": 1.0})
+
+
+def test_the_papers_joint_has_its_nine_states_in_its_order() -> None:
+    joint = paper_joint()
+    states = contact_states(joint)
+    by_number = {paper_state_number(joint, state): state.name(joint) for state in states}
+    # Table 1 and Table 4 of the paper: P2 and P4 at the tip, P3 and P5 at mid-span, bottom before top.
+    assert by_number == {
+        1: "free",
+        2: "P2",
+        3: "P3",
+        4: "P4",
+        5: "P5",
+        6: "P2 + P3",
+        7: "P2 + P5",
+        8: "P3 + P4",
+        9: "P4 + P5",
+    }
+
+
+def test_opposite_stops_at_one_place_never_close_together() -> None:
+    states = contact_states(beam_with(stop(1.0, "top"), stop(1.0, "bottom")))
+    assert [state.closed for state in states] == [(), (0,), (1,)]
+
+
+def test_stops_on_one_side_close_in_the_order_of_their_gaps() -> None:
+    states = contact_states(beam_with(stop(1.0, "top", 2e-3), stop(1.0, "top", 1e-3)))
+    assert [state.closed for state in states] == [(), (1,), (0, 1)]
+
+
+def test_stops_with_the_same_gap_close_together() -> None:
+    states = contact_states(beam_with(stop(1.0, "top", 1e-3), stop(1.0, "top", 1e-3)))
+    assert [state.closed for state in states] == [(), (0, 1)]
+
+
+def test_a_beam_without_stops_has_one_state() -> None:
+    assert contact_states(beam_with()) == (FREE,)
+
+
+def test_too_many_states_are_refused_and_not_listed() -> None:
+    many = beam_with(*(stop(i / 40, "top") for i in range(40)))
+    with pytest.raises(InputError, match=f"{2**40} contact states"):
+        contact_states(many)
+
+
+def test_a_state_is_a_set_and_toggling_undoes_itself() -> None:
+    assert ContactState((3, 1, 3)) == ContactState((1, 3))
+    assert FREE.toggled(2).toggled(2) == FREE
+    assert 2 in FREE.toggled(2)
+
+
+def test_only_the_papers_layout_has_numbers() -> None:
+    with pytest.raises(ValueError, match="paper's joint"):
+        paper_state_number(beam_with(stop(1.0, "top")), FREE)

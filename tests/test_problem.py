@@ -1,0 +1,196 @@
+"""The schema: what a problem comes to, and what is refused."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from lapjoint import (
+    AtRest,
+    Beam,
+    Circle,
+    InputError,
+    Material,
+    ModalDamping,
+    PolynomialShape,
+    Problem,
+    Rectangle,
+    SampledShape,
+    SineLoad,
+    Stop,
+    Support,
+    Tube,
+    initial_from_functions,
+    paper_joint,
+    sdnl104,
+)
+
+BEAM = Beam(length=2.0, bending_stiffness=3.0, mass_per_length=5.0)
+CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
+
+
+def test_sections_have_their_textbook_areas_and_second_moments() -> None:
+    # rtol 1e-15: both sides are a handful of multiplications in double precision.
+    assert Rectangle(breadth=2.0, height=3.0).second_moment == pytest.approx(4.5, rel=1e-15)
+    assert Circle(diameter=2.0).second_moment == pytest.approx(math.pi / 4, rel=1e-15)
+    tube = Tube(outer_diameter=2.0, inner_diameter=1.0)
+    assert tube.second_moment == pytest.approx(math.pi / 4 * (1 - 1 / 16), rel=1e-15)
+    assert tube.area == pytest.approx(math.pi * (1 - 1 / 4), rel=1e-15)
+    assert (tube.depth, Rectangle(breadth=2.0, height=3.0).depth) == (2.0, 3.0)
+
+
+def test_a_thin_tube_tends_to_its_thin_wall_formula() -> None:
+    d, t = 1.0, 1e-4
+    tube = Tube(outer_diameter=d + t, inner_diameter=d - t)
+    # I = pi d^3 t / 8 (1 + (t/d)^2) exactly; 1e-8 is (t/d)^2.
+    assert tube.second_moment == pytest.approx(math.pi * d**3 * t / 8, rel=1.1e-8)
+
+
+def test_a_beam_takes_numbers_or_material_and_section() -> None:
+    assert (BEAM.EI, BEAM.m) == (3.0, 5.0)
+    made = Beam(
+        length=1.0,
+        material=Material(youngs_modulus=2.0, density=3.0),
+        section=Rectangle(breadth=1.0, height=2.0),
+    )
+    assert made.EI == pytest.approx(4.0 / 3.0, rel=1e-15)
+    assert made.m == 6.0
+
+
+def test_the_papers_joint_has_the_papers_numbers() -> None:
+    joint = paper_joint(k_star=5000.0)
+    assert joint.beam.EI == pytest.approx(640625.0, rel=1e-12)  # 2.05e11 * 0.3 * 0.05^3 / 12
+    assert joint.beam.m == pytest.approx(118.35, rel=1e-12)  # 7890 * 0.3 * 0.05
+    assert joint.stop_names == ("P2", "P3", "P4", "P5")
+    for stop in joint.stops:
+        assert stop.stiffness * joint.beam.length**3 / (3 * joint.beam.EI) == pytest.approx(5000.0, rel=1e-12)
+
+
+def test_sdnl104_is_a_solid_circle_of_radius_one_tenth() -> None:
+    assert sdnl104().beam.m == pytest.approx(1e6 * math.pi * 0.01, rel=1e-12)
+    assert sdnl104().beam.EI == pytest.approx(1e10 * math.pi * 1e-4 / 4, rel=1e-12)
+
+
+def test_problems_are_frozen_hashable_and_can_be_sent_to_other_processes() -> None:
+    joint = paper_joint()
+    with pytest.raises(ValidationError):
+        joint.title = "other"
+    assert hash(joint) == hash(paper_joint())
+    assert pickle.loads(pickle.dumps(joint)) == joint
+
+
+def test_the_last_damping_ratio_holds_for_all_modes_above() -> None:
+    np.testing.assert_array_equal(ModalDamping(ratio=0.1).ratios(3), [0.1, 0.1, 0.1])
+    np.testing.assert_array_equal(ModalDamping(ratio=(0.1, 0.2)).ratios(4), [0.1, 0.2, 0.2, 0.2])
+    np.testing.assert_array_equal(ModalDamping(ratio=(0.1, 0.2)).ratios(1), [0.1])
+
+
+def test_an_excitation_frequency_is_common_to_all_or_none() -> None:
+    def load(omega: float, force: float = 1.0) -> SineLoad:
+        return SineLoad(x=1.0, force=force, angular_frequency=omega)
+
+    assert Problem(beam=BEAM).excitation_frequency is None
+    assert Problem(beam=BEAM, point_loads=(load(2.0), load(2.0))).excitation_frequency == 2.0
+    assert Problem(beam=BEAM, point_loads=(load(2.0), load(3.0))).excitation_frequency is None
+    assert Problem(beam=BEAM, point_loads=(load(2.0), load(3.0, 0.0))).excitation_frequency == 2.0
+    assert paper_joint(angular_frequency=7.0).excitation_frequency == 7.0
+
+
+@pytest.mark.parametrize("derivative", [0, 1, 2, 3])
+def test_a_polynomial_start_is_differentiated_exactly(derivative: int) -> None:
+    shape = PolynomialShape(displacement=(0.0, 0.0, 3.0, -1.0))
+    x = np.array([0.0, 0.5, 2.0])
+    exact = (3 * x**2 - x**3, 6 * x - 3 * x**2, 6 - 6 * x, np.full(3, -6.0))[derivative]
+    np.testing.assert_allclose(shape.displacement_at(x, derivative), exact, rtol=1e-15)
+    np.testing.assert_array_equal(shape.velocity_at(x), 0.0)
+    np.testing.assert_array_equal(AtRest().displacement_at(x, derivative), 0.0)
+
+
+def test_a_start_from_functions_is_their_spline_to_fourth_order() -> None:
+    def error(points: int) -> float:
+        shape = initial_from_functions(2.0, displacement=np.sin, points=points)
+        x = np.linspace(0.0, 2.0, 1001)
+        return float(np.max(np.abs(shape.displacement_at(x) - np.sin(x))))
+
+    order = math.log2(error(41) / error(81))
+    assert 3.7 < order < 4.3  # fourth order, with the boundary's slower terms
+
+
+def test_problems_with_a_sampled_start_are_equal_after_use() -> None:
+    def problem() -> Problem:
+        return Problem(beam=BEAM, supports=(CLAMP,), initial=initial_from_functions(2.0, lambda x: x**2))
+
+    one, other = problem(), problem()
+    one.initial.displacement_at(np.array([0.3]))
+    assert one == other
+    assert hash(one) == hash(other)
+
+
+@pytest.mark.parametrize("function", [lambda x: 1.0, lambda x: x[:-1], lambda x: x / np.inf * np.inf])
+def test_a_function_that_does_not_give_a_shape_is_refused(function: Any) -> None:
+    with np.errstate(invalid="ignore"), pytest.raises(InputError, match=r"initial\.velocity.*401 finite numbers"):
+        initial_from_functions(1.0, velocity=function)
+
+
+REFUSED: list[tuple[str, dict[str, Any], str]] = [
+    (
+        "stop outside",
+        {"stops": (Stop(x=2.1, side="top", gap=0.0, stiffness=1.0),)},
+        r"stops\[0\]\.x = 2\.1.*0 to 2 m",
+    ),
+    ("support outside", {"supports": (Support(x=3.0),)}, r"supports\[0\]\.x = 3.*0 to 2 m"),
+    (
+        "load outside",
+        {"point_loads": (SineLoad(x=3.0, force=1.0, angular_frequency=1.0),)},
+        r"point_loads\[0\]\.x = 3",
+    ),
+    (
+        "same name",
+        {"stops": (Stop(name="a", x=1.0, side="top", gap=0.0, stiffness=1.0),) * 2},
+        r'stops\[1\]\.name = "a": is the name of stops\[0\] too',
+    ),
+    (
+        "a start that moves a clamp",
+        {"supports": (CLAMP,), "initial": PolynomialShape(displacement=(1e-3,))},
+        r"initial\.displacement: moves supports\[0\] at x = 0 m.*must be 0",
+    ),
+    (
+        "a start that turns a clamp",
+        {"supports": (CLAMP,), "initial": PolynomialShape(velocity=(0.0, 1.0))},
+        r"initial\.velocity: turns supports\[0\].*slope is 1",
+    ),
+    (
+        "samples that stop short",
+        {"initial": SampledShape(x=(0.0, 0.5, 1.0, 1.5), displacement=(0.0, 0.0, 0.0, 0.0))},
+        r"initial\.x: runs from 0 to 1\.5, and must run from 0 to 2 m",
+    ),
+]
+
+
+@pytest.mark.parametrize(("parts", "message"), [row[1:] for row in REFUSED], ids=[row[0] for row in REFUSED])
+def test_parts_that_do_not_fit_together_are_refused(parts: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        Problem(beam=BEAM, **parts)
+
+
+def test_a_start_may_move_what_is_not_fixed() -> None:
+    spring = Support(x=0.0, translational=1e15, torsional=1e15)
+    pinned = Support(x=0.0, translational=math.inf)
+    Problem(beam=BEAM, supports=(spring,), initial=PolynomialShape(displacement=(1.0, 1.0)))
+    Problem(beam=BEAM, supports=(pinned,), initial=PolynomialShape(displacement=(0.0, 1.0)))
+
+
+def test_replace_validates_again() -> None:
+    assert paper_joint().replace(title="other").title == "other"
+    with pytest.raises(ValidationError, match="lies outside the beam"):
+        paper_joint().replace(supports=(Support(x=9.0),))
+
+
+def test_a_section_that_underflows_is_refused() -> None:
+    with pytest.raises(ValidationError, match="EI comes to 0"):
+        Beam(length=1.0, material=Material(youngs_modulus=1.0, density=1.0), section=Circle(diameter=1e-100))

@@ -1,0 +1,63 @@
+"""What the README promises is run."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from lapjoint.files import from_toml
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.DOTALL | re.MULTILINE)
+
+
+def test_the_two_commands_are_one_line_each() -> None:
+    validate, test = blocks("sh")
+    for command, ending in ((validate, ".venv/bin/lapjoint validate\n"), (test, ".venv/bin/pytest -n 2\n")):
+        assert command.startswith("python3 -m venv .venv && .venv/bin/pip install -q -e ")
+        assert command.endswith(ending)
+        assert command.count("\n") == 1
+    for check in ("ruff check .", "ruff format --check .", "mypy"):
+        assert f".venv/bin/{check} &&" in test
+
+
+def test_ci_runs_the_readmes_test_command() -> None:
+    script = (ROOT / ".ci" / "run").read_text()
+    pattern = re.search(r"grep -E '(.*)' README\.md", script)
+    assert pattern
+    assert re.findall(rf"{pattern[1]}.*\n", README, re.MULTILINE) == [blocks("sh")[1]]
+    subprocess.run(["bash", "-n", str(ROOT / ".ci" / "run")], check=True)
+
+
+@pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.split("\n")[0])
+def test_its_code_runs_and_prints(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert len(code.split("\n\n")) == 2
+    exec(compile(code, "README.md", "exec"), {})
+    assert re.search(r"\d\.\d", capsys.readouterr().out)
+
+
+def test_from_problem_to_impulse_takes_five_lines() -> None:
+    for code in blocks("python")[:2]:
+        assert len([line for line in code.splitlines() if line.strip()]) <= 5
+
+
+def test_its_problem_file_is_one() -> None:
+    (problem,) = map(from_toml, blocks("toml"))
+    assert problem.stop_names == ("tip",)
+
+
+def test_every_dependency_is_explained() -> None:
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    table = README.split("## What it stands on")[1].split("\n## ")[0]
+    for requirement in project["dependencies"]:
+        name = re.split(r"[<>=]", requirement)[0]
+        assert name in table, f"{name} is not explained in the README"

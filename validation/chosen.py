@@ -1,0 +1,106 @@
+"""What a person chose on the command line: the problem, the solver, contact states, and files to write."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from lapjoint import ContactState, Problem, contact_states, files, paper_joint, paper_state_number, sdnl104
+from lapjoint.contact import is_paper_joint
+from lapjoint.errors import InputError
+from lapjoint.override import override, toml_value
+from lapjoint.solver import Solver, make_solver
+
+PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
+
+
+def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
+    """The problem in a TOML file or a preset, with the changes asked for by ``--set``."""
+    kind, colon, name = source.partition(":")
+    if kind == "preset" and colon:
+        if name not in PRESETS:
+            raise InputError(f"preset:{name}: there is no such preset; allowed: {', '.join(PRESETS)}")
+        tables = files.problem_tables(PRESETS[name]())
+    else:
+        tables = files.read_tables(source)
+    for assignment in overrides:
+        override(tables, assignment)
+    return files.problem_from_tables(tables, source)
+
+
+def problem_file(source: str, overrides: tuple[str, ...], output: str) -> Path:
+    """A file with the problem: `source` itself, or one written to `output` where it is a preset or changed."""
+    problem = problem_from(source, overrides)
+    if not overrides and not source.startswith("preset:"):
+        return Path(source)
+    try:
+        Path(output).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{output}: cannot be written: {error.strerror}") from None
+    path = Path(output) / "problem.toml"
+    files.write_problem(problem, path)
+    return path
+
+
+def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
+    """The solver with this name, with the numerical options given."""
+    chosen: dict[str, Any] = {}
+    for option in options:
+        key, equals, value = option.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--option {option}: must be key=value")
+        chosen[key.strip().replace("-", "_")] = toml_value(value)
+    for key, number in (("n_modes", n_modes), ("elements", elements)):
+        if number is not None:
+            chosen[key] = number
+    return make_solver(solver_name, **chosen)
+
+
+def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
+    """The contact states asked for: ``all``, a paper's number, or names of closed stops joined by ``+``."""
+    if text == "all":
+        return contact_states(problem)
+    names = [] if text == "free" else [name.strip() for name in text.split("+")]
+    if all(name in problem.stop_names for name in names):
+        state = ContactState(tuple(problem.stop_names.index(name) for name in names))
+        if state not in contact_states(problem):
+            raise InputError(f"--state {text}: these stops cannot be closed while the others are open")
+        return (state,)
+    if is_paper_joint(problem):
+        found = [state for state in contact_states(problem) if str(paper_state_number(problem, state)) == text]
+        if found:
+            return (found[0],)
+    numbered = ", 1 to 9" if is_paper_joint(problem) else ""
+    raise InputError(
+        f"--state {text}: there is no such state; allowed: all, free{numbered}, "
+        f"or stops joined by +, of {', '.join(problem.stop_names) or 'none'}"
+    )
+
+
+def check_duration(duration: float) -> None:
+    """Refuse a duration that is not positive and finite."""
+    if not 0 < duration < float("inf"):
+        raise InputError(f"--duration {duration:g}: must be positive and finite, in s")
+
+
+def check_file(option: str, path: str | None, *endings: str) -> None:
+    """Refuse, before any work is done, the name of a file that could not be written after it."""
+    if path is None:
+        return
+    if endings and Path(path).suffix.lower() not in endings:
+        raise InputError(f"{option} {path}: the name must end in {', '.join(endings)}")
+    if Path(path).is_dir():
+        raise InputError(f"{option} {path}: cannot be written: it is a directory")
+    if not Path(path).resolve().parent.is_dir():
+        raise InputError(f"{option} {path}: cannot be written: there is no such directory")
+
+
+def check_directory(path: str) -> None:
+    """Refuse, before any work is done, a directory that could not be made or written to after it."""
+    there = Path(path).resolve()
+    while not there.exists():
+        there = there.parent
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        reason = "is not a directory" if not there.is_dir() else "may not be written to"
+        raise InputError(f"--output {path}: cannot be written: {there} {reason}")

@@ -1,0 +1,314 @@
+"""The command ``lapjoint``.
+
+Exit status: 0 when all went well; 1 when something disagrees, the solver had to give up, or no periodic motion
+was found; 2 for bad input, with a message and no traceback; 130 after Ctrl-C.
+
+Everything heavy is imported inside the functions that need it, so that ``lapjoint --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+if TYPE_CHECKING:
+    from lapjoint import History, Problem, SteadyState
+    from lapjoint.solver import Solver
+
+CONTACTS = (".csv", ".json")
+FIGURES = (".png", ".svg", ".pdf")
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Lapjoint(click.Group):
+    """A group that turns the errors a user can cause into a message and an exit status."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; see the module's head for the exit status."""
+        try:
+            return super().invoke(ctx)
+        except (click.ClickException, click.Abort, click.exceptions.Exit):
+            raise
+        except KeyboardInterrupt:
+            click.echo("lapjoint: interrupted", err=True)
+            ctx.exit(130)
+        except (ValueError, RuntimeError, MemoryError) as error:
+            from lapjoint.errors import InputError, SolverError
+
+            if not isinstance(error, InputError | SolverError | MemoryError):
+                raise
+            click.echo(f"lapjoint: {error or 'out of memory'}", err=True)
+            ctx.exit(2 if isinstance(error, InputError) else 1)
+
+
+def problem_options(command: Command) -> Command:
+    """PROBLEM, and --set to change parts of it."""
+    for decorate in (
+        click.option(
+            "--set",
+            "overrides",
+            multiple=True,
+            metavar="KEY=VALUE",
+            help="Change one value of the problem, e.g. base_motion.angular_frequency=820, stops.P2.gap=2e-3 "
+            "or stops.*.gap=2e-3; repeatable.",
+        ),
+        click.argument("problem"),
+    ):
+        command = decorate(command)
+    return command
+
+
+def solver_options(command: Command) -> Command:
+    """--solver, and its numerical options."""
+    for decorate in (
+        click.option(
+            "--option",
+            "options",
+            multiple=True,
+            metavar="KEY=VALUE",
+            help="Any numerical option of the solver; repeatable.",
+        ),
+        click.option("--elements", type=int, help="Number of elements of the FE solver."),
+        click.option("--modes", "n_modes", type=int, help="Number of modes of the solver."),
+        click.option(
+            "--solver",
+            "solver_name",
+            default="analytic",
+            show_default=True,
+            help="analytic, fe, or another installed.",
+        ),
+    ):
+        command = decorate(command)
+    return command
+
+
+@click.group(cls=Lapjoint, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="lapjoint", prog_name="lapjoint")
+def main() -> None:
+    """Two independent solvers for a loose, impacting lap joint, and a verdict on whether to believe them.
+
+    PROBLEM is a TOML file (see `lapjoint init`), or preset:paper, or preset:sdnl104.
+    """
+
+
+@main.command()
+def schema() -> None:
+    """Print the JSON Schema of a problem file."""
+    from lapjoint.files import json_schema
+
+    click.echo(json.dumps(json_schema(), indent=2))
+
+
+@main.command()
+@click.argument("file", default="-")
+@click.option("--force", is_flag=True, help="Overwrite FILE if it is there.")
+def init(file: str, force: bool) -> None:
+    """Write a commented example of a problem to FILE, or to standard output."""
+    from lapjoint.errors import InputError
+    from lapjoint.files import commented_example, write_text
+
+    if file == "-":
+        click.echo(commented_example(), nl=False)
+        return
+    if Path(file).exists() and not force:
+        raise InputError(f"{file}: is there already; --force overwrites it")
+    write_text(file, commented_example())
+    click.echo(f"Wrote {file}")
+
+
+@main.command()
+@problem_options
+@solver_options
+@click.option(
+    "--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all."
+)
+@click.option("--count", type=int, default=8, show_default=True, help="Number of modes to print.")
+@click.option("--json", "json_path", metavar="FILE", help="Write the frequencies to FILE as JSON too.")
+@click.option("--figure", metavar="FILE", help="Draw the mode shapes of one state: .png, .svg or .pdf.")
+def modes(
+    problem: str,
+    overrides: tuple[str, ...],
+    state: str,
+    count: int,
+    json_path: str | None,
+    figure: str | None,
+    **solver: Any,
+) -> None:
+    """Print natural angular frequencies [rad/s] of the contact states of PROBLEM."""
+    from lapjoint.errors import InputError
+    from validation import chosen, shown
+
+    chosen.check_file("--figure", figure, *FIGURES)
+    chosen.check_file("--json", json_path)
+    this = chosen.problem_from(problem, overrides)
+    states = chosen.states_from(this, state)
+    if figure and len(states) != 1:
+        raise InputError("--figure: draws one state; choose it with --state")
+    answering = chosen.solver_from(**solver)
+    answers = [answering.modes(this, one, count) for one in states]
+    shown.print_modes(this, answering.name, answers)
+    if json_path:
+        shown.write_json(json_path, shown.modes_summary(this, answering.name, answers))
+    if figure:
+        from lapjoint.figures import plot_mode_shapes, save
+
+        save(plot_mode_shapes(this, answers[0]), figure)
+
+
+@main.command()
+@problem_options
+@solver_options
+@click.option("--duration", type=float, required=True, help="Time to simulate from the initial state, s.")
+@click.option("--contacts", "contacts_path", metavar="FILE", help="Write all contacts to FILE: .csv or .json.")
+@click.option("--figure", metavar="FILE", help="Draw the motion to FILE: .png, .svg or .pdf.")
+def simulate(
+    problem: str,
+    overrides: tuple[str, ...],
+    duration: float,
+    contacts_path: str | None,
+    figure: str | None,
+    **solver: Any,
+) -> None:
+    """Simulate PROBLEM from its initial state, and print its contacts."""
+    from validation import chosen, shown
+
+    chosen.check_file("--contacts", contacts_path, *CONTACTS)
+    chosen.check_file("--figure", figure, *FIGURES)
+    chosen.check_duration(duration)
+    history = find_motion(chosen.problem_from(problem, overrides), chosen.solver_from(**solver), duration)
+    shown.print_history(history)
+    write_results(history, contacts_path, figure)
+
+
+@main.command()
+@problem_options
+@solver_options
+@click.option("--contacts", "contacts_path", metavar="FILE", help="Write the contacts to FILE: .csv or .json.")
+@click.option("--figure", metavar="FILE", help="Draw the motion to FILE: .png, .svg or .pdf.")
+@click.option("--json", "json_path", metavar="FILE", help="Write the impulses to FILE as JSON.")
+def steady(
+    problem: str,
+    overrides: tuple[str, ...],
+    contacts_path: str | None,
+    figure: str | None,
+    json_path: str | None,
+    **solver: Any,
+) -> None:
+    """Find the steady state of PROBLEM, and print the impulse of each stop over one excitation period."""
+    from validation import chosen, shown
+
+    chosen.check_file("--contacts", contacts_path, *CONTACTS)
+    chosen.check_file("--figure", figure, *FIGURES)
+    chosen.check_file("--json", json_path)
+    found = find_steady_state(chosen.problem_from(problem, overrides), chosen.solver_from(**solver))
+    shown.print_steady_state(found)
+    write_results(found.history, contacts_path, figure)
+    if json_path:
+        shown.write_json(json_path, shown.steady_state_summary(found))
+    click.get_current_context().exit(0 if found.order else 1)
+
+
+@main.command()
+@problem_options
+@solver_options
+@click.option("-o", "--output", "directory", required=True, metavar="DIR", help="Where the files go.")
+@click.option("--duration", type=float, help="Time to simulate from the initial state, s.")
+@click.option("--steady", "steady_state", is_flag=True, help="Export the steady state instead.")
+@click.option(
+    "--frames", type=int, default=200, show_default=True, help="Equidistant times; the switches are added."
+)
+@click.option("--points", type=int, default=81, show_default=True, help="Equidistant points along the beam.")
+def export(
+    problem: str,
+    overrides: tuple[str, ...],
+    directory: str,
+    duration: float | None,
+    steady_state: bool,
+    frames: int,
+    points: int,
+    **solver: Any,
+) -> None:
+    """Write the motion of PROBLEM to DIR as a series of .vtu files; open DIR/motion.pvd in ParaView."""
+    from lapjoint.errors import InputError
+    from lapjoint.vtk import export_series
+    from validation import chosen
+
+    if (duration is None) != steady_state:
+        raise InputError("export: give either --duration or --steady, and not both")
+    chosen.check_directory(directory)
+    if duration is not None:
+        chosen.check_duration(duration)
+    this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)
+    if duration is None:
+        history = find_steady_state(this, answering).history
+    else:
+        history = find_motion(this, answering, duration)
+    click.echo(f"Wrote {export_series(history, directory, points=points, frames=frames)}")
+
+
+@main.command()
+@click.argument("problem", required=False)
+@click.option(
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable."
+)
+@click.option("--case", "cases", multiple=True, metavar="NAME", help="Run this case only; repeatable.")
+@click.option("--quick", "level", flag_value="quick", help="Less refinement.")
+@click.option("--full", "level", flag_value="full", help="More refinement.")
+@click.option("-o", "--output", default="report", show_default=True, metavar="DIR", help="Where the report goes.")
+@click.option("--list", "list_cases", is_flag=True, help="List the cases and stop.")
+def validate(
+    problem: str | None,
+    overrides: tuple[str, ...],
+    cases: tuple[str, ...],
+    level: str | None,
+    output: str,
+    list_cases: bool,
+) -> None:
+    """Compare the two solvers with each other and with published results; write DIR/report.html.
+
+    With PROBLEM, compare the solvers on that problem instead.
+    """
+    import rich.console
+
+    from validation import chosen, suite
+
+    if list_cases:
+        click.echo("\n".join(suite.case_names()))
+        return
+    chosen.check_directory(output)
+    path = None if problem is None else chosen.problem_file(problem, overrides, output)
+    click.get_current_context().exit(
+        suite.main(path, cases, level or "standard", Path(output), rich.console.Console())
+    )
+
+
+def find_motion(problem: Problem, solver: Solver, duration: float) -> History:
+    """The motion from the initial state, with progress shown."""
+    from validation.progress import shown_progress
+
+    with shown_progress("simulate") as progress:
+        return solver.simulate(problem, duration, progress=progress)
+
+
+def find_steady_state(problem: Problem, solver: Solver) -> SteadyState:
+    """The steady state, with progress shown."""
+    from validation.progress import shown_progress
+
+    with shown_progress("steady state") as progress:
+        return solver.steady_state(problem, progress=progress)
+
+
+def write_results(history: History, contacts_path: str | None, figure: str | None) -> None:
+    """Write the files asked for."""
+    if contacts_path:
+        from lapjoint.files import write_contacts
+
+        write_contacts(history, contacts_path)
+    if figure:
+        from lapjoint.figures import plot_motion, save
+
+        save(plot_motion(history), figure)

@@ -1,0 +1,106 @@
+"""Answers as the command line shows them, and as its JSON files hold them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import click
+
+from lapjoint import ContactState, History, Modes, Problem, SteadyState, paper_state_number
+from lapjoint.contact import is_paper_joint
+from lapjoint.files import write_text
+
+ROWS_SHOWN = 20
+
+
+def print_modes(problem: Problem, solver: str, answers: list[Modes]) -> None:
+    """Print natural angular frequencies, a line for each contact state."""
+    labels = [state_label(problem, answer.state) for answer in answers]
+    width = max(len(label) for label in labels)
+    click.echo(f"Natural angular frequencies [rad/s], {solver}")
+    for label, answer in zip(labels, answers, strict=True):
+        click.echo(f"{label:<{width}}  " + "".join(f"{omega:12.6g}" for omega in answer.angular_frequencies))
+
+
+def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[str, Any]:
+    """Natural angular frequencies as JSON holds them."""
+    states = [
+        {
+            "name": answer.state.name(problem),
+            "closed": [problem.stop_names[i] for i in answer.state.closed],
+            "angular_frequencies": answer.angular_frequencies.tolist(),
+        }
+        for answer in answers
+    ]
+    return {"solver": solver, "unit": "rad/s", "states": states}
+
+
+def state_label(problem: Problem, state: ContactState) -> str:
+    """The name of a state, after the paper's number where it has one."""
+    number = f"{paper_state_number(problem, state)}  " if is_paper_joint(problem) else ""
+    return number + state.name(problem)
+
+
+def print_history(history: History) -> None:
+    """Print the first contacts and a summary."""
+    problem, contacts = history.problem, history.contacts
+    click.echo(problem.title or "Untitled problem")
+    click.echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
+    if contacts:
+        click.echo(f"\n{'stop':<10}{'start [s]':>15}{'duration [s]':>15}{'impulse [N s]':>15}{'peak [N]':>13}")
+    for c in contacts[:ROWS_SHOWN]:
+        remark = "  closed at the start" if c.open_start else "  closed at the end" if c.open_end else ""
+        click.echo(
+            f"{problem.stop_names[c.stop]:<10}{c.start:15.9f}{c.duration:15.6g}{c.impulse:15.6g}"
+            f"{c.peak_force:13.5g}{remark}"
+        )
+    if len(contacts) > ROWS_SHOWN:
+        click.echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
+    print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
+
+
+def print_steady_state(found: SteadyState) -> None:
+    """Print what was found and how."""
+    click.echo(found.problem.title or "Untitled problem")
+    click.echo(f"{found.solver}: {found.outcome.value}")
+    if found.order:
+        periods = "period" if found.order == 1 else "periods"
+        click.echo(f"Repeats after {found.order} excitation {periods}, to {found.residual:.2g} of its size")
+    if found.multipliers.size:
+        moduli = ", ".join(f"{value:.6g}" for value in found.multipliers[:5])
+        click.echo(f"Floquet multipliers, moduli: {moduli}{' ...' if found.multipliers.size > 5 else ''}")
+    print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]")
+
+
+def print_impulses(problem: Problem, impulses: list[float], heading: str) -> None:
+    """Print one impulse for each stop; nothing where there are no stops."""
+    if problem.stops:
+        click.echo(f"\n{heading}, top positive")
+        for name, stop, impulse in zip(problem.stop_names, problem.stops, impulses, strict=True):
+            click.echo(f"{name:<10}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}")
+
+
+def steady_state_summary(found: SteadyState) -> dict[str, Any]:
+    """A steady state as JSON holds it."""
+    return {
+        "solver": found.solver,
+        "outcome": found.outcome.name.lower(),
+        "order": found.order,
+        "residual": found.residual,
+        "multipliers": found.multipliers.tolist(),
+        "impulses_Ns": dict(zip(found.problem.stop_names, found.impulses.tolist(), strict=True)),
+    }
+
+
+def write_json(path: str, content: Any) -> None:
+    """Write JSON; numbers that are not finite become null."""
+
+    def finite(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: finite(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [finite(item) for item in value]
+        return None if isinstance(value, float) and not abs(value) < float("inf") else value
+
+    write_text(path, json.dumps(finite(content), indent=2, allow_nan=False) + "\n")
