@@ -1,0 +1,41 @@
+"""The mesh: a node at every support, stop and point load, elements of nearly equal length between."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+
+
+def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None) -> FloatArray:
+    """Node positions, m, ascending from 0 to L, shape ``(nodes,)``.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its supports, stops and point loads each get a node.
+    elements : int
+        About how many elements the whole beam gets; every span between required nodes gets at least one.
+    given : tuple of float, optional
+        Nodes of a graded mesh, m; required nodes that are missing are added.
+
+    Raises
+    ------
+    InputError
+        If a given node lies outside the beam.
+    """
+    L = problem.beam.length
+    parts = (*problem.supports, *problem.stops, *problem.point_loads)
+    required = np.unique(np.array([0.0, L, *(part.x for part in parts)]))
+    if given is not None:
+        outside = [x for x in given if not 0 <= x <= L]
+        if outside:
+            raise InputError(f"nodes: {outside[0]!r} lies outside the beam, 0 to {L:g} m")
+        return np.union1d(required, np.array(given, dtype=float))
+    pieces = [
+        np.linspace(a, b, max(1, round(elements * (b - a) / L)) + 1)[:-1] for a, b in itertools.pairwise(required)
+    ]
+    return np.concatenate([*pieces, required[-1:]])

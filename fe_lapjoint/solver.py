@@ -1,0 +1,155 @@
+"""The finite element solver: numerical options, and the three questions that it answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from fe_lapjoint.assembly import Assembly
+from fe_lapjoint.march import Model, march
+from fe_lapjoint.mesh import mesh_nodes
+from fe_lapjoint.modes import ElementShapes
+from fe_lapjoint.motion import history_of
+from fe_lapjoint.start import initial_coordinates, initial_state
+from fe_lapjoint.steady import find_orbit
+from fe_lapjoint.system import eigenmodes
+from lapjoint.contact import ContactState
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.solution import History, Modes, Outcome, SteadyState, steady_impulses
+from lapjoint.solver import Progress
+
+MOST_ELEMENTS = 1000
+METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Hermite beam elements, penalty contact springs, event-driven time stepping.
+
+    Parameters
+    ----------
+    elements : int
+        About how many elements over the beam; every support, stop and point load gets a node besides.
+    nodes : tuple of float, optional
+        Nodes of a graded mesh, m, instead of `elements`.
+    method : str
+        Method given to `solve_ivp`: "exact" (`fe_lapjoint.ExactPropagator`), "Radau", "BDF", "LSODA" or "DOP853".
+        The mesh's highest frequency rises with the square of `elements`; explicit steps and LSODA then crawl.
+    rtol, atol : float
+        Tolerances of the library methods.
+    max_order : int
+        Longest periodic motion looked for, in excitation periods.
+    max_periods : int
+        Most excitation periods marched in search of a steady state.
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    elements: int = 40
+    nodes: tuple[float, ...] | None = None
+    method: str = "exact"
+    rtol: float = 1e-9
+    atol: float = 1e-12
+    max_order: int = 8
+    max_periods: int = 2000
+
+    def __post_init__(self) -> None:
+        for field, most in (("elements", MOST_ELEMENTS), ("max_order", 1000), ("max_periods", 10**7)):
+            value = getattr(self, field)
+            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
+                raise InputError(f"{field} = {value!r}: must be an integer from 1 to {most}")
+        if self.method not in METHODS:
+            raise InputError(f"method = {self.method!r}: allowed are {', '.join(METHODS)}")
+        for field in ("rtol", "atol"):
+            value = getattr(self, field)
+            if not 0 < value < 1:
+                raise InputError(f"{field} = {value!r}: must lie between 0 and 1")
+
+    @property
+    def name(self) -> str:
+        """Name and options in a line."""
+        mesh = f"{self.elements} elements" if self.nodes is None else f"{len(self.nodes)} nodes given"
+        return f"FE ({mesh}, {self.method})"
+
+    def refined(self, factor: float) -> Solver:
+        """The same solver with `factor` times the elements."""
+        return replace(self, elements=math.ceil(self.elements * factor))
+
+    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+        """The lowest `count` modes of a contact state on the mesh; frequencies from above, of order 4.
+
+        Raises
+        ------
+        InputError
+            If `count` exceeds the number of degrees of freedom.
+        """
+        assembly = self._assembly(problem)
+        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= assembly.free.size:
+            raise InputError(f"count = {count!r}: allowed are 1 to {assembly.free.size}, the modes of this mesh")
+        omega, vectors = eigenmodes(assembly, state)
+        return Modes(state, omega[:count], ElementShapes(assembly, vectors[:, :count]))
+
+    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+        """The motion from the initial state over `duration` seconds.
+
+        Raises
+        ------
+        InputError
+            If `duration` is not positive and finite.
+        SolverError
+            If the march cannot go on.
+        """
+        if not (math.isfinite(duration) and duration > 0):
+            raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
+        model, state, y = self._start(problem)
+        return history_of(self.name, model, march(model, state, y, 0.0, float(duration), progress=progress))
+
+    def steady_state(self, problem: Problem, *, progress: Progress | None = None) -> SteadyState:
+        """The periodic motion that the march from the initial state leads to; see `fe_lapjoint.steady`.
+
+        Raises
+        ------
+        InputError
+            If the excitation has no single frequency, or `method` is not "exact".
+        """
+        omega = problem.excitation_frequency
+        if omega is None:
+            raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
+        if self.method != "exact":
+            raise InputError(f"method = {self.method!r}: a steady state needs the exact flow; allowed is 'exact'")
+        model, state, y = self._start(problem)
+        orbit = find_orbit(
+            model,
+            state,
+            y,
+            omega,
+            tolerance=1e-9,
+            max_order=self.max_order,
+            max_periods=self.max_periods,
+            progress=progress,
+        )
+        history = history_of(self.name, model, orbit.motion)
+        found = Outcome.PERIODIC if history.contacts else Outcome.NO_CONTACT
+        return SteadyState(
+            problem=problem,
+            solver=self.name,
+            outcome=found if orbit.order else Outcome.NOT_PERIODIC,
+            order=orbit.order,
+            residual=orbit.residual,
+            multipliers=orbit.multipliers,
+            history=history,
+            impulses=steady_impulses(history, orbit.order or self.max_order),
+        )
+
+    def _assembly(self, problem: Problem) -> Assembly:
+        return Assembly(problem, mesh_nodes(problem, self.elements, self.nodes))
+
+    def _start(self, problem: Problem) -> tuple[Model, ContactState, FloatArray]:
+        assembly = self._assembly(problem)
+        model = Model(problem, assembly, self.method, self.rtol, self.atol)
+        state = initial_state(assembly)
+        return model, state, initial_coordinates(assembly, model.system(state))
