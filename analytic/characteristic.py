@@ -164,9 +164,7 @@ def _one_minus_cos_cosh(s: FloatArray) -> FloatArray:
 
 def _sin_cosh_minus_cos_sinh(s: FloatArray) -> FloatArray:
     """sin s cosh s - cos s sinh s = sum_n (-4)^n 4 s^(4n+3) / (4n+3)!, without cancellation for small s."""
-    return sum(
-        (4 * (-4.0) ** n / math.factorial(4 * n + 3) * s ** (4 * n + 3) for n in range(8)), np.zeros_like(s)
-    )
+    return sum((4 * (-4.0) ** n / math.factorial(4 * n + 3) * s ** (4 * n + 3) for n in range(8)), np.zeros_like(s))
 
 
 def count_below(layout: Layout, z: FloatArray) -> np.ndarray:

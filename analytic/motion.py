@@ -52,9 +52,7 @@ class ModalField:
         s = t - segment.start
         free = c[:, :, None] * model.roots[:, :, None] ** dt * np.exp(model.roots[:, :, None] * s)
         powers = np.stack([_power_derivative(order, s, dt) for order in range(3)])
-        turning = (1j * harmonics.omega[:, None]) ** dt * np.exp(
-            1j * (theta[:, None] + harmonics.omega[:, None] * s)
-        )
+        turning = (1j * harmonics.omega[:, None]) ** dt * np.exp(1j * (theta[:, None] + harmonics.omega[:, None] * s))
         return np.asarray(free.sum(axis=1).real + poly @ powers + (model.harmonic.T @ turning).imag)
 
 

@@ -56,9 +56,7 @@ class Residual:
         return self.foundation(x, derivative) - self.weights @ self.modes(x, derivative)
 
 
-def residual(
-    problem: Problem, state: ContactState, modes: ExactModes, loads: Loads, modal: FloatArray
-) -> Residual:
+def residual(problem: Problem, state: ContactState, modes: ExactModes, loads: Loads, modal: FloatArray) -> Residual:
     """Residual shapes of a state; ``modal`` holds (Phi_i, p_l), shape ``(loads, modes)``."""
     beam = problem.beam
     sigma = 4 * (_FOUNDATION / beam.length) ** 4 * beam.EI / beam.m

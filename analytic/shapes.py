@@ -100,9 +100,7 @@ def _waves_waves(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
     return total
 
 
-def _exponential_integral(
-    mu: ComplexArray, nu: ComplexArray, a: float, b: float, x0: float, x1: float
-) -> ComplexArray:
+def _exponential_integral(mu: ComplexArray, nu: ComplexArray, a: float, b: float, x0: float, x1: float) -> ComplexArray:
     """Integral of exp(mu (x - a) + nu (x - b)) from x0 to x1, stable where mu + nu vanishes."""
     total, length = mu + nu, x1 - x0
     w = total * (length / 2)

@@ -51,9 +51,7 @@ def harmonics_of(problem: Problem) -> Harmonics:
     """The base motion first (if any), then the sine loads."""
     parts: list[BaseMotion | SineLoad] = [] if problem.base_motion is None else [problem.base_motion]
     parts += [load for load in problem.point_loads if isinstance(load, SineLoad)]
-    return Harmonics(
-        np.array([part.angular_frequency for part in parts]), np.array([part.phase for part in parts])
-    )
+    return Harmonics(np.array([part.angular_frequency for part in parts]), np.array([part.phase for part in parts]))
 
 
 def _loads_of(problem: Problem, state: ContactState, nodes: FloatArray) -> Loads:
@@ -156,9 +154,7 @@ def _away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArra
 def _roots(omega: FloatArray, decay: FloatArray) -> np.ndarray:
     """Roots of the damped oscillator; a critically damped pair is kept 1e-7 apart (under the root: 1e-14)."""
     square = decay**2 - omega**2
-    square = np.where(
-        (omega > 0) & (np.abs(square) < (_SEPARATE * omega) ** 2), -((_SEPARATE * omega) ** 2), square
-    )
+    square = np.where((omega > 0) & (np.abs(square) < (_SEPARATE * omega) ** 2), -((_SEPARATE * omega) ** 2), square)
     split = np.sqrt(square.astype(complex))
     first = -decay + split
     # For strong damping the slow root is omega^2 over the fast one: no cancellation.

@@ -105,9 +105,7 @@ def integrate(
             options["jac"] = system.jacobian(t, y) if model.method in ("Radau", "BDF") else system.jacobian
     solution = solve_ivp(system.rates, (t, end), y, dense_output=True, **options)
     if not solution.success:
-        raise SolverError(
-            f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}"
-        )
+        raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
     if model.method == "exact":
         flow = Flow(system, t, *np.split(y, 2))
         return flow, flow

@@ -15,9 +15,7 @@ def initial_state(assembly: Assembly) -> ContactState:
     problem, closed = assembly.problem, []
     for k, stop in enumerate(problem.stops):
         at = np.array(stop.x)
-        z, speed = (
-            float(f(at)) * stop.sign for f in (problem.initial.displacement_at, problem.initial.velocity_at)
-        )
+        z, speed = (float(f(at)) * stop.sign for f in (problem.initial.displacement_at, problem.initial.velocity_at))
         if z > stop.gap or (z == stop.gap and stop.gap > 0 and speed > 0):
             closed.append(k)
     return ContactState(tuple(closed))

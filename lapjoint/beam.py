@@ -80,8 +80,7 @@ class Tube(Part):
     def _inner_within_outer(self) -> Self:
         if self.inner_diameter >= self.outer_diameter:
             raise ValueError(
-                f"inner_diameter = {self.inner_diameter:g} must be less than "
-                f"outer_diameter = {self.outer_diameter:g}"
+                f"inner_diameter = {self.inner_diameter:g} must be less than outer_diameter = {self.outer_diameter:g}"
             )
         return self
 
@@ -123,9 +122,7 @@ class Beam(Part):
         numbers = (self.bending_stiffness is not None, self.mass_per_length is not None)
         parts = (self.material is not None, self.section is not None)
         if not ((all(numbers) and not any(parts)) or (all(parts) and not any(numbers))):
-            raise ValueError(
-                "give either bending_stiffness and mass_per_length, or material and section, and not both"
-            )
+            raise ValueError("give either bending_stiffness and mass_per_length, or material and section, and not both")
         for name, value in (("bending stiffness EI", self.EI), ("mass per length", self.m)):
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"the {name} comes to {value:g}, and must be positive and finite")

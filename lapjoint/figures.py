@@ -41,9 +41,7 @@ def save(axes: Axes, path: str | Path) -> None:
     """
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
-        raise InputError(
-            f"{path}: figures are written as {', '.join(FORMATS)}, not {ending or 'without an ending'}"
-        )
+        raise InputError(f"{path}: figures are written as {', '.join(FORMATS)}, not {ending or 'without an ending'}")
     from matplotlib.figure import Figure
 
     figure = axes.figure

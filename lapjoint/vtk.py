@@ -114,8 +114,7 @@ def _given_times(history: History, times: FloatArray) -> FloatArray:
     t = np.unique(np.asarray(times, dtype=float))
     if not 1 <= t.size <= MOST_FRAMES or not np.all((t >= history.start) & (t <= history.end)):
         raise InputError(
-            f"times: allowed are 1 to {MOST_FRAMES} numbers within the history, "
-            f"{history.start:g} to {history.end:g} s"
+            f"times: allowed are 1 to {MOST_FRAMES} numbers within the history, {history.start:g} to {history.end:g} s"
         )
     return t
 

@@ -65,9 +65,7 @@ def negative_pivots(K: mp.matrix, kept: list[int]) -> int:
     return negative
 
 
-springs = st.one_of(
-    st.just(0.0), st.just(math.inf), st.integers(0, 15).map(lambda n: 10.0**n), st.floats(1.0, 1e15)
-)
+springs = st.one_of(st.just(0.0), st.just(math.inf), st.integers(0, 15).map(lambda n: 10.0**n), st.floats(1.0, 1e15))
 positions = st.lists(st.integers(1, 39), max_size=3, unique=True).map(sorted)
 
 
@@ -117,9 +115,7 @@ def test_count_by_signs_agrees_with_the_dynamic_stiffness_in_fifty_digits(layout
     ids=["cantilever", "clamped-clamped", "pinned-pinned", "clamped-pinned", "sliding-sliding"],
 )
 def test_textbook_beams_satisfy_their_characteristic_equations_up_to_sixty_modes(left, right, equation) -> None:
-    layout = Layout(
-        np.array([0.0, 1.0]), np.array([left[0], right[0]], float), np.array([left[1], right[1]], float)
-    )
+    layout = Layout(np.array([0.0, 1.0]), np.array([left[0], right[0]], float), np.array([left[1], right[1]], float))
     roots = frequencies(layout, 60)
     elastic = roots[roots > 0]
     with mp.workdps(DIGITS):

@@ -92,9 +92,7 @@ def test_a_contact_ends_where_the_force_vanishes_and_its_impulse_is_the_area() -
         times = contact.start + (t + 1) / 2 * contact.duration
         area = history.contact_force(times)[contact.stop] @ w * contact.duration / 2
         assert -area == pytest.approx(contact.impulse, rel=1e-6)  # kinks where other stops switch
-        assert contact.peak_force == pytest.approx(
-            np.abs(history.contact_force(times)[contact.stop]).max(), rel=1e-3
-        )
+        assert contact.peak_force == pytest.approx(np.abs(history.contact_force(times)[contact.stop]).max(), rel=1e-3)
 
 
 def test_displacement_and_velocity_are_continuous_at_switches_up_to_truncation() -> None:
@@ -144,9 +142,7 @@ def test_ever_shorter_grazing_contacts_are_all_found() -> None:
         durations.append(shortest.duration)
         if depth < 1e-4:  # a graze of depth d under the acceleration a lasts sqrt(8 d / |a|)
             a = history.evaluate(2.0, shortest.start, dt=2)[0, 0]
-            assert shortest.duration == pytest.approx(
-                math.sqrt(8 * depth * problem.stops[0].gap / abs(a)), rel=0.05
-            )
+            assert shortest.duration == pytest.approx(math.sqrt(8 * depth * problem.stops[0].gap / abs(a)), rel=0.05)
     assert durations[-1] < 2e-6
     assert all(b < a for a, b in itertools.pairwise(durations))
 

@@ -129,9 +129,7 @@ BAD_FILES: list[tuple[str, str, str, str]] = [
 
 @pytest.mark.parametrize(("change", "to", "message"), [r[1:] for r in BAD_FILES], ids=[r[0] for r in BAD_FILES])
 @pytest.mark.parametrize("command", [("modes",), ("simulate", "--duration", "1"), ("steady",)], ids=lambda c: c[0])
-def test_a_bad_file_is_refused(
-    command: tuple[str, ...], change: str, to: str, message: str, tmp_path: Path
-) -> None:
+def test_a_bad_file_is_refused(command: tuple[str, ...], change: str, to: str, message: str, tmp_path: Path) -> None:
     assert_refused(run(*command, problem_file(tmp_path, change, to)), message)
 
 

@@ -34,9 +34,7 @@ def test_the_series_holds_every_field_of_the_history_at_every_time(history: Hist
             "slope": history.slope(x, time)[:, 0],
             "moment": history.moment(x, time)[:, 0],
             "shear": history.shear(x, time)[:, 0],
-            "contact_force": np.column_stack(
-                [zero, zero, np.where(x == 1.0, history.contact_force(time).sum(), 0.0)]
-            ),
+            "contact_force": np.column_stack([zero, zero, np.where(x == 1.0, history.contact_force(time).sum(), 0.0)]),
         }
         assert set(mesh.point_data) == set(expected)
         for name, values in expected.items():

@@ -123,9 +123,7 @@ def init(file: str, force: bool) -> None:
 @main.command()
 @problem_options
 @solver_options
-@click.option(
-    "--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all."
-)
+@click.option("--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all.")
 @click.option("--count", type=int, default=8, show_default=True, help="Number of modes to print.")
 @click.option("--json", "json_path", metavar="FILE", help="Write the frequencies to FILE as JSON too.")
 @click.option("--figure", metavar="FILE", help="Draw the mode shapes of one state: .png, .svg or .pdf.")
@@ -218,9 +216,7 @@ def steady(
 @click.option("-o", "--output", "directory", required=True, metavar="DIR", help="Where the files go.")
 @click.option("--duration", type=float, help="Time to simulate from the initial state, s.")
 @click.option("--steady", "steady_state", is_flag=True, help="Export the steady state instead.")
-@click.option(
-    "--frames", type=int, default=200, show_default=True, help="Equidistant times; the switches are added."
-)
+@click.option("--frames", type=int, default=200, show_default=True, help="Equidistant times; the switches are added.")
 @click.option("--points", type=int, default=81, show_default=True, help="Equidistant points along the beam.")
 def export(
     problem: str,
@@ -243,18 +239,13 @@ def export(
     if duration is not None:
         chosen.check_duration(duration)
     this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)
-    if duration is None:
-        history = find_steady_state(this, answering).history
-    else:
-        history = find_motion(this, answering, duration)
+    history = find_steady_state(this, answering).history if duration is None else find_motion(this, answering, duration)
     click.echo(f"Wrote {export_series(history, directory, points=points, frames=frames)}")
 
 
 @main.command()
 @click.argument("problem", required=False)
-@click.option(
-    "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable."
-)
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable.")
 @click.option("--case", "cases", multiple=True, metavar="NAME", help="Run this case only; repeatable.")
 @click.option("--quick", "level", flag_value="quick", help="Less refinement.")
 @click.option("--full", "level", flag_value="full", help="More refinement.")
@@ -281,9 +272,7 @@ def validate(
         return
     chosen.check_directory(output)
     path = None if problem is None else chosen.problem_file(problem, overrides, output)
-    click.get_current_context().exit(
-        suite.main(path, cases, level or "standard", Path(output), rich.console.Console())
-    )
+    click.get_current_context().exit(suite.main(path, cases, level or "standard", Path(output), rich.console.Console()))
 
 
 def find_motion(problem: Problem, solver: Solver, duration: float) -> History:

@@ -1,0 +1,71 @@
+"""What a validation case is: a name, a question, and an answer made of checks, tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from validation.quantity import Check, Criterion, Verdict
+
+Level = Literal["quick", "standard", "full"]
+Say = Callable[[str], None]
+"""Called with one line of progress."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the report."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure of the report, as an SVG element."""
+
+    title: str
+    svg: str
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """The answer of a case."""
+
+    name: str
+    title: str
+    question: str
+    """What the case asks, and how its numbers were obtained: a paragraph."""
+    checks: tuple[Check, ...] = ()
+    criteria: tuple[Criterion, ...] = ()
+    tables: tuple[Table, ...] = ()
+    drawings: tuple[Drawing, ...] = ()
+    notes: tuple[str, ...] = ()
+    seconds: float = field(default=0.0)
+
+    @property
+    def items(self) -> tuple[Check | Criterion, ...]:
+        """Checks and criteria together."""
+        return (*self.checks, *self.criteria)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst of its checks; disagreement before explanation before agreement."""
+        found = {item.verdict for item in self.items}
+        for verdict in (Verdict.DISAGREE, Verdict.EXPLAINED):
+            if verdict in found:
+                return verdict
+        return Verdict.AGREE
+
+
+def number(value: float, digits: int = 6) -> str:
+    """A number for a table."""
+    return f"{value:.{digits}g}"
+
+
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> Table:
+    """A table from anything that can be written."""
+    written = tuple(tuple(number(c) if isinstance(c, float) else str(c) for c in row) for row in rows)
+    return Table(title, tuple(columns), written)

@@ -1,0 +1,68 @@
+"""Motions from rest: contacts of one problem by both solvers, each with its uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import analytic
+import fe_lapjoint
+from lapjoint import History, Problem
+from lapjoint.solution import Contact
+from validation.quantity import Check, Estimate
+from validation.uncertainty import refined_estimate
+
+ANALYTIC_ORDER = 5.0
+"""Impulses converge with the sixth power of the number of modes, event times with the fifth
+(tests/test_analytic_steady.py)."""
+FE_ORDER = 4.0
+EVENT_FLOOR = 2.2e-11  # s, to which both solvers locate a switch
+
+
+def analytic_levels(problem: Problem, ratio: float) -> list[analytic.Solver]:
+    """The default number of modes over `ratio`, the default, and the default times `ratio`."""
+    free, _ = analytic.Solver().mode_counts(problem)
+    return [analytic.Solver(n_modes=max(4, round(free * ratio**power))) for power in (-1, 0, 1)]
+
+
+def fe_levels(finest: int) -> list[fe_lapjoint.Solver]:
+    """A quarter, a half and all of `finest` elements."""
+    return [fe_lapjoint.Solver(elements=n) for n in (finest // 4, finest // 2, finest)]
+
+
+def complete(history: History, count: int) -> list[Contact]:
+    """The first contacts that ended within the history."""
+    return [contact for contact in history.contacts if not contact.open_end][:count]
+
+
+def contact_estimates(
+    contacts: Sequence[Sequence[Contact]], ratio: float, order: float, what: str, i: int
+) -> dict[str, Estimate]:
+    """Start, end and impulse of the i-th contact from refined solutions, coarse to fine."""
+    same = [run[i] for run in contacts]
+    found = {}
+    for field in ("start", "end", "impulse"):
+        estimate = refined_estimate([getattr(c, field) for c in same], ratio, order, what)
+        floor = EVENT_FLOOR if field != "impulse" else 0.0
+        found[field] = Estimate(estimate.value, estimate.uncertainty + floor, estimate.how)
+    return found
+
+
+def compare_contacts(
+    problem: Problem, duration: float, count: int, finest: int, cap: float | None = None
+) -> tuple[list[Check], History, History]:
+    """Checks of the first `count` contacts, and the finest histories of both solvers."""
+    exact = [solver.simulate(problem, duration) for solver in analytic_levels(problem, 1.5)]
+    fe = [solver.simulate(problem, duration) for solver in fe_levels(finest)]
+    checks: list[Check] = []
+    runs = [complete(history, count) for history in (*exact, *fe)]
+    names, shortest = problem.stop_names, min(len(run) for run in runs)
+    for i in range(shortest):
+        if len({run[i].stop for run in runs}) > 1:
+            break
+        a = contact_estimates(runs[:3], 1.5, ANALYTIC_ORDER, f"{exact[-1].solver}", i)
+        b = contact_estimates(runs[3:], 2.0, FE_ORDER, f"{fe[-1].solver}", i)
+        label = f"contact {i + 1}, {names[runs[-1][i].stop]}"
+        checks.append(Check(f"{label}: impact", "s", a["start"], b["start"]))
+        checks.append(Check(f"{label}: rebound", "s", a["end"], b["end"]))
+        checks.append(Check(f"{label}: impulse", "N s", a["impulse"], b["impulse"], cap=cap))
+    return checks, exact[-1], fe[-1]

@@ -1,0 +1,82 @@
+"""An outside benchmark: Code_Aster's validation case SDNL104 (V5.02.104)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import analytic
+import fe_lapjoint
+from lapjoint import History, sdnl104
+from validation.case import CaseResult, Level, Say, table
+from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
+from validation.cases.transient import WITNESS_TOLERANCE, motion_drawing
+from validation.invariants import witness
+from validation.quantity import Check, Estimate, Kind
+from validation.uncertainty import refined_estimate
+
+DURATION = 0.2
+AT = 0.16  # s, where the kinetic energy is compared
+# Converged values from separate code; half a unit of the last digit given.
+REFERENCES = {
+    "first contact": ("s", 0.036141, 5e-7),
+    "release": ("s", 0.092560, 5e-7),
+    "impulse": ("N s", 107.21, 5e-3),
+    "kinetic energy at 0.16 s": ("J", 0.05138, 5e-6),
+}
+SOURCE = "separate code, converged; the point values of V5.02.104 come from 10 elements and dt = 1e-4 s and are not"
+
+
+def answers(history: History) -> tuple[float, ...]:
+    """The four quantities, in the order of REFERENCES."""
+    first = history.contacts[0]
+    x, w = np.polynomial.legendre.leggauss(20)
+    edges = np.linspace(0.0, 1.0, 33)
+    half = np.diff(edges)[:, None] / 2
+    points, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    speed = history.velocity(points, AT)[:, 0]
+    return first.start, first.end, abs(first.impulse), float(history.problem.beam.m / 2 * (weights @ speed**2))
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """Both solvers against the converged values and against each other."""
+    problem, finest = sdnl104(), 64 if level != "full" else 128
+    say("analytic and FE")
+    solvers: dict[str, tuple[list[analytic.Solver] | list[fe_lapjoint.Solver], float, float]] = {
+        "analytic": (analytic_levels(problem, 1.5), 1.5, 3.0),
+        "FE": (fe_levels(finest), 2.0, FE_ORDER),
+    }
+    estimates: dict[str, list[Estimate]] = {}
+    histories = {}
+    for name, (levels, ratio, order) in solvers.items():
+        runs = [solver.simulate(problem, DURATION) for solver in levels]
+        histories[name] = runs[-1]
+        values = list(zip(*(answers(run) for run in runs), strict=True))
+        estimates[name] = [refined_estimate(v, ratio, order, levels[-1].name, 1e-9) for v in values]
+    checks, rows = [], []
+    for i, (quantity, (unit, value, half)) in enumerate(REFERENCES.items()):
+        reference = Estimate(value, half, SOURCE, Kind.OTHER_CODE)
+        for name in solvers:
+            checks.append(Check(f"{quantity}: {name} against reference", unit, estimates[name][i], reference))
+        checks.append(Check(f"{quantity}: analytic against FE", unit, estimates["analytic"][i], estimates["FE"][i]))
+        rows.append(
+            (
+                quantity,
+                unit,
+                f"{value:g}",
+                *(f"{estimates[n][i].value:.9g} +- {estimates[n][i].uncertainty:.1e}" for n in solvers),
+            )
+        )
+    return CaseResult(
+        "sdnl104",
+        "Outside benchmark: SDNL104",
+        "A cantilever under a step force of -1000 N falls on one stop, undamped. "
+        + SOURCE[0].upper()
+        + SOURCE[1:]
+        + ".",
+        checks=tuple(checks),
+        criteria=tuple(
+            item for history in histories.values() for item in witness(history, WITNESS_TOLERANCE, history.solver)
+        ),
+        tables=(table("SDNL104", ("quantity", "unit", "reference", "analytic", "FE"), rows),),
+        drawings=(motion_drawing("SDNL104: the tip", histories["analytic"], histories["FE"]),),
+    )

@@ -1,0 +1,178 @@
+"""Steady-state impulses of the four stops over the paper's range of frequencies, base case of Table 6."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint import Outcome, Problem, SteadyState, paper_joint
+from validation.case import CaseResult, Level, Say, table
+from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
+from validation.cases.transient import WITNESS_TOLERANCE
+from validation.drawing import COLOURS, draw
+from validation.invariants import witness
+from validation.quantity import Check, Criterion, Estimate
+from validation.uncertainty import refined_estimate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FREQUENCIES = (
+    5.0,
+    100.0,
+    250.0,
+    515.0,
+    820.0,
+    1000.0,
+    1400.0,
+    1800.0,
+    2060.0,
+    2500.0,
+    2950.0,
+    3250.0,
+    4000.0,
+    4500.0,
+    5000.0,
+)
+IMPULSE_ORDER = 6.0
+"""Order of the analytic impulses in the number of modes (tests/test_analytic_steady.py)."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """Both answers at one frequency."""
+
+    omega: float
+    order: int
+    """Excitation periods per period of the motion, analytic."""
+    multiplier: float
+    outcomes: tuple[Outcome, Outcome]
+    analytic: tuple[Estimate, ...]
+    fe: tuple[Estimate, ...]
+    criteria: tuple[Criterion, ...]
+
+
+def _finest(level: Level) -> int:
+    return {"quick": 40, "standard": 64, "full": 96}[level]
+
+
+def solve_point(omega: float, level: Level) -> Point:
+    """The paper's joint at one frequency."""
+    return compare_steady(paper_joint(angular_frequency=omega), _finest(level))
+
+
+def compare_steady(problem: Problem, finest: int) -> Point:
+    """Steady states by three numbers of modes and three meshes."""
+    omega = problem.excitation_frequency or math.nan
+    exact = [solver.steady_state(problem) for solver in analytic_levels(problem, 1.5)]
+    fe = [solver.steady_state(problem) for solver in fe_levels(finest)]
+    label = f"{omega:g} rad/s"
+    same = f"{label}: excitation periods per period, FE as analytic"
+    return Point(
+        omega,
+        exact[-1].order,
+        float(exact[-1].multipliers[0]) if exact[-1].multipliers.size else math.nan,
+        (exact[-1].outcome, fe[-1].outcome),
+        _estimates(exact, 1.5, IMPULSE_ORDER),
+        _estimates(fe, 2.0, FE_ORDER),
+        (
+            Criterion(same, "1", fe[-1].order, exact[-1].order, exact[-1].order, "or they compare different motions"),
+            *witness(exact[-1].history, WITNESS_TOLERANCE, f"{label}, {exact[-1].solver}"),
+            *witness(fe[-1].history, WITNESS_TOLERANCE, f"{label}, {fe[-1].solver}"),
+        ),
+    )
+
+
+def _estimates(levels: list[SteadyState], ratio: float, order: float) -> tuple[Estimate, ...]:
+    impulses = np.array([steady.impulses for steady in levels])
+    # Newton stops at 1e-9 of the motion; that is the floor of an impulse, relative to the largest.
+    floor = 1e-8 * float(np.abs(impulses[-1]).max(initial=0.0))
+    found = []
+    for values in impulses.T:
+        estimate = refined_estimate([float(v) for v in values], ratio, order, levels[-1].solver)
+        found.append(Estimate(estimate.value, estimate.uncertainty + floor, estimate.how))
+    return tuple(found)
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """All frequencies, two at a time."""
+    points = []
+    with ProcessPoolExecutor(max_workers=2) as pool:
+        futures = [pool.submit(solve_point, omega, level) for omega in FREQUENCIES]
+        try:
+            for omega, future in zip(FREQUENCIES, futures, strict=True):
+                points.append(future.result())
+                say(f"{omega:g} rad/s")
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return report(points)
+
+
+def report(points: list[Point]) -> CaseResult:
+    """Checks, table and figure of the compared frequencies."""
+    names = paper_joint().stop_names
+    checks: list[Check] = []
+    criteria: list[Criterion] = []
+    rows = []
+    for point in points:
+        cap = 1e-3 if point.omega <= 3000 else 1e-2
+        label = f"{point.omega:g} rad/s"
+        criteria += point.criteria
+        for name, a, b in zip(names, point.analytic, point.fe, strict=True):
+            checks.append(Check(f"{label}: impulse of {name}", "N s", a, b, cap=cap))
+            rows.append(
+                (
+                    f"{point.omega:g}",
+                    name,
+                    a.value,
+                    f"{a.uncertainty:.1e}",
+                    b.value,
+                    f"{b.uncertainty:.1e}",
+                    f"{checks[-1].relative:.1e}",
+                    point.order,
+                    f"{point.multiplier:.3f}",
+                )
+            )
+    columns = ("omega", "stop", "analytic", "u", "FE", "u", "difference", "period", "largest multiplier")
+    return CaseResult(
+        "steady",
+        "Steady-state impulses, 5 to 5000 rad/s",
+        "From rest both solvers march, then find the periodic motion by Newton's method on the period map, and accept it only "
+        "if all its Floquet multipliers lie within the unit circle. Impulses are per excitation period. Three numbers of "
+        "modes and three meshes give each its uncertainty; besides, the two must agree to 0.1 % up to 3000 rad/s and to "
+        "1 % above.",
+        checks=tuple(checks),
+        criteria=tuple(criteria),
+        tables=(table("Impulse per excitation period, N s", columns, rows),),
+        drawings=(draw("Steady-state impulses per excitation period", lambda axes: _paint(axes, points)),),
+    )
+
+
+def _paint(axes: Axes, points: list[Point]) -> None:
+    omega = [point.omega for point in points]
+    for k, (name, marker) in enumerate(zip(paper_joint().stop_names, ("o", "s", "o", "s"), strict=True)):
+        style = "-" if k % 2 == 0 else "--"
+        axes.plot(
+            omega,
+            [p.analytic[k].value / 1e3 for p in points],
+            style,
+            color=COLOURS["analytic"],
+            lw=1,
+            label=f"{name}, analytic",
+        )
+        axes.plot(
+            omega,
+            [p.fe[k].value / 1e3 for p in points],
+            marker,
+            color=COLOURS["fe"],
+            ms=4,
+            mfc="none",
+            label=f"{name}, FE",
+        )
+    axes.set(xlabel="excitation frequency (rad/s)", ylabel="impulse (kN s)")
+    axes.legend(fontsize=7, ncols=4, loc="upper right")

@@ -1,0 +1,72 @@
+"""The first contacts from rest, base case of Table 6: event times and impulses."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint import History, paper_joint
+from validation.case import CaseResult, Drawing, Level, Say, Table, table
+from validation.cases.motions import compare_contacts
+from validation.drawing import COLOURS, draw
+from validation.invariants import witness
+from validation.quantity import Check
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+WITNESS_TOLERANCE = 2e-5
+"""Relative to the size of the motion: what truncation and element interpolation leave at the finest level here."""
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """Ten contacts at the first peak of the paper's curve."""
+    problem, periods, finest = (
+        paper_joint(angular_frequency=515.0),
+        3,
+        {"quick": 48, "standard": 64, "full": 128}[level],
+    )
+    say(f"first {periods} periods at 515 rad/s")
+    checks, exact, fe = compare_contacts(problem, periods * 2 * math.pi / 515.0, 10, finest, cap=1e-3)
+    return CaseResult(
+        "transient",
+        "First contacts from rest, 515 rad/s",
+        "From rest, the base begins to move. Both solvers locate every impact and rebound; three numbers of modes and three "
+        "meshes give each time and impulse its uncertainty. The witness checks each motion without knowing its solver.",
+        checks=tuple(checks),
+        criteria=tuple(item for history in (exact, fe) for item in witness(history, WITNESS_TOLERANCE, history.solver)),
+        tables=(contact_table(checks),),
+        drawings=(motion_drawing("Displacement of the stops, first periods at 515 rad/s", exact, fe),),
+    )
+
+
+def contact_table(checks: list[Check]) -> Table:
+    """The contacts as both solvers find them."""
+    rows = [
+        (c.name, c.a.value, c.a.uncertainty, c.b.value, c.b.uncertainty, f"{abs(c.difference):.1e}", c.unit)
+        for c in checks
+    ]
+    return table("Contacts", ("quantity", "analytic", "u", "FE", "u", "difference", "unit"), rows)
+
+
+def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
+    """Displacement at the stop farthest from the root, by both solvers, with gaps and contacts."""
+    stops = exact.problem.stops
+    x = max(stop.x for stop in stops) if stops else exact.problem.beam.length
+    t = np.linspace(exact.start, min(exact.end, fe.end), 900)
+
+    def paint(axes: Axes) -> None:
+        for contact in exact.contacts:
+            if stops[contact.stop].x == x:
+                axes.axvspan(contact.start * 1e3, contact.end * 1e3, color="#009E73", alpha=0.15, lw=0)
+        axes.plot(t * 1e3, exact.displacement(x, t)[0] * 1e3, color=COLOURS["analytic"], label="analytic")
+        axes.plot(t * 1e3, fe.displacement(x, t)[0] * 1e3, "--", color=COLOURS["fe"], label="FE")
+        for stop in stops:
+            if stop.x == x:
+                axes.axhline(stop.sign * stop.gap * 1e3, color="#666666", lw=0.8, ls=":")
+        axes.set(xlabel="t (ms)", ylabel=f"z at x = {x:g} m (mm)")
+        axes.legend(loc="upper right", fontsize=8)
+
+    return draw(title, paint)

@@ -1,0 +1,148 @@
+r"""The solver-blind witness: what must hold of any motion, checked from a History alone.
+
+It knows the problem and may evaluate displacement and velocity anywhere; how they were computed it does not know.
+
+- energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Under viscous
+  damping dissipation is C int z_t^2 dx; under modal damping it is not local, and only its sign can be asked for;
+- force law and gaps: a stop of the state is pressed, another is not;
+- impulse: the stated one is the time integral of the force law;
+- continuity: displacement and velocity do not jump at a switch (36), (41).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
+from lapjoint.solution import History
+from validation.quantity import Criterion
+
+_GAUSS = np.polynomial.legendre.leggauss(12)
+_PANELS_X = 24
+
+
+def _panels(breaks: FloatArray, per_panel: float) -> tuple[FloatArray, FloatArray]:
+    """Gauss points and weights on panels no longer than `per_panel` between the breaks."""
+    edges = [breaks[:1]]
+    for a, b in itertools.pairwise(breaks):
+        if b > a:
+            edges.append(np.linspace(a, b, max(1, math.ceil((b - a) / per_panel)) + 1)[1:])
+    e = np.concatenate(edges)
+    half = np.diff(e)[:, None] / 2
+    return ((e[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+
+
+def _space(history: History) -> tuple[FloatArray, FloatArray]:
+    problem = history.problem
+    parts = (*problem.supports, *problem.stops, *problem.point_loads)
+    L = problem.beam.length
+    return _panels(np.unique([0.0, L, *(part.x for part in parts)]), L / _PANELS_X)
+
+
+def energy(history: History, t: FloatArray) -> FloatArray:
+    """Kinetic, bending and spring energy at the times ``t``, J, shape ``(m,)``."""
+    problem, (x, w) = history.problem, _space(history)
+    beam = problem.beam
+    total = beam.m / 2 * (w @ history.evaluate(x, t, dt=1) ** 2) + beam.EI / 2 * (w @ history.evaluate(x, t, dx=2) ** 2)
+    for support in problem.supports:
+        if 0 < support.translational < math.inf:
+            total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
+        if 0 < support.torsional < math.inf:
+            total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
+    for stop in problem.stops:
+        beyond = np.maximum(stop.sign * history.displacement(stop.x, t)[0] - stop.gap, 0.0)
+        total = total + stop.stiffness / 2 * beyond**2
+    return np.asarray(total)
+
+
+def power(history: History, t: FloatArray) -> FloatArray:
+    """Power of base inertia and point loads less viscous dissipation, W, shape ``(m,)``."""
+    problem, (x, w) = history.problem, _space(history)
+    beam, velocity = problem.beam, history.evaluate(x, t, dt=1)
+    total = np.zeros(t.size)
+    if problem.base_motion is not None:
+        base = problem.base_motion
+        force = beam.m * base.amplitude * base.angular_frequency**2 * np.sin(base.angular_frequency * t + base.phase)
+        total += force * (w @ velocity)
+    for load in problem.point_loads:
+        speed = history.velocity(load.x, t)[0]
+        if isinstance(load, StepLoad):
+            total += load.force * speed
+        elif isinstance(load, SineLoad):
+            total += load.force * np.sin(load.angular_frequency * t + load.phase) * speed
+    if isinstance(problem.damping, ViscousDamping):
+        total -= problem.damping.coefficient * (w @ velocity**2)
+    return total
+
+
+def _shortest_period(history: History) -> float:
+    driven = history.problem.excitation_frequency
+    whole = history.end - history.start
+    return whole if driven is None else min(whole, 2 * math.pi / driven)
+
+
+def energy_balance(history: History, tolerance: float) -> Criterion:
+    """Energy left unaccounted for, over the energy that came and went."""
+    breaks = np.unique([history.start, *history.switch_times, history.end])
+    t, w = _panels(breaks, _shortest_period(history) / 24)
+    flow = power(history, t)
+    supplied, handled = float(w @ flow), float(w @ np.abs(flow))
+    ends = energy(history, np.array([history.start, history.end]))
+    scale = max(handled, float(np.max(energy(history, t[:: max(1, t.size // 200)]))), 1e-300)
+    surplus = (ends[1] - ends[0] - supplied) / scale
+    if isinstance(history.problem.damping, ModalDamping):
+        reason = "modal damping takes energy and gives none; created energy only within the truncation"
+        return Criterion("energy created", "1", float(surplus), -math.inf, tolerance, reason)
+    return Criterion("energy unaccounted for", "1", float(surplus), -tolerance, tolerance, "quadrature and truncation")
+
+
+def gaps(history: History, tolerance: float) -> Criterion:
+    """Deepest pull of a closed stop or deepest unresisted crossing of an open one, over the size of the motion."""
+    problem = history.problem
+    if not problem.stops:
+        return Criterion("gaps", "1", 0.0, 0.0, tolerance, "there are no stops")
+    worst, size = 0.0, 1e-300
+    breaks = np.unique([history.start, *history.switch_times, history.end])
+    x = np.array([stop.x for stop in problem.stops])
+    for a, b in itertools.pairwise(breaks):
+        t = np.linspace(a, b, 42)[1:-1]
+        state, z = history.state_at((a + b) / 2), history.displacement(x, t)
+        size = max(size, float(np.abs(z).max()))
+        for k, stop in enumerate(problem.stops):
+            beyond = stop.sign * z[k] - stop.gap
+            worst = max(worst, float(np.max(-beyond if k in state else beyond)))
+    return Criterion("gap violated", "1", worst / size, 0.0, tolerance, "truncation at switches; event times")
+
+
+def stated_impulses(history: History, tolerance: float) -> Criterion:
+    """Largest difference of a stated impulse from the quadrature of the force law, over the largest impulse."""
+    worst, largest = 0.0, max((abs(c.impulse) for c in history.contacts), default=1e-300)
+    for contact in history.contacts:
+        if contact.end <= contact.start:
+            continue
+        inside = history.switch_times[(history.switch_times > contact.start) & (history.switch_times < contact.end)]
+        t, w = _panels(np.array([contact.start, *inside, contact.end]), _shortest_period(history) / 16)
+        force = history.contact_force(np.minimum(t, history.end))[contact.stop]
+        worst = max(worst, abs(float(-force @ w) - contact.impulse))
+    return Criterion("stated impulse against the force law", "1", worst / largest, 0.0, tolerance, "quadrature")
+
+
+def continuity(history: History, tolerance: float) -> Criterion:
+    """Largest jump of displacement along the beam at a switch, over the size of the motion."""
+    t = history.switch_times[history.switch_times > history.start]
+    if not t.size:
+        return Criterion("displacement jump at switches", "1", 0.0, 0.0, tolerance, "no switch")
+    x = np.linspace(0.0, history.problem.beam.length, 21)
+    after, before = history.displacement(x, t), history.displacement(x, np.nextafter(t, history.start))
+    jump = float(np.abs(after - before).max() / max(np.abs(after).max(), 1e-300))
+    return Criterion("displacement jump at switches", "1", jump, 0.0, tolerance, "modes of the two states, truncated")
+
+
+def witness(history: History, tolerance: float, label: str) -> list[Criterion]:
+    """All invariants of a motion, with one tolerance relative to its size; `label` goes before each name."""
+    found = [check(history, tolerance) for check in (energy_balance, gaps, stated_impulses, continuity)]
+    return [replace(item, name=f"{label}: {item.name}") for item in found]

@@ -1,0 +1,120 @@
+"""Numbers with their uncertainty and origin, and the verdict on a pair of them.
+
+A difference is judged as in ASME V&V 20: against the combined numerical uncertainty of both numbers,
+``U = sqrt(u_a^2 + u_b^2)`` with expanded uncertainties, not against a percentage picked by hand.  Where a
+requirement also names a largest difference, that is a second criterion, so that a large uncertainty cannot hide a large
+difference.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Kind(Enum):
+    """Where a number comes from."""
+
+    COMPUTED = "computed here"
+    ANALYTICAL = "analytical"
+    PUBLISHED = "published"
+    OTHER_CODE = "other code"
+    CROSS_METHOD = "cross-method"
+    REGRESSION = "regression"
+
+
+class Verdict(Enum):
+    """What a comparison came to."""
+
+    AGREE = "agree"
+    DISAGREE = "disagree"
+    EXPLAINED = "explained"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number, its expanded uncertainty, and how both were obtained."""
+
+    value: float
+    uncertainty: float
+    how: str
+    kind: Kind = Kind.COMPUTED
+
+
+@dataclass(frozen=True)
+class Check:
+    """A comparison of two numbers for one quantity."""
+
+    name: str
+    unit: str
+    a: Estimate
+    b: Estimate
+    cap: float | None = None
+    """Largest relative difference that the requirement allows, besides the uncertainty; None: no such requirement."""
+    explanation: str = ""
+    """Why the two are known to differ; a disagreement with an explanation is no failure."""
+
+    @property
+    def difference(self) -> float:
+        """a - b, in the unit."""
+        return self.a.value - self.b.value
+
+    @property
+    def allowed(self) -> float:
+        """Combined expanded uncertainty, in the unit."""
+        return math.hypot(self.a.uncertainty, self.b.uncertainty)
+
+    @property
+    def relative(self) -> float:
+        """Difference over the larger of the two magnitudes; 0 if both vanish."""
+        size = max(abs(self.a.value), abs(self.b.value))
+        return abs(self.difference) / size if size else 0.0
+
+    @property
+    def verdict(self) -> Verdict:
+        """Agree if the difference is within both the uncertainty and the cap."""
+        within = abs(self.difference) <= self.allowed
+        if within and (self.cap is None or self.relative <= self.cap):
+            return Verdict.AGREE
+        return Verdict.EXPLAINED if self.explanation else Verdict.DISAGREE
+
+    @property
+    def used(self) -> float:
+        """Difference over what is allowed; infinite where nothing is allowed and something differs."""
+        if self.difference == 0:
+            return 0.0
+        return abs(self.difference) / self.allowed if self.allowed else math.inf
+
+    @property
+    def line(self) -> str:
+        """The comparison in a line."""
+        cap = "" if self.cap is None else f", largest relative difference {self.cap:g}"
+        text = (
+            f"{self.name}: {self.a.value:.9g} against {self.b.value:.9g} {self.unit}, difference "
+            f"{self.difference:.2g}, allowed {self.allowed:.2g}{cap}"
+        )
+        return f"{text}. {self.explanation}" if self.explanation else text
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A measured number that must stay within limits: an observed order, an invariant's residual."""
+
+    name: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    reason: str
+    """Why these limits."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Agree if the value lies within the limits; NaN never does."""
+        return Verdict.AGREE if self.low <= self.value <= self.high else Verdict.DISAGREE
+
+    @property
+    def line(self) -> str:
+        """The criterion in a line."""
+        return f"{self.name}: {self.value:.3g}, allowed {self.low:g} to {self.high:g} ({self.reason})"

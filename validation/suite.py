@@ -1,0 +1,159 @@
+"""The validation suite: runs its cases, prints their verdicts, writes the reports."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lapjoint.errors import InputError
+from validation.case import CaseResult, Level, Say
+from validation.quantity import Verdict
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from lapjoint.problem import Problem
+
+Run = Callable[[Level, Say], CaseResult]
+_MODULES = {
+    "table4": "table4",
+    "fe-order": "fe_order",
+    "mode-shapes": "mode_shapes",
+    "sdnl104": "sdnl104",
+    "grazing": "grazing",
+    "transient": "transient",
+    "steady": "steady",
+}
+_COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}
+_MOST_LINES = 12
+
+
+def case_names() -> tuple[str, ...]:
+    """Names of the cases of the suite, in the order in which they run."""
+    return tuple(_MODULES)
+
+
+def main(problem_path: Path | None, cases: tuple[str, ...], level: Level, output: Path, console: Console) -> int:
+    """Run the suite, or compare the solvers on one problem file, and write the reports.
+
+    Parameters
+    ----------
+    problem_path : Path, optional
+        A user's problem; None runs the suite.
+    cases : tuple of str
+        Cases to run; empty: all.
+    level : "quick", "standard" or "full"
+        How far meshes and numbers of modes are refined.
+    output : Path
+        Directory for ``report.json`` and ``report.html``.
+    console : rich.console.Console
+        Where progress and verdicts go.
+
+    Returns
+    -------
+    int
+        0 if all agree, or differ for a reason that is named; 1 if something disagrees.
+
+    Raises
+    ------
+    InputError
+        For an unknown case, a bad problem file, or an output that cannot be written.
+    """
+    from validation.report import write_reports
+
+    runs = _chosen(cases) if problem_path is None else _own(problem_path, cases)
+    output = _writable(output)
+    results, begin = [], time.perf_counter()
+    for name, run in runs.items():
+        started = time.perf_counter()
+        console.print(f"[bold]{name}[/bold]", highlight=False)
+
+        def say(line: str, name: str = name) -> None:
+            console.print(f"  {line}", highlight=False, style="dim", markup=False)
+
+        result = run(level, say)
+        results.append(replace(result, seconds=time.perf_counter() - started))
+        _summary(results[-1], console)
+    pages = write_reports(results, level, output, time.perf_counter() - begin)
+    _table(results, console)
+    console.print(f"\nreports: {', '.join(str(page) for page in pages)}", highlight=False, markup=False, soft_wrap=True)
+    return 1 if any(result.verdict is Verdict.DISAGREE for result in results) else 0
+
+
+def _chosen(cases: tuple[str, ...]) -> dict[str, Run]:
+    from importlib import import_module
+
+    unknown = [name for name in cases if name not in _MODULES]
+    if unknown:
+        raise InputError(f"case = {unknown[0]!r} is unknown; allowed: {', '.join(_MODULES)}")
+    return {
+        name: import_module(f"validation.cases.{module}").run
+        for name, module in _MODULES.items()
+        if not cases or name in cases
+    }
+
+
+def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
+    from lapjoint.files import read_problem
+    from validation.cases import own
+
+    problem = read_problem(path)
+
+    def bound(part: Callable[[Problem, Level, Say], CaseResult]) -> Run:
+        return lambda level, say: part(problem, level, say)
+
+    runs = {"frequencies": bound(own.frequencies), "transient": bound(own.transient)}
+    if problem.excitation_frequency is not None:
+        runs["steady"] = bound(own.steady)
+    unknown = [name for name in cases if name not in runs]
+    if unknown:
+        raise InputError(f"case = {unknown[0]!r}: this problem has {', '.join(runs)}")
+    return {name: run for name, run in runs.items() if not cases or name in cases}
+
+
+def _writable(output: Path) -> Path:
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        probe = output / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise InputError(f"output = {str(output)!r} cannot be written: {error.strerror}") from None
+    return output
+
+
+def _summary(result: CaseResult, console: Console) -> None:
+    colour = _COLOURS[result.verdict]
+    console.print(
+        f"  [{colour}]{result.verdict.value}[/{colour}]: {len(result.items)} comparisons in {result.seconds:.1f} s",
+        highlight=False,
+    )
+    shown = 0
+    for item in result.items:
+        if item.verdict is Verdict.AGREE:
+            continue
+        shown += 1
+        if shown <= _MOST_LINES:
+            console.print(f"    {item.verdict.value}: {item.line}", highlight=False, markup=False, soft_wrap=True)
+    if shown > _MOST_LINES:
+        console.print(f"    and {shown - _MOST_LINES} more, in the report", highlight=False)
+
+
+def _table(results: list[CaseResult], console: Console) -> None:
+    from rich.table import Table
+
+    table = Table(title="Verdicts")
+    for column in ("case", "verdict", "agree", "explained", "disagree", "largest difference / allowed"):
+        table.add_column(column)
+    for result in results:
+        counts = [sum(item.verdict is verdict for item in result.items) for verdict in _COUNTED]
+        used = max((c.used for c in result.checks if c.verdict is Verdict.AGREE), default=0.0)
+        colour = _COLOURS[result.verdict]
+        table.add_row(result.title, f"[{colour}]{result.verdict.value}[/{colour}]", *map(str, counts), f"{used:.2f}")
+    console.print(table)
+
+
+_COUNTED = (Verdict.AGREE, Verdict.EXPLAINED, Verdict.DISAGREE)
