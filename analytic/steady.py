@@ -27,6 +27,10 @@ from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
+_NEAR = 1e-2
+"""Newton starts only where the march has come this near to repeating, relative to the motion: of several motions
+that coexist it then finds the one that the march leads to."""
+
 
 @dataclass(frozen=True)
 class Orbit:
@@ -155,7 +159,7 @@ def find_orbit(
         for order in range(1, search.max_order + 1):
             orbit = _newton(joint, now, order, period, search.tolerance)
             if orbit is not None:
-                return orbit
+                return _shortest(joint, orbit, period, search.tolerance)
         if marched >= search.max_periods:
             last = march(joint, now.state, 0.0, now.q, now.v, search.max_order * period)
             return Orbit(0, _residual(now, last, period), np.zeros(0), last)
@@ -174,19 +178,30 @@ def _residual(section: Section, motion: March, period: float) -> float:
     return float(difference) / _scale(section, period)
 
 
+def _shortest(joint: Joint, orbit: Orbit, period: float, tolerance: float) -> Orbit:
+    """The same motion over its least period: an orbit found over n periods may repeat after a part of them."""
+    first = orbit.motion.segments[0]
+    for order in range(1, orbit.order):
+        if orbit.order % order == 0:
+            shorter = _newton(joint, Section(first.state, first.q, first.v), order, period, tolerance)
+            if shorter is not None:
+                return shorter
+    return orbit
+
+
 def _newton(joint: Joint, guess: Section, order: int, period: float, tolerance: float) -> Orbit | None:
     """A stable orbit of `order` periods near `guess`, or None."""
-    now, best = guess, np.inf
+    now, allowed = guess, _NEAR
     for _ in range(12):
         motion = march(joint, now.state, 0.0, now.q, now.v, order * period)
         residual = _residual(now, motion, period)
-        if not np.isfinite(residual) or residual > 2 * max(best, 1e-6):
+        if not residual <= allowed:
             return None
         matrix = monodromy(joint, motion)
         if residual < tolerance:
             multipliers = np.sort(np.abs(np.linalg.eigvals(matrix)))[::-1]
             return Orbit(order, residual, multipliers, motion) if multipliers[0] < 1 else None
-        best = min(best, residual)
+        allowed = 2 * max(residual, 1e-6)
         end = np.concatenate([motion.q, motion.v])
         now = now.moved(now.y + np.linalg.solve(np.eye(end.size) - matrix, end - now.y))
     return None

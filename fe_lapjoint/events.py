@@ -1,10 +1,10 @@
 """Where a stop opens or closes within one exact flow: a search that no double crossing escapes.
 
 `solve_ivp` looks at its events at the ends of its steps only, so that two crossings inside one step go unseen, and
-restarting on an event fires it again.  Here the gap functions are sampled on the dense output.  Between two
-samples a gap function stays below the larger of the two plus B w^2 / 8, where w is the spacing and B bounds its
-curvature; an interval for which that is not below zero is divided until it is, or holds a crossing, or is so
-short that what could hide in it is below 1e-9 s of contact.  A stop that has just switched is looked at again only after the time
+restarting on an event fires it again.  Here the gap functions are sampled on the dense output.  Between two samples a
+gap function stays below the larger of the two plus B w^2 / 8, where w is the spacing and B bounds its curvature; an
+interval for which that is not below zero is divided until it is, or holds a crossing, or is so short that what could
+hide in it is a contact of less than 1e-9 s.  A stop that has just switched is looked at again only after the time
 during which its curvature cannot bring it back.
 """
 

@@ -21,6 +21,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
 _STEPS = 10  # of Newton's method; near an orbit the residual squares in each
+_NEAR = 1e-2  # relative residual from which on Newton is tried: among coexisting orbits, the one marched to
 _FIRST_STRETCH = 12  # periods marched before the first attempt
 
 
@@ -81,7 +82,7 @@ def newton(
     model: Model, state: ContactState, y: FloatArray, order: int, omega: float, tolerance: float
 ) -> Orbit | None:
     """A stable orbit of `order` excitation periods near ``y``; None if there is none to be found from here."""
-    duration, allowed = order * 2 * np.pi / omega, 1e-2
+    duration, allowed = order * 2 * np.pi / omega, _NEAR
     for _ in range(_STEPS):
         shot = shoot(model, state, y, duration, omega)
         if shot.residual > allowed:
@@ -93,6 +94,14 @@ def newton(
         allowed = 2 * max(shot.residual, 1e-6)
         y = y + np.linalg.solve(np.eye(y.size) - matrix, shot.motion.y - y)
     return None
+
+
+def least_period(model: Model, orbit: Orbit, omega: float, tolerance: float) -> Orbit:
+    """The orbit over the fewest excitation periods after which it repeats."""
+    start = orbit.motion.pieces[0]
+    divisors = (n for n in range(1, orbit.order) if orbit.order % n == 0)
+    shorter = (newton(model, start.state, start.y, n, omega, tolerance) for n in divisors)
+    return next((found for found in shorter if found is not None), orbit)
 
 
 def find_orbit(
@@ -116,7 +125,7 @@ def find_orbit(
         for order in range(1, max_order + 1):
             orbit = newton(model, state, y, order, omega, tolerance)
             if orbit is not None:
-                return orbit
+                return least_period(model, orbit, omega, tolerance)
         if marched >= max_periods:
             last = shoot(model, state, y, max_order * period, omega)
             return Orbit(0, last.residual, np.zeros(0), last.motion)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 
@@ -255,7 +255,7 @@ def validate(
     problem: str | None,
     overrides: tuple[str, ...],
     cases: tuple[str, ...],
-    level: str | None,
+    level: Literal["quick", "full"] | None,
     output: str,
     list_cases: bool,
 ) -> None:

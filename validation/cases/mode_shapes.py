@@ -76,8 +76,11 @@ def run(level: Level, say: Say) -> CaseResult:
     return CaseResult(
         "mode-shapes",
         "Mode shapes of the nine states",
-        f"Mass-normalised shapes at k* = 5000, sampled at 501 points, from the analytic solver and {elements} elements. The "
-        "ratios compare the tip of state 2 with the tip of the free beam, mode by mode, as the paper does in Section 2.2.",
+        f"Mass-normalised shapes at k* = 5000, sampled at 501 points, from the analytic solver and {elements} "
+        f"elements. The "
+        f""
+        "ratios compare the tip of state 2 with the tip of the free beam, mode by mode, as the paper does in "
+        "Section 2.2.",
         checks=tuple(tip_ratios()),
         criteria=tuple(criteria),
         tables=(
@@ -103,7 +106,8 @@ def tip_ratios() -> list[Check]:
 
     explanations = (
         "The paper's 0.32 % is not what its own definition gives: both solvers find the same smaller ratio with "
-        "mass-normalised shapes (16)-(17), while the second mode's ratio agrees. Why the first was printed so cannot be "
+        "mass-normalised shapes (16)-(17), while the second mode's ratio agrees. Why the first was printed "
+        "so cannot be "
         "told from the text.",
         "",
     )

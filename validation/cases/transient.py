@@ -33,7 +33,8 @@ def run(level: Level, say: Say) -> CaseResult:
     return CaseResult(
         "transient",
         "First contacts from rest, 515 rad/s",
-        "From rest, the base begins to move. Both solvers locate every impact and rebound; three numbers of modes and three "
+        "From rest, the base begins to move. Both solvers locate every impact and rebound; three numbers of "
+        "modes and three "
         "meshes give each time and impulse its uncertainty. The witness checks each motion without knowing its solver.",
         checks=tuple(checks),
         criteria=tuple(item for history in (exact, fe) for item in witness(history, WITNESS_TOLERANCE, history.solver)),
