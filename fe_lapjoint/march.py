@@ -1,111 +1,268 @@
-"""The exact march: closed-form segments of constant contact state, joined at certified switches.
+"""The march of the finite element model: `solve_ivp` between switches, with this module's own event handling.
 
-Displacement and velocity are continuous at a switch.  The modes of every state span the whole finite element
-space, so the change of coordinates, ``q_new = Phi_new^T M Phi_old q_old``, loses nothing.
+Time is cut into windows.  In each, `solve_ivp` integrates the linear system of the present contact state with
+dense output, by the exact propagator or by one of scipy's own methods; `fe_lapjoint.events` looks for the first
+switch on that output; there the state is changed, the modal coordinates are mapped, and the next window begins.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
-from fe_lapjoint.search import Watch
-from fe_lapjoint.system import System
+from fe_lapjoint.assembly import Assembly
+from fe_lapjoint.events import Switch, first_switch
+from fe_lapjoint.propagator import ExactPropagator, Flow
+from fe_lapjoint.system import System, build_system
 from lapjoint.contact import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.solution import Contact
 from lapjoint.solver import Progress
 
-_STEPS_PER_PERIOD = 64  # of the excitation, on the coarsest level of the search
-_STEPS_PER_MODE_PERIOD = 16
-_RESOLVED_MODE = 4  # without excitation, the coarsest step resolves this mode
-_MAX_SWITCHES = 100_000  # in one march between two reports: far beyond any real motion
+_GAUSS = np.polynomial.legendre.leggauss(10)
+WINDOWS_PER_PERIOD = 3
+
+
+@dataclass
+class Model:
+    """A problem on a mesh; contact states are built when first needed, and kept."""
+
+    problem: Problem
+    assembly: Assembly
+    method: str
+    rtol: float
+    atol: float
+    _systems: dict[ContactState, System] = field(default_factory=dict)
+    _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        stops = self.problem.stops
+        self.sign = np.array([stop.sign for stop in stops], dtype=float)
+        self.gap = np.array([stop.gap for stop in stops], dtype=float)
+        self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
+
+    def system(self, state: ContactState) -> System:
+        """One contact state."""
+        if state not in self._systems:
+            self._systems[state] = build_system(self.assembly, state)
+        return self._systems[state]
+
+    def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
+        """Modal coordinates of `new` from those of `old`: Phi_new^T M Phi_old, orthogonal."""
+        if (old, new) not in self._maps:
+            a, b = self.system(old).vectors, self.system(new).vectors
+            self._maps[old, new] = b.T @ self.assembly.mass @ a
+        return self._maps[old, new]
+
+    def orientation(self, state: ContactState) -> FloatArray:
+        """+1 or -1 for each stop, so that ``orientation * z - offset`` rises through 0 at its next switch."""
+        closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
+        return np.where(closed, -self.sign, self.sign)
+
+    def offset(self, state: ContactState) -> FloatArray:
+        """The gap of each stop, with the sign that belongs to `orientation`."""
+        closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
+        return np.where(closed, -self.gap, self.gap)
+
+
+Coordinates = Callable[[FloatArray, int], FloatArray]
+"""Modal displacements (order 0), velocities (1) or accelerations (2) at times ``(m,)``: ``(n, m)``."""
 
 
 @dataclass(frozen=True)
-class Point:
-    """The motion at one instant: time, contact state, and modal displacement and velocity, each ``(n,)``."""
+class Piece:
+    """A stretch of the motion in one state, as integrated."""
 
-    t: float
     state: ContactState
-    q: FloatArray
-    v: FloatArray
+    start: float
+    end: float
+    y: FloatArray
+    """(q, q') at the start, shape ``(2 n,)``."""
+    coordinates: Coordinates
+    flow: Flow | None
+    """The exact flow, if the method is exact."""
+    switched: int
+    """The stop that switches at the end; -1 if none does."""
 
 
-@dataclass(frozen=True)
-class Segment:
-    """A stretch of one contact state, from `start` to `end`, which is in the coordinates of the same state."""
+def integrate(
+    model: Model, state: ContactState, t: float, end: float, y: FloatArray
+) -> tuple[Coordinates, Flow | None]:
+    """Integrate one state over a window by the chosen method, through `solve_ivp`."""
+    system = model.system(state)
+    options: dict[str, Any]
+    if model.method == "exact":
+        options = {"method": ExactPropagator, "system": system}
+    else:
+        options = {"method": model.method, "rtol": model.rtol, "atol": model.atol}
+        if model.method != "DOP853":
+            options["jac"] = system.jacobian(t, y) if model.method in ("Radau", "BDF") else system.jacobian
+    solution = solve_ivp(system.rates, (t, end), y, dense_output=True, **options)
+    if not solution.success:
+        raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
+    if model.method == "exact":
+        flow = Flow(system, t, *np.split(y, 2))
+        return flow, flow
+    n = system.omega.size
 
-    start: Point
-    end: Point
-    switched: tuple[int, ...] = ()
-    """Stops that switch at the end; none where the march stopped."""
+    def coordinates(times: FloatArray, order: int = 0) -> FloatArray:
+        values = solution.sol(times)
+        if order == 2:
+            return np.array([system.rates(s, values[:, i])[n:] for i, s in enumerate(times)]).T
+        return np.asarray(values[:n] if order == 0 else values[n:])
+
+    return coordinates, None
+
+
+def curvature_of(system: System, flow: Flow | None, coordinates: Coordinates, t: float, end: float) -> FloatArray:
+    """Bound on |z''| at the stops over a window; for library methods twice the largest sampled value."""
+    if flow is not None:
+        return flow.curvature_bound()
+    sampled = np.abs(system.stops @ coordinates(np.linspace(t, end, 200), 2)).max(axis=1, initial=0.0)
+    return np.asarray(2 * sampled)
 
 
 @dataclass(frozen=True)
 class March:
-    """Marches a system exactly from one time to another."""
+    """A motion as pieces and contacts, and its end."""
 
-    system: System
-    _watches: dict[ContactState, Watch] = field(default_factory=dict, repr=False)
+    pieces: tuple[Piece, ...]
+    contacts: tuple[Contact, ...]
+    state: ContactState
+    y: FloatArray
 
-    def watch(self, state: ContactState) -> Watch:
-        """The search for switches in a contact state."""
-        if state not in self._watches:
-            model = self.system.model(state)
-            orientation = self.system.orientation(state)
-            self._watches[state] = Watch(
-                flow=model.flow,
-                rows=np.ascontiguousarray((orientation * self.system.signs)[:, None] * model.rows),
-                offsets=-orientation * self.system.gaps,
-                step=self.step(),
-            )
-        return self._watches[state]
 
-    def step(self) -> float:
-        """The coarsest interval of the search, s."""
-        omega = self.system.model(ContactState()).basis.omega
-        mode = 2 * np.pi / omega[min(_RESOLVED_MODE, omega.size - 1)] / _STEPS_PER_MODE_PERIOD
-        loads = [Omega for Omega, _ in self.system.assembly.harmonic_loads]
-        return float(min([mode, *(2 * np.pi / Omega / _STEPS_PER_PERIOD for Omega in loads)]))
+@dataclass
+class _Going:
+    start: float
+    open_start: bool
+    area: float = 0.0
+    deepest: float = 0.0
 
-    def start(self) -> Point:
-        """The problem's initial state."""
-        state, q, v = self.system.initial()
-        return Point(0.0, state, q, v)
 
-    def run(self, start: Point, end: float, progress: Progress | None = None) -> list[Segment]:
-        """Segments from `start` to the time `end`; at least one.
+def march(
+    model: Model,
+    state: ContactState,
+    y: FloatArray,
+    start: float,
+    end: float,
+    *,
+    progress: Progress | None = None,
+    max_switches: int = 200_000,
+) -> March:
+    """March from `start` to `end`.
 
-        Raises
-        ------
-        SolverError
-            If the stops switch without end.
-        """
-        segments: list[Segment] = []
-        point = start
-        reported = start.t
-        while True:
-            segment = self._segment(point, end)
-            segments.append(segment)
-            if not segment.switched:
-                return segments
-            point = self.switched(segment)
-            if len(segments) > _MAX_SWITCHES * (1 + (point.t - start.t) / (64 * self.step())):
-                raise SolverError(f"the stops switch without end at t = {point.t:.9g} s")
-            if progress is not None and point.t - reported > 0.01 * (end - start.t):
-                progress(point.t - start.t, end - start.t)
-                reported = point.t
+    Raises
+    ------
+    SolverError
+        If the integrator fails, or more than `max_switches` switches occur.
+    """
+    window = _window(model, state, end - start)
+    fresh = np.full(model.sign.size, start)
+    going = {k: _Going(start, True) for k in state.closed}
+    pieces: list[Piece] = []
+    contacts: list[Contact] = []
+    t, switches = start, 0
+    while t < end or not pieces:
+        stop_at = min(t + window, end)
+        piece, y = _advance(model, state, t, stop_at, y, fresh)
+        pieces.append(piece)
+        _account(model, piece, going)
+        t = piece.end
+        if piece.switched >= 0:
+            k, switches = piece.switched, switches + 1
+            if switches > max_switches:
+                raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
+            if k in state:
+                contacts.append(_contact(model, k, going.pop(k), t, open_end=False))
+            else:
+                going[k] = _Going(t, False)
+            new = state.toggled(k)
+            fresh[k] = t
+            S = model.transfer(state, new)
+            y = np.concatenate([S @ part for part in np.split(y, 2)])
+            state = new
+        if progress is not None and len(pieces) % 32 == 0:
+            progress(t - start, end - start)
+    contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
+    contacts.sort(key=lambda contact: (contact.start, contact.stop))
+    return March(tuple(pieces), tuple(contacts), state, y)
 
-    def _segment(self, start: Point, end: float) -> Segment:
-        hit = self.watch(start.state).first_switch(start.t, start.q, start.v, end)
-        return Segment(start, Point(hit.t, start.state, hit.q, hit.v), hit.stops)
 
-    def switched(self, segment: Segment) -> Point:
-        """The instant after the switch that ends a segment, in the coordinates of the next state."""
-        state = segment.end.state
-        for stop in segment.switched:
-            state = state.toggled(stop)
-        T = self.system.transfer(state, segment.end.state)
-        return Point(segment.end.t, state, T @ segment.end.q, T @ segment.end.v)
+def _window(model: Model, state: ContactState, duration: float) -> float:
+    """A third of the shortest excitation period or of the slowest bending, s."""
+    beam = model.problem.beam
+    slow = 2 * math.pi * math.sqrt(beam.m * beam.length**4 / beam.EI)
+    periods = [2 * math.pi / omega for omega in model.system(state).driven]
+    return float(min(duration, min([slow, *periods]) / WINDOWS_PER_PERIOD))
+
+
+def _advance(
+    model: Model, state: ContactState, t: float, end: float, y: FloatArray, fresh: FloatArray
+) -> tuple[Piece, FloatArray]:
+    """One window, or less if a stop switches in it; returns the piece and (q, q') at its end."""
+    system = model.system(state)
+    coordinates, flow = integrate(model, state, t, end, y)
+    orientation, offset = model.orientation(state), model.offset(state)
+
+    def gaps(times: FloatArray, order: int) -> FloatArray:
+        z = system.stops @ coordinates(times, order) if flow is None else flow.at_stops(times, order)
+        h = orientation[:, None] * z
+        return np.asarray(h - offset[:, None] if order == 0 else h)
+
+    switch: Switch | None = None
+    if orientation.size:
+        switch = first_switch(gaps, t, end, curvature_of(system, flow, coordinates, t, end), fresh)
+    until = end if switch is None else switch.time
+    at = np.array([until])
+    y_end = np.concatenate([coordinates(at, order)[:, 0] for order in (0, 1)])
+    return Piece(state, t, until, y, coordinates, flow, -1 if switch is None else switch.stop), y_end
+
+
+def _account(model: Model, piece: Piece, going: dict[int, _Going]) -> None:
+    """Add a piece to the area and the depth of the contacts that last through it."""
+    if not going or piece.end <= piece.start:
+        return
+    system, duration = model.system(piece.state), piece.end - piece.start
+    if piece.flow is not None:
+        area = system.stops @ piece.flow.integral(piece.end)
+    else:
+        # Ten Gauss points on each of 16 panels: beyond the accuracy of the integrators' dense output
+        edges = np.linspace(piece.start, piece.end, 17)
+        half = np.diff(edges)[:, None] / 2
+        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        area = system.stops @ piece.coordinates(t, 0) @ w
+    t = np.linspace(piece.start, piece.end, 33)
+    z = system.stops @ piece.coordinates(t, 0) if piece.flow is None else piece.flow.at_stops(t)
+    for k, contact in going.items():
+        contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
+        contact.deepest = max(contact.deepest, _deepest(model.sign[k] * z[k]) - float(model.gap[k]))
+
+
+def _deepest(z: FloatArray) -> float:
+    """Largest of the samples, improved by the parabola through the three around it."""
+    i = int(np.argmax(z))
+    if 0 < i < z.size - 1:
+        a, b = (z[i + 1] - z[i - 1]) / 2, z[i + 1] - 2 * z[i] + z[i - 1]
+        if b < 0:
+            return float(z[i]) - float(a) ** 2 / (2 * float(b))
+    return float(z[i])
+
+
+def _contact(model: Model, k: int, it: _Going, end: float, *, open_end: bool) -> Contact:
+    stiffness = float(model.stiffness[k])
+    return Contact(
+        stop=k,
+        start=it.start,
+        end=end,
+        impulse=float(model.sign[k]) * stiffness * max(it.area, 0.0),
+        peak_force=stiffness * max(it.deepest, 0.0),
+        open_start=it.open_start,
+        open_end=open_end,
+    )
