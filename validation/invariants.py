@@ -27,12 +27,12 @@ _PANELS_X = 24
 _MOST_HALVINGS = 8
 
 
-def _panels(breaks: FloatArray, per_panel: float) -> tuple[FloatArray, FloatArray]:
-    """Gauss points and weights on panels no longer than `per_panel` between the breaks."""
+def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
+    """Gauss points and weights on panels no longer than `per_panel` between the breaks, each cut in `pieces`."""
     edges = [breaks[:1]]
     for a, b in itertools.pairwise(breaks):
         if b > a:
-            edges.append(np.linspace(a, b, max(1, math.ceil((b - a) / per_panel)) + 1)[1:])
+            edges.append(np.linspace(a, b, pieces * max(1, math.ceil((b - a) / per_panel)) + 1)[1:])
     e = np.concatenate(edges)
     half = np.diff(e)[:, None] / 2
     return ((e[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
@@ -91,12 +91,12 @@ def _time_integral(
 ) -> float:
     """Integral over time by Gauss panels, halved until the result moves by less than a tenth of the tolerance."""
     last = math.inf
-    for _ in range(_MOST_HALVINGS):
-        t, w = _panels(breaks, panel)
+    for halvings in range(_MOST_HALVINGS):
+        t, w = _panels(breaks, panel, 2**halvings)
         value = float(function(t) @ w)
         if abs(value - last) <= 0.1 * tolerance * scale:
             return value
-        last, panel = value, panel / 2
+        last = value
     return value
 
 

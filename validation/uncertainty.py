@@ -11,9 +11,13 @@ The framework is that of ASME V&V 20.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
+from lapjoint.problem import FloatArray
 from validation.quantity import Estimate
 
 SAFETY_WITHOUT_ORDER = 3.0
@@ -85,3 +89,20 @@ def refined_estimate(
     return Estimate(
         fine, factor_of_safety(order / expected_order) * error + smallest, f"{what}, observed order {order:.2f}"
     )
+
+
+def refined_vector(
+    values: FloatArray, ratio: float, expected_order: float, what: str, floor: float = FLOOR
+) -> tuple[Estimate, ...]:
+    """Several numbers of one solution, ``(3 levels, n)`` from coarse to fine: one uncertainty for all of them.
+
+    Numbers of one motion share its error.  The order seen in a single one of them can be high by chance; that of their
+    norm is steadier, so the norm of the changes is extrapolated, and its error holds for each.
+    """
+    changes = [float(np.abs(b - a).max(initial=0.0)) for a, b in itertools.pairwise(values)]
+    size = float(np.abs(values[-1]).max(initial=0.0))
+    # A sequence with these changes, rising to the largest number
+    norm = refined_estimate(
+        [size - changes[1] - changes[0], size - changes[1], size], ratio, expected_order, what, floor
+    )
+    return tuple(Estimate(float(value), norm.uncertainty, norm.how) for value in values[-1])

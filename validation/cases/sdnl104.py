@@ -8,7 +8,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import History, sdnl104
 from validation.case import CaseResult, Level, Say, table
-from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
+from validation.cases.motions import analytic_levels, fe_levels
 from validation.cases.transient import WITNESS_TOLERANCE, motion_drawing
 from validation.invariants import witness
 from validation.quantity import Check, Estimate, Kind
@@ -39,11 +39,13 @@ def answers(history: History) -> tuple[float, ...]:
 
 def run(level: Level, say: Say) -> CaseResult:
     """Both solvers against the converged values and against each other."""
-    problem, finest = sdnl104(), 64 if level != "full" else 128
+    problem, finest = sdnl104(), 128 if level != "full" else 256
     say("analytic and FE")
+    # An undamped beam under a step load rings in all its modes, those that a mesh holds badly too: convergence is
+    # not that of the frequencies; second order is what may be relied on.
     solvers: dict[str, tuple[list[analytic.Solver] | list[fe_lapjoint.Solver], float, float]] = {
         "analytic": (analytic_levels(problem, 1.5), 1.5, 3.0),
-        "FE": (fe_levels(finest), 2.0, FE_ORDER),
+        "FE": (fe_levels(finest), 2.0, 2.0),
     }
     estimates: dict[str, list[Estimate]] = {}
     histories = {}
