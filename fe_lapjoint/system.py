@@ -14,14 +14,14 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cho_factor, eigh
+from scipy.linalg import cholesky, eigh, solve_triangular
 
 from fe_lapjoint.assembly import Assembly
 from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
 
 ComplexArray = npt.NDArray[np.complex128]
-_RIGID = 1e-6  # of sqrt(EI / m L^4): frequencies below are rigid-body modes, found as zero up to rounding
+_SOFT = 1e-3  # of EI / m L^4: a lowest omega^2 below needs a shift to be solved for safely
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,34 +72,50 @@ class System:
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
         """Derivative of `rates` by y, shape ``(2 n, 2 n)``."""
         n = self.omega.size
-        return np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(self.omega**2), -2 * np.diag(self.decay)]])
+        return np.block(
+            [
+                [np.zeros((n, n)), np.eye(n)],
+                [-np.diag(self.omega**2), -2 * np.diag(self.decay)],
+            ]
+        )
 
 
 def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, FloatArray]:
     """All frequencies, ascending, and mass-normalised vectors of the mesh in a contact state.
 
-    The inverted problem M v = mu (K + sigma M) v is solved, whose large eigenvalues are the low frequencies: they
-    then keep their digits, where K v = omega^2 M v loses them to the highest frequency.  sigma is zero unless the
-    beam can move as a rigid body.
+    Two dense solutions are joined, because each is poor where the other is good: the inverted problem
+    M v = mu (K + sigma M) v keeps the digits of the low modes, K v = omega^2 M v those of the high ones.  sigma is
+    zero unless the beam can nearly move as a rigid body.  The joined basis is orthonormalised, so that a change of
+    state loses nothing, and the frequencies are Rayleigh quotients.  Rigid-body modes are counted, not detected.
     """
-    beam, M, K = assembly.problem.beam, assembly.mass, assembly.stiffness(state)
+    M, springs = assembly.mass, assembly.springs(state)
+    vectors = _orthonormal(_joined(assembly, M, assembly.stiffness(state)), M)
+    square = np.sum((assembly.curvature @ vectors) ** 2, axis=0) + springs @ vectors**2
+    order = np.argsort(square, kind="stable")
+    omega = np.sqrt(square[order])
+    omega[: assembly.rigid_modes(state)] = 0.0
+    return omega, np.ascontiguousarray(vectors[:, order])
+
+
+def _joined(assembly: Assembly, M: FloatArray, K: FloatArray) -> FloatArray:
+    """Low modes of the inverted problem beside high modes of the direct one, shape ``(n, n)``."""
+    beam = assembly.problem.beam
     unit = beam.EI / (beam.m * beam.length**4)  # 1/s^2
-    sigma = 0.0 if _definite(K, unit * M) else unit
-    mu, vectors = eigh(M, K + sigma * M)
-    mu, vectors = mu[::-1], vectors[:, ::-1]
-    vectors = vectors / np.sqrt(np.einsum("in,ij,jn->n", vectors, M, vectors))
-    # High modes come out of the inverted problem orthogonal to 1e-8 only; this squares the error.
-    vectors = vectors @ (1.5 * np.eye(mu.size) - 0.5 * vectors.T @ M @ vectors)
-    square = 1 / mu - sigma
-    return np.sqrt(np.where(square > _RIGID**2 * unit, square, 0.0)), vectors
+    square, direct = eigh(K, M)
+    sigma = 0.0 if square[0] > _SOFT * unit else unit
+    c = 1 / np.sqrt(np.diag(K + sigma * M))
+    low = c[:, None] * eigh(M * np.outer(c, c), (K + sigma * M) * np.outer(c, c))[1][:, ::-1]
+    middle = np.sqrt(max(square[0] + sigma, unit) * max(square[-1], unit))
+    split = int(np.count_nonzero(square < middle))
+    return np.concatenate((low[:, :split], direct[:, split:]), axis=1)
 
 
-def _definite(K: FloatArray, scale: FloatArray) -> bool:
-    try:
-        cho_factor(K - 1e-9 * scale)
-    except np.linalg.LinAlgError:
-        return False
-    return True
+def _orthonormal(V: FloatArray, M: FloatArray) -> FloatArray:
+    """Gram-Schmidt in the mass inner product, first column first, by Cholesky factors, twice for full precision."""
+    V = V / np.sqrt(np.sum(V * (M @ V), axis=0))
+    for _ in range(2):
+        V = solve_triangular(cholesky(V.T @ M @ V), V.T, trans="T").T
+    return V
 
 
 def build_system(assembly: Assembly, state: ContactState) -> System:
@@ -116,7 +132,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     for step in steps:
         f0 += step.force * assembly.unit_force(step.x)
     columns = [load.force * assembly.unit_force(load.x) for load in sines]
-    driven, phase = [load.angular_frequency for load in sines], [load.phase for load in sines]
+    driven, phase = ([load.angular_frequency for load in sines], [load.phase for load in sines])
     if base is not None:
         acceleration = base.amplitude * base.angular_frequency**2
         columns.append(problem.beam.m * acceleration * assembly.uniform_load)
