@@ -7,17 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analytic import steady
 from analytic.default_modes import default_count
 from analytic.march import Joint, march
 from analytic.modes import exact_modes
 from analytic.motion import history_of
 from analytic.start import initial_coordinates, initial_state
-from analytic.steady import Search, Section, find_orbit
+from analytic.steady import Search, find_orbit
 from lapjoint.contact import FREE, ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes, Outcome, SteadyState, steady_impulses
+from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
+from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
 
 MOST_MODES = 500
 
@@ -132,7 +134,9 @@ class Solver:
         motion = march(joint, start.state, 0.0, start.q, start.v, float(duration), progress=progress)
         return history_of(problem, self.name, joint, motion)
 
-    def steady_state(self, problem: Problem, *, progress: Progress | None = None) -> SteadyState:
+    def steady_state(
+        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+    ) -> SteadyState:
         """The periodic motion that the march from the initial state leads to; see `analytic.steady`.
 
         Raises
@@ -143,29 +147,32 @@ class Solver:
         frequency = problem.excitation_frequency
         if frequency is None:
             raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
-        joint, start = self._start(problem)
+        joint, begin = self._start(problem)
         orbit = find_orbit(
-            joint, start, 2 * math.pi / frequency, Search(1e-9, self.max_order, self.max_periods), progress
+            joint, begin, 2 * math.pi / frequency, Search(1e-9, self.max_order, self.max_periods), progress
         )
         history = history_of(problem, self.name, joint, orbit.motion)
-        outcome = Outcome.PERIODIC if history.contacts else Outcome.NO_CONTACT
+        first = orbit.motion.segments[0]
         return SteadyState(
             problem=problem,
             solver=self.name,
-            outcome=outcome if orbit.order else Outcome.NOT_PERIODIC,
+            outcome=periodic_outcome(history) if orbit.order else Outcome.UNDECIDED,
             order=orbit.order,
+            symmetric=False,
             residual=orbit.residual,
             multipliers=orbit.multipliers,
+            exponent=None,
+            section=Section(first.state, np.stack([first.q, first.v])),
             history=history,
             impulses=steady_impulses(history, orbit.order or self.max_order),
         )
 
-    def _start(self, problem: Problem) -> tuple[Joint, Section]:
+    def _start(self, problem: Problem) -> tuple[Joint, steady.Section]:
         free, contact = self.mode_counts(problem)
         joint = Joint(problem, {FREE: free}, contact)
         state = initial_state(problem)
         q, v = initial_coordinates(problem, joint.state(state).model.modes)
-        return joint, Section(state, q, v)
+        return joint, steady.Section(state, q, v)
 
 
 def _check_count(field: str, value: object) -> None:

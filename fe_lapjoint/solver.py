@@ -16,8 +16,9 @@ from fe_lapjoint.system import eigenmodes
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History, Modes, Outcome, SteadyState, steady_impulses
+from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
+from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
 
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
@@ -108,7 +109,9 @@ class Solver:
         model, state, y = self._start(problem)
         return history_of(self.name, model, march(model, state, y, 0.0, float(duration), progress=progress))
 
-    def steady_state(self, problem: Problem, *, progress: Progress | None = None) -> SteadyState:
+    def steady_state(
+        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+    ) -> SteadyState:
         """The periodic motion that the march from the initial state leads to; see `fe_lapjoint.steady`.
 
         Raises
@@ -133,14 +136,17 @@ class Solver:
             progress=progress,
         )
         history = history_of(self.name, model, orbit.motion)
-        found = Outcome.PERIODIC if history.contacts else Outcome.NO_CONTACT
+        first = orbit.motion.pieces[0]
         return SteadyState(
             problem=problem,
             solver=self.name,
-            outcome=found if orbit.order else Outcome.NOT_PERIODIC,
+            outcome=periodic_outcome(history) if orbit.order else Outcome.UNDECIDED,
             order=orbit.order,
+            symmetric=False,
             residual=orbit.residual,
             multipliers=orbit.multipliers,
+            exponent=None,
+            section=Section(first.state, first.y.reshape(2, -1)),
             history=history,
             impulses=steady_impulses(history, orbit.order or self.max_order),
         )

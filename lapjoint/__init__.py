@@ -24,7 +24,8 @@ from lapjoint.problem import (
     ViscousDamping,
     initial_from_functions,
 )
-from lapjoint.solution import Contact, History, Modes, Outcome, SteadyState
+from lapjoint.solution import Contact, History, Modes
+from lapjoint.steady import Exponent, Outcome, Section, SteadyState
 
 __all__ = [
     "FREE",
@@ -34,6 +35,7 @@ __all__ = [
     "Circle",
     "Contact",
     "ContactState",
+    "Exponent",
     "History",
     "InputError",
     "Material",
@@ -45,6 +47,7 @@ __all__ = [
     "Problem",
     "Rectangle",
     "SampledShape",
+    "Section",
     "SineLoad",
     "SteadyState",
     "StepLoad",

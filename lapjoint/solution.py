@@ -1,4 +1,4 @@
-"""What an answer is: modes, contacts, histories and steady states, whichever solver gave them.
+"""What an answer is: modes, contacts and histories, whichever solver gave them.
 
 Only types live here.  How displacement is evaluated, where events lie and what an impulse comes to is each
 solver's own work, so that a shared mistake cannot hide from the comparison.
@@ -6,8 +6,7 @@ solver's own work, so that a shared mistake cannot hide from the comparison.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from enum import Enum
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -157,44 +156,3 @@ class History:
             if lo <= contact.start < hi:
                 total[contact.stop] += contact.impulse
         return total
-
-
-class Outcome(Enum):
-    """What a search for a steady state found; the values are sentences."""
-
-    NO_CONTACT = "The motion is periodic and touches no stop."
-    PERIODIC = "The motion is periodic, with contacts."
-    NOT_PERIODIC = "No periodic motion was found within the effort allowed."
-
-
-@dataclass(frozen=True)
-class SteadyState:
-    """The motion that remains, and how it was established."""
-
-    problem: Problem
-    solver: str
-    """Name of the solver and its numerical options."""
-    outcome: Outcome
-    order: int
-    """Number of excitation periods after which the motion repeats; 0 if it was not found to repeat."""
-    residual: float
-    """Distance between the start and the end of the `order` periods, over the size of the motion."""
-    multipliers: FloatArray = field(repr=False)
-    """Moduli of the Floquet multipliers of the `order` periods, descending; empty if not known."""
-    history: History = field(repr=False)
-    """`order` periods of the motion (or the last ones marched), starting at a multiple of the period."""
-    impulses: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """Impulse of each stop over one excitation period (the mean over the `order`), N s, ``(stops,)``."""
-
-    @property
-    def stable(self) -> bool:
-        """Whether all Floquet multipliers lie within the unit circle."""
-        return bool(np.all(np.asarray(self.multipliers) < 1.0))
-
-
-def steady_impulses(history: History, order: int) -> FloatArray:
-    """Mean impulse of each stop over one excitation period, from a history of `order` periods, ``(stops,)``."""
-    total = np.zeros(len(history.problem.stops))
-    for contact in history.contacts:
-        total[contact.stop] += contact.impulse
-    return total / max(order, 1)

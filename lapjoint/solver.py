@@ -10,7 +10,8 @@ from typing import Any, Protocol, runtime_checkable
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes, SteadyState
+from lapjoint.solution import History, Modes
+from lapjoint.steady import Section, SteadyState
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
 Progress = Callable[[float, float], None]
@@ -31,8 +32,13 @@ class Solver(Protocol):
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
         """The motion from the initial state, over `duration` seconds."""
 
-    def steady_state(self, problem: Problem, *, progress: Progress | None = None) -> SteadyState:
-        """The periodic motion that a march from the initial state leads to."""
+    def steady_state(
+        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+    ) -> SteadyState:
+        """The motion that remains when a march from the initial state, or from `start`, has settled.
+
+        `start` is the section of a steady state of this or a neighbouring problem, found by the same solver.
+        """
 
     def refined(self, factor: float) -> Solver:
         """The same solver with its resolution (modes, elements) multiplied by `factor`."""

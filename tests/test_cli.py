@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Outcome, paper_joint, read_problem
+from lapjoint import FREE, ContactState, Exponent, Outcome, paper_joint, read_problem
 from lapjoint.errors import SolverError
 from lapjoint.files import commented_example, from_toml, to_toml
 from validation.cli import main
@@ -233,13 +233,15 @@ def test_a_solver_that_gives_up_ends_with_status_1(monkeypatch: pytest.MonkeyPat
     assert result.stderr == "lapjoint: stopped at t = 0.1 s\n"
 
 
-def test_a_motion_that_is_not_periodic_ends_with_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_undecided_motion_ends_with_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Solver(n_modes=8).steady_state(paper_joint())
-    aperiodic = replace(found, outcome=Outcome.NOT_PERIODIC, order=0, multipliers=np.zeros(0))
-    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: aperiodic)
+    exponent = Exponent(0.1, 0.2, 400)
+    undecided = replace(found, outcome=Outcome.UNDECIDED, order=0, multipliers=np.zeros(0), exponent=exponent)
+    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided)
     result = run("steady", PAPER)
     assert result.exit_code == 1
-    assert "No periodic motion was found" in result.stdout
+    assert "the motion did not repeat" in result.stdout
+    assert "exponent: 0.1 1/s +- 0.2, over 400 periods" in result.stdout
     assert "Repeats" not in result.stdout
 
 

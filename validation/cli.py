@@ -1,7 +1,7 @@
 """The command ``lapjoint``.
 
-Exit status: 0 when all went well; 1 when something disagrees, the solver had to give up, or no periodic motion
-was found; 2 for bad input, with a message and no traceback; 130 after Ctrl-C.
+Exit status: 0 when all went well; 1 when something disagrees, the solver had to give up, or what remains of a motion
+could not be established; 2 for bad input, with a message and no traceback; 130 after Ctrl-C.
 
 Everything heavy is imported inside the functions that need it, so that ``lapjoint --help`` answers at once.
 """
@@ -197,6 +197,7 @@ def steady(
     **solver: Any,
 ) -> None:
     """Find the steady state of PROBLEM, and print the impulse of each stop over one excitation period."""
+    from lapjoint import Outcome
     from validation import chosen, shown
 
     chosen.check_file("--contacts", contacts_path, *CONTACTS)
@@ -207,7 +208,7 @@ def steady(
     write_results(found.history, contacts_path, figure)
     if json_path:
         shown.write_json(json_path, shown.steady_state_summary(found))
-    click.get_current_context().exit(0 if found.order else 1)
+    click.get_current_context().exit(1 if found.outcome is Outcome.UNDECIDED else 0)
 
 
 @main.command()

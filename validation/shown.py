@@ -66,10 +66,14 @@ def print_steady_state(found: SteadyState) -> None:
     click.echo(f"{found.solver}: {found.outcome.value}")
     if found.order:
         periods = "period" if found.order == 1 else "periods"
-        click.echo(f"Repeats after {found.order} excitation {periods}, to {found.residual:.2g} of its size")
+        mirrored = ", mirrored after half of them" if found.symmetric else ""
+        click.echo(f"Repeats after {found.order} excitation {periods}, to {found.residual:.2g} of its size{mirrored}")
     if found.multipliers.size:
         moduli = ", ".join(f"{value:.6g}" for value in found.multipliers[:5])
         click.echo(f"Floquet multipliers, moduli: {moduli}{' ...' if found.multipliers.size > 5 else ''}")
+    if found.exponent is not None:
+        rate, spread = found.exponent.value, found.exponent.spread
+        click.echo(f"Largest Lyapunov exponent: {rate:.4g} 1/s +- {spread:.2g}, over {found.exponent.periods} periods")
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]")
 
 
@@ -87,8 +91,11 @@ def steady_state_summary(found: SteadyState) -> dict[str, Any]:
         "solver": found.solver,
         "outcome": found.outcome.name.lower(),
         "order": found.order,
+        "symmetric": found.symmetric,
         "residual": found.residual,
         "multipliers": found.multipliers.tolist(),
+        "lyapunov_exponent_per_s": None if found.exponent is None else found.exponent.value,
+        "lyapunov_exponent_spread_per_s": None if found.exponent is None else found.exponent.spread,
         "impulses_Ns": dict(zip(found.problem.stop_names, found.impulses.tolist(), strict=True)),
     }
 

@@ -72,7 +72,7 @@ def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
     point = compare_steady(problem, 40 if level == "quick" else 64)
     notes = [outcome.value for outcome in dict.fromkeys(point.outcomes)]
     checks, rows = [], []
-    if Outcome.NOT_PERIODIC not in point.outcomes:
+    if Outcome.UNDECIDED not in point.outcomes:
         for name, a, b in zip(problem.stop_names, point.analytic, point.fe, strict=True):
             checks.append(Check(f"impulse of {name}", "N s", a, b))
             rows.append((name, a.value, f"{a.uncertainty:.1e}", b.value, f"{b.uncertainty:.1e}"))
