@@ -1,35 +1,44 @@
-"""The march from switch to switch (19)-(49): closed form between, certified events, impulses in closed form."""
+"""A joint ready to be marched (19)-(49), and what a march gives: segments, contacts, and where it ends."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from analytic import kernel
-from analytic.state import Passage, StateModel, build_passage, build_state, harmonics_of
+from analytic.state import Passage, StateModel, build_passage, build_state, family_of, harmonics_of
+from analytic.tables import Tables, empty_tables, fill_passage, fill_state, grown
 from lapjoint.contact import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import Contact
 from lapjoint.solver import Progress
 
-_FRESH = 1e-9  # s: a stop that switched less than this ago must leave its gap before it can switch again
+_ROOM = 64  # segments logged before the log is emptied
+_MOST_SWITCHES = 1_000_000
+_PROGRESS_PARTS = 50
 
 
 @dataclass(frozen=True)
-class Compiled:
-    """One state in the form the kernel takes."""
+class Coordinates:
+    """Modal coordinates in a contact state, at a moment."""
 
-    model: StateModel
-    kind: np.ndarray
-    """How each mode moves freely, shape ``(N,)``, int64: OSCILLATING, SPLIT or DRIFTING."""
-    stop_harmonic: np.ndarray
-    """Complex amplitudes of the forced motion at the stops, residual included, shape ``(P, H)``."""
-    stop_constant: FloatArray
-    """Constant part of the residual at the stops, shape ``(P,)``."""
-    closed: np.ndarray
-    """Whether each stop is closed, shape ``(P,)``."""
+    state: ContactState
+    q: FloatArray
+    """Modal displacements, shape ``(N,)``."""
+    v: FloatArray
+    """Modal velocities, shape ``(N,)``."""
+
+    @property
+    def y(self) -> FloatArray:
+        """q and v in one array, shape ``(2 N,)``."""
+        return np.concatenate([self.q, self.v])
+
+    def moved(self, y: FloatArray) -> Coordinates:
+        """The same contact state with other coordinates ``y``."""
+        return Coordinates(self.state, y[: self.q.size].copy(), y[self.q.size :].copy())
 
 
 @dataclass(frozen=True)
@@ -45,187 +54,173 @@ class Segment:
     """Modal velocities at the start, shape ``(N,)``."""
     switched: int
     """The stop that switches at the end, or `kernel.NO_SWITCH`."""
-    rate: float
-    """h' of that stop at the end, m/s."""
 
 
 @dataclass
 class Joint:
-    """A problem with numbers of modes; states and passages are built when first needed, and kept."""
+    """A problem with numbers of modes; states and passages are built when a motion first needs them, and kept."""
 
     problem: Problem
     counts: dict[ContactState, int]
     default_count: int
-    _states: dict[ContactState, Compiled] = field(default_factory=dict)
-    _passages: dict[tuple[ContactState, ContactState], Passage] = field(default_factory=dict)
+    _models: dict[ContactState, StateModel] = field(default_factory=dict)
+    _slots: list[ContactState] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.family = family_of(self.problem)
         self.harmonics = harmonics_of(self.problem)
-        self.sign = np.array([stop.sign for stop in self.problem.stops], dtype=float)
-        self.gap = np.array([stop.gap for stop in self.problem.stops], dtype=float)
-        self.stiffness = np.array([stop.stiffness for stop in self.problem.stops], dtype=float)
+        beam = self.problem.beam
+        longest = math.sqrt(beam.m / beam.EI) * beam.length**2
+        most = max([self.default_count, *self.counts.values()])
+        self.tables: Tables = empty_tables(self.problem, self.harmonics, most, longest)
 
-    def state(self, state: ContactState) -> Compiled:
-        """One contact state."""
-        if state not in self._states:
-            model = build_state(self.problem, state, self.counts.get(state, self.default_count))
-            self._states[state] = _compiled(model, len(self.problem.stops))
-        return self._states[state]
+    def model(self, state: ContactState) -> StateModel:
+        """One contact state in modal form."""
+        if state not in self._models:
+            count = self.counts.get(state, self.default_count)
+            self._models[state] = build_state(self.problem, self.family, state, count)
+        return self._models[state]
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
         """The map from one state to another."""
-        if (old, new) not in self._passages:
-            self._passages[old, new] = build_passage(self.problem, self.state(old).model, self.state(new).model)
-        return self._passages[old, new]
+        return build_passage(self.problem, self.family, self.model(old), self.model(new))
 
-    def carry(
-        self, old: ContactState, new: ContactState, t: float, q: FloatArray, v: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Displacement (36) and velocity (41) in the coordinates of the next state."""
-        passage, theta = self.passage(old, new), self.harmonics.theta(t)
-        q_new = passage.S @ q + passage.residual[0] + np.sin(theta) @ passage.residual[1:]
-        v_new = passage.S @ v + (self.harmonics.omega * np.cos(theta)) @ passage.residual[1:]
-        return q_new, v_new
+    def slot(self, state: ContactState) -> int:
+        """Where a contact state is in the tables."""
+        if state not in self._slots:
+            if len(self._slots) == self.tables.modes.size:
+                self.tables = grown(self.tables)
+            fill_state(self.tables, len(self._slots), self.model(state), len(self.problem.stops))
+            self._slots.append(state)
+        return self._slots.index(state)
 
+    def state_in(self, slot: int) -> ContactState:
+        """The contact state in a slot."""
+        return self._slots[slot]
 
-def _compiled(model: StateModel, stops: int) -> Compiled:
-    oscillating = model.roots[:, 0].imag > 0
-    drifting = (model.roots == 0).all(axis=1)
-    kind = np.where(oscillating, kernel.OSCILLATING, np.where(drifting, kernel.DRIFTING, kernel.SPLIT))
-    return Compiled(
-        model=model,
-        kind=kind.astype(np.int64),
-        stop_harmonic=np.ascontiguousarray(model.at_stops @ model.harmonic.T + model.residual_at_stops[1:].T),
-        stop_constant=np.ascontiguousarray(model.residual_at_stops[0]),
-        closed=np.array([k in model.state for k in range(stops)], dtype=np.bool_),
-    )
+    @property
+    def every_stop_closed(self) -> ContactState:
+        """All stops, whether or not they can be closed together."""
+        return ContactState(tuple(range(len(self.problem.stops))))
 
-
-@dataclass(frozen=True)
-class Follow:
-    """One state followed from given modal coordinates to its first switch."""
-
-    segment: Segment
-    q: FloatArray
-    v: FloatArray
-    penetration: FloatArray
-    """Time integral of the penetration of each closed stop, m s, shape ``(P,)``."""
-    deepest: FloatArray
-    """Deepest penetration of each closed stop, m, shape ``(P,)``."""
-
-
-def follow(
-    joint: Joint, state: ContactState, t: float, q: FloatArray, v: FloatArray, end: float, fresh: np.ndarray
-) -> Follow:
-    """Follow `state` from time `t` to its first switch, or to `end`."""
-    it = joint.state(state)
-    model, theta, omega = it.model, joint.harmonics.theta(t), joint.harmonics.omega
-    c, poly = kernel.amplitudes(q, v, theta, omega, it.kind, model.roots, model.static, model.harmonic)
-    exponents, coefficients, polynomials = kernel.gap_functions(
-        c,
-        poly,
-        theta,
-        omega,
-        it.kind,
-        model.roots,
-        model.at_stops,
-        it.stop_harmonic,
-        it.stop_constant,
-        joint.sign,
-        joint.gap,
-        it.closed,
-    )
-    s, which, deepest, _ = kernel.first_switch(exponents, coefficients, polynomials, it.closed, fresh, end - t)
-    if which == kernel.STUCK:
-        raise SolverError(f"the march makes no progress at t = {t + s:.12g} s in state {state.closed}")
-    q_end, v_end = kernel.state_at(s, c, poly, theta, omega, it.kind, model.roots, model.harmonic)
-    rate = 0.0
-    if which >= 0:
-        rate = kernel._evaluate(s, which, exponents, coefficients, polynomials)[1]
-    integral = -kernel.gap_integrals(s, exponents, coefficients, polynomials)
-    segment = Segment(state, t, end if which < 0 else t + s, q, v, which, rate)
-    deepest = np.where(it.closed, deepest, 0.0)
-    return Follow(segment, q_end, v_end, np.where(it.closed, np.maximum(integral, 0.0), 0.0), deepest)
+    def connect(self, slot: int, stop: int) -> None:
+        """Make the switch of a stop from the state in a slot known to the tables."""
+        old = self._slots[slot]
+        new = old.toggled(stop)
+        target = self.slot(new)
+        fill_passage(self.tables, slot, stop, target, self.passage(old, new))
 
 
 @dataclass(frozen=True)
 class March:
-    """A motion as segments and contacts, and the modal coordinates at its end."""
+    """A motion, and where it ends."""
 
-    segments: tuple[Segment, ...]
-    contacts: tuple[Contact, ...]
-    state: ContactState
-    q: FloatArray
-    v: FloatArray
+    joint: Joint
+    log: kernel.Log
+    """Every segment; empty if the motion was not to be recorded."""
+    end: Coordinates
+    penetration: FloatArray
+    """Time integral of each stop's penetration, m s, shape ``(P,)``."""
 
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The motion state by state."""
+        log = self.log
+        return tuple(self._segment(i, self.joint.state_in(int(log.slot[i]))) for i in range(log.slot.size))
 
-@dataclass
-class _OpenContact:
-    start: float
-    open_start: bool
-    penetration: float = 0.0
-    deepest: float = 0.0
+    def _segment(self, i: int, state: ContactState) -> Segment:
+        n, log = self.joint.model(state).size, self.log
+        return Segment(state, float(log.start[i]), float(log.end[i]), log.q[i, :n], log.v[i, :n], int(log.stop[i]))
 
 
 def march(
     joint: Joint,
-    state: ContactState,
+    begin: Coordinates,
     start: float,
-    q: FloatArray,
-    v: FloatArray,
     end: float,
     *,
+    record: bool = True,
+    depth: bool = False,
     progress: Progress | None = None,
-    max_switches: int = 1_000_000,
+    max_switches: int = _MOST_SWITCHES,
 ) -> March:
     """March from `start` to `end`.
+
+    Parameters
+    ----------
+    record : bool
+        Whether to log every segment.
+    depth : bool
+        Whether to find the deepest penetration of each contact, too.
 
     Raises
     ------
     SolverError
-        If more than `max_switches` switches occur.
+        If more than `max_switches` switches occur, or the march makes no progress.
     """
-    stops = len(joint.problem.stops)
-    segments: list[Segment] = []
-    contacts: list[Contact] = []
-    going = {k: _OpenContact(start, open_start=True) for k in state.closed}
-    last_switch = np.full(stops, -np.inf)
-    last_switch[:] = start  # at the start a stop that just touches counts as fresh
-    t = start
-    while True:
-        step = follow(joint, state, t, q, v, end, (t - last_switch) < _FRESH)
-        segments.append(step.segment)
-        for k, contact in going.items():
-            contact.penetration += float(step.penetration[k])
-            contact.deepest = max(contact.deepest, float(step.deepest[k]))
-        q, v, t, which = step.q, step.v, step.segment.end, step.segment.switched
-        if which < 0:
-            break
-        if len(segments) > max_switches:
-            raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
-        if which in state:
-            contacts.append(_finished(joint, which, going.pop(which), t, open_end=False))
+    size, stops = joint.tables.static.shape[1], len(joint.problem.stops)
+    q, v = _padded(begin.q, size), _padded(begin.v, size)
+    slot, t, pending, left = joint.slot(begin.state), start, kernel.NO_SWITCH, max_switches
+    last_switch = np.full(stops, start)  # at the start a stop that just touches counts as fresh
+    total, log, full = np.zeros(stops), kernel.new_log(_ROOM if record else 0, size, stops), []
+    parts = _PROGRESS_PARTS if progress is not None else 1
+    goals = [start + (end - start) * (i + 1) / parts for i in range(parts - 1)] + [end]
+    for goal in goals if not record else [end]:
+        status = kernel.MISSING_STATE
+        while status != kernel.DONE:
+            status, slot, t, pending, logged, switches = kernel.march(
+                joint.tables, slot, t, goal, q, v, last_switch, total, pending, log, depth, left
+            )
+            left -= switches
+            if logged:
+                full.append(kernel.Log(*(part[:logged].copy() for part in log)))
+            if status == kernel.MISSING_STATE:
+                joint.connect(slot, pending)
+            elif status == kernel.TOO_MANY:
+                raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
+            elif status == kernel.STUCK:
+                raise SolverError(f"the march makes no progress at t = {t:.12g} s in {joint.state_in(slot)}")
+            if progress is not None:
+                progress(t - start, end - start)
+    state = joint.state_in(slot)
+    n = joint.model(state).size
+    whole = kernel.Log(*(np.concatenate(parts) for parts in zip(*full, strict=True))) if full else log
+    return March(joint, whole, Coordinates(state, q[:n].copy(), v[:n].copy()), total)
+
+
+def _padded(values: FloatArray, size: int) -> FloatArray:
+    result = np.zeros(size)
+    result[: values.size] = values
+    return result
+
+
+def contacts_of(motion: March) -> tuple[Contact, ...]:
+    """All contacts of a motion marched with `depth`, by start time."""
+    joint, log = motion.joint, motion.log
+    found: list[Contact] = []
+    going: dict[int, tuple[int, bool]] = dict.fromkeys(joint.state_in(int(log.slot[0])).closed, (0, True))
+    for i, stop in enumerate(log.stop):
+        if stop < 0:
+            continue
+        if stop in going:
+            first, open_start = going.pop(int(stop))
+            found.append(_contact(motion, int(stop), first, i, open_start, open_end=False))
         else:
-            going[which] = _OpenContact(t, open_start=False)
-        following = state.toggled(which)
-        q, v = joint.carry(state, following, t, q, v)
-        state = following
-        last_switch[which] = t
-        if progress is not None and len(segments) % 64 == 0:
-            progress(t - start, end - start)
-    contacts += [_finished(joint, k, contact, end, open_end=True) for k, contact in going.items()]
-    contacts.sort(key=lambda contact: (contact.start, contact.stop))
-    return March(tuple(segments), tuple(contacts), state, q, v)
+            going[int(stop)] = (i + 1, False)
+    last = log.slot.size - 1
+    found += [_contact(motion, k, first, last, open_start, open_end=True) for k, (first, open_start) in going.items()]
+    return tuple(sorted(found, key=lambda contact: (contact.start, contact.stop)))
 
 
-def _finished(joint: Joint, k: int, contact: _OpenContact, end: float, *, open_end: bool) -> Contact:
-    stiffness = float(joint.stiffness[k])
+def _contact(motion: March, k: int, first: int, last: int, open_start: bool, *, open_end: bool) -> Contact:
+    """The contact of stop `k` from the start of segment `first` to the end of segment `last`."""
+    log, stop = motion.log, motion.joint.problem.stops[k]
     return Contact(
         stop=k,
-        start=contact.start,
-        end=end,
-        impulse=float(joint.sign[k]) * stiffness * contact.penetration,
-        peak_force=stiffness * contact.deepest,
-        open_start=contact.open_start,
+        start=float(log.start[first]),
+        end=float(log.end[last]),
+        impulse=stop.sign * stop.stiffness * float(log.area[first : last + 1, k].sum()),
+        peak_force=stop.stiffness * float(log.deepest[first : last + 1, k].max()),
+        open_start=open_start,
         open_end=open_end,
     )

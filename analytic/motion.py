@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic import kernel
-from analytic.march import Compiled, Joint, March, Segment
+from analytic.march import Joint, March, Segment, contacts_of
+from analytic.state import StateModel
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
 
@@ -30,11 +31,11 @@ class ModalField:
         return result
 
     def _segment(self, segment: Segment, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        it = self.joint.state(segment.state)
-        coordinates = self._coordinates(it, segment, t, dt)
+        model = self.joint.model(segment.state)
+        coordinates = self._coordinates(model, segment, t, dt)
         loads = np.concatenate([np.full((1, t.size), float(dt == 0)), self._loads(t, dt)])
-        shapes = it.model.modes.shapes(x, dx)
-        return np.asarray(shapes.T @ coordinates + it.model.residual(x, dx).T @ loads)
+        shapes = model.modes.shapes(x, dx)
+        return np.asarray(shapes.T @ coordinates + model.residual(x, dx).T @ loads)
 
     def _loads(self, t: FloatArray, dt: int) -> FloatArray:
         """sin(theta_h) or its dt-th derivative, shape ``(H, m)``."""
@@ -42,12 +43,12 @@ class ModalField:
         omega = harmonics.omega[:, None]
         return np.asarray(omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2))
 
-    def _coordinates(self, it: Compiled, segment: Segment, t: FloatArray, dt: int) -> FloatArray:
+    def _coordinates(self, model: StateModel, segment: Segment, t: FloatArray, dt: int) -> FloatArray:
         """q_i or its dt-th derivative, shape ``(N, m)``."""
-        model, harmonics = it.model, self.joint.harmonics
+        harmonics = self.joint.harmonics
         theta = harmonics.theta(segment.start)
         c, poly = kernel.amplitudes(
-            segment.q, segment.v, theta, harmonics.omega, it.kind, model.roots, model.static, model.harmonic
+            segment.q, segment.v, theta, harmonics.omega, model.kind, model.roots, model.static, model.harmonic
         )
         s = t - segment.start
         free = c[:, :, None] * model.roots[:, :, None] ** dt * np.exp(model.roots[:, :, None] * s)
@@ -74,6 +75,6 @@ def history_of(problem: Problem, name: str, joint: Joint, motion: March) -> Hist
         end=segments[-1].end,
         switch_times=np.array([segment.start for segment in segments[1:]]),
         states=tuple(segment.state for segment in segments),
-        contacts=motion.contacts,
+        contacts=contacts_of(motion),
         field=ModalField(joint, segments),
     )

@@ -55,6 +55,10 @@ class Residual:
         """r_l at ``x``, shape ``(loads, k)``."""
         return self.foundation(x, derivative) - self.weights @ self.modes(x, derivative)
 
+    def scaled(self, factors: FloatArray) -> Residual:
+        """Each shape times its factor, ``factors`` of shape ``(loads,)``."""
+        return Residual(self.foundation.scaled(factors), self.modes, self.weights * factors[:, None])
+
 
 def residual(problem: Problem, state: ContactState, modes: ExactModes, loads: Loads, modal: FloatArray) -> Residual:
     """Residual shapes of a state; ``modal`` holds (Phi_i, p_l), shape ``(loads, modes)``."""

@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analytic import steady
 from analytic.default_modes import default_count
-from analytic.march import Joint, march
+from analytic.march import Coordinates, Joint, march
 from analytic.modes import exact_modes
 from analytic.motion import history_of
-from analytic.start import initial_coordinates, initial_state
-from analytic.steady import Search, find_orbit
+from analytic.start import initial_coordinates, initial_state, resumed
+from analytic.steady import Orbit, Search, Wandering, find_steady
 from lapjoint.contact import FREE, ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
@@ -131,48 +130,68 @@ class Solver:
         if not (math.isfinite(duration) and duration > 0):
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
         joint, start = self._start(problem)
-        motion = march(joint, start.state, 0.0, start.q, start.v, float(duration), progress=progress)
+        motion = march(joint, start, 0.0, float(duration), depth=True, progress=progress)
         return history_of(problem, self.name, joint, motion)
 
     def steady_state(
         self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
     ) -> SteadyState:
-        """The periodic motion that the march from the initial state leads to; see `analytic.steady`.
+        """The motion that remains when the march from the initial state has settled; see `analytic.steady`.
+
+        Parameters
+        ----------
+        start : Section, optional
+            Begin from the section of another steady state, found by this solver, rather than from the initial
+            state.  Modes that it lacks are at rest, and those that it has too many are left out.
 
         Raises
         ------
         InputError
             If the excitation has no single frequency.
+        SolverError
+            If the march cannot go on.
         """
         frequency = problem.excitation_frequency
         if frequency is None:
             raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
-        joint, begin = self._start(problem)
-        orbit = find_orbit(
-            joint, begin, 2 * math.pi / frequency, Search(1e-9, self.max_order, self.max_periods), progress
-        )
-        history = history_of(problem, self.name, joint, orbit.motion)
-        first = orbit.motion.segments[0]
+        joint, begin = self._start(problem, start)
+        period = 2 * math.pi / frequency
+        found = find_steady(joint, begin, period, Search(1e-9, self.max_order, self.max_periods), progress)
+        return self._answer(joint, found, period)
+
+    def _answer(self, joint: Joint, found: Orbit | Wandering, period: float) -> SteadyState:
+        """What was found, with the motion over its period, or over the longest one looked for."""
+        problem, periods = joint.problem, found.order if isinstance(found, Orbit) else self.max_order
+        motion = march(joint, found.begin, 0.0, periods * period, depth=True)
+        history = history_of(problem, self.name, joint, motion)
+        if isinstance(found, Orbit):
+            outcome, impulses, exponent = periodic_outcome(history), steady_impulses(history, periods), None
+        else:
+            exponent = found.exponent
+            neither = Outcome.QUASIPERIODIC if found.quasiperiodic else Outcome.UNDECIDED
+            outcome = Outcome.APERIODIC if exponent.positive else neither
+            impulses = np.array([stop.sign * stop.stiffness for stop in problem.stops]) * found.penetration
         return SteadyState(
             problem=problem,
             solver=self.name,
-            outcome=periodic_outcome(history) if orbit.order else Outcome.UNDECIDED,
-            order=orbit.order,
-            symmetric=False,
-            residual=orbit.residual,
-            multipliers=orbit.multipliers,
-            exponent=None,
-            section=Section(first.state, np.stack([first.q, first.v])),
+            outcome=outcome,
+            order=found.order if isinstance(found, Orbit) else 0,
+            symmetric=isinstance(found, Orbit) and found.symmetric,
+            residual=found.residual,
+            multipliers=found.multipliers if isinstance(found, Orbit) else np.zeros(0),
+            exponent=exponent,
+            section=Section(found.begin.state, np.stack([found.begin.q, found.begin.v])),
             history=history,
-            impulses=steady_impulses(history, orbit.order or self.max_order),
+            impulses=impulses,
         )
 
-    def _start(self, problem: Problem) -> tuple[Joint, steady.Section]:
+    def _start(self, problem: Problem, start: Section | None = None) -> tuple[Joint, Coordinates]:
         free, contact = self.mode_counts(problem)
         joint = Joint(problem, {FREE: free}, contact)
-        state = initial_state(problem)
-        q, v = initial_coordinates(problem, joint.state(state).model.modes)
-        return joint, steady.Section(state, q, v)
+        if start is None:
+            state = initial_state(problem)
+            return joint, Coordinates(state, *initial_coordinates(problem, joint.model(state).modes))
+        return joint, resumed(joint, start)
 
 
 def _check_count(field: str, value: object) -> None:

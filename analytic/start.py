@@ -10,10 +10,13 @@ import itertools
 
 import numpy as np
 
+from analytic.march import Coordinates, Joint
 from analytic.modes import ExactModes
 from lapjoint.contact import ContactState
 from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
+from lapjoint.steady import Section
 
+_TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed
 _POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
 
 
@@ -52,3 +55,38 @@ def _quadrature(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatA
     half = np.diff(edges)[:, None] / 2
     x = (edges[:-1, None] + half) + half * nodes
     return np.minimum(x, problem.beam.length).ravel(), (half * w).ravel()
+
+
+def resumed(joint: Joint, section: Section) -> Coordinates:
+    """The coordinates of a section found before, in this joint: its numbers of modes and its gaps may be others.
+
+    Modes that the section lacks are at rest; those that it has too many are left out.
+    """
+    model = joint.model(section.state)
+    q, v = (_fitted(part, model.size) for part in section.coordinates)
+    theta = joint.harmonics.theta(0.0)
+    loads = np.concatenate([[1.0], np.sin(theta)])
+    z = model.at_stops @ q + loads @ model.residual_at_stops
+    closed = ContactState(
+        tuple(
+            k
+            for k, stop in enumerate(joint.problem.stops)
+            if stop.sign * z[k] > stop.gap or (k in section.state and stop.sign * z[k] > stop.gap * (1 - _TOUCHING))
+        )
+    )
+    if closed == section.state:
+        return Coordinates(closed, q, v)
+    passage = joint.passage(section.state, closed)
+    omega = joint.harmonics.omega
+    return Coordinates(
+        closed,
+        passage.S @ q + loads @ passage.residual,
+        passage.S @ v + (omega * np.cos(theta)) @ passage.residual[1:],
+    )
+
+
+def _fitted(values: FloatArray, size: int) -> FloatArray:
+    result = np.zeros(size)
+    common = min(size, values.size)
+    result[:common] = values[:common]
+    return result

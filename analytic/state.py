@@ -19,8 +19,8 @@ where S0 and Sh carry the residual shapes of the old state.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -28,8 +28,18 @@ from analytic.modes import ExactModes, exact_modes
 from analytic.residual import Loads, Residual, residual
 from analytic.shapes import gram, integral
 from lapjoint.contact import ContactState
-from lapjoint.problem import BaseMotion, FloatArray, ModalDamping, Problem, SineLoad, StepLoad, ViscousDamping
+from lapjoint.problem import (
+    AtRest,
+    BaseMotion,
+    FloatArray,
+    ModalDamping,
+    Problem,
+    SineLoad,
+    StepLoad,
+    ViscousDamping,
+)
 
+OSCILLATING, SPLIT, DRIFTING = 0, 1, 2  # complex pair of roots; two real ones; free rigid body
 _SEPARATE = 1e-7  # relative distance kept between coincident poles; the motion changes by its square
 
 
@@ -54,11 +64,17 @@ def harmonics_of(problem: Problem) -> Harmonics:
     return Harmonics(np.array([part.angular_frequency for part in parts]), np.array([part.phase for part in parts]))
 
 
-def _loads_of(problem: Problem, state: ContactState, nodes: FloatArray) -> Loads:
-    """Load 0 is constant; loads 1 ... H are the amplitudes of the harmonics."""
+def _sizes(problem: Problem) -> FloatArray:
+    """Factors of the unit loads: 1 for the constant one, then the amplitudes of the harmonics, ``(1 + H,)``."""
     base = problem.base_motion
+    inertia = [] if base is None else [problem.beam.m * base.amplitude * base.angular_frequency**2]
+    return np.array([1.0, *inertia, *(load.force for load in problem.point_loads if isinstance(load, SineLoad))])
+
+
+def _unit_loads(problem: Problem, state: ContactState, nodes: FloatArray) -> Loads:
+    """Load 0 is constant; loads 1 ... H are those of the harmonics with an amplitude of 1 N/m or 1 N."""
     sines = [load for load in problem.point_loads if isinstance(load, SineLoad)]
-    uniform = [0.0] + ([] if base is None else [problem.beam.m * base.amplitude * base.angular_frequency**2])
+    uniform = [0.0] + ([] if problem.base_motion is None else [1.0])
     forces = np.zeros((len(uniform) + len(sines), nodes.size))
 
     def node(x: float) -> int:
@@ -71,8 +87,86 @@ def _loads_of(problem: Problem, state: ContactState, nodes: FloatArray) -> Loads
         if isinstance(load, StepLoad):
             forces[0, node(load.x)] += load.force
     for row, sine in enumerate(sines, start=len(uniform)):
-        forces[row, node(sine.x)] += sine.force
+        forces[row, node(sine.x)] += 1.0
     return Loads(np.array(uniform + [0.0] * len(sines)), forces)
+
+
+@dataclass(frozen=True)
+class UnitState:
+    """What a contact state holds apart from the size and the frequency of the excitation."""
+
+    modes: ExactModes
+    decay: FloatArray
+    """Half the damping rate, zeta_i omega_i, 1/s, shape ``(N,)``."""
+    modal: FloatArray
+    """(Phi_i, p_l) of the unit loads, shape ``(1 + H, N)``."""
+    residual: Residual
+    at_stops: FloatArray
+    """Modes at the stops, shape ``(P, N)``."""
+    residual_at_stops: FloatArray
+    """Residual shapes at the stops, shape ``(1 + H, P)``."""
+    turning: dict[tuple[bytes, float, int], np.ndarray] = field(default_factory=dict)
+    """Tables of exp(lambda tau) made so far; see `StateModel.turning`."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """All problems that differ in the size and the frequency of the excitation only: their states are kept."""
+
+    problem: Problem
+    states: dict[tuple[ContactState, int], UnitState] = field(default_factory=dict)
+    passages: dict[tuple[ContactState, int, ContactState, int], Passage] = field(default_factory=dict)
+
+    def state(self, state: ContactState, count: int) -> UnitState:
+        """A contact state with `count` modes."""
+        if (state, count) not in self.states:
+            self.states[state, count] = _unit_state(self.problem, state, count)
+        return self.states[state, count]
+
+    def passage(self, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
+        """The map between two states, for unit loads (43)."""
+        key = (old, n_old, new, n_new)
+        if key not in self.passages:
+            before, after, m = self.state(old, n_old), self.state(new, n_new), self.problem.beam.m
+            S = m * _overlap(after.modes, before.modes)
+            onto = m * gram(before.residual.foundation, after.modes.shapes) - before.residual.weights @ S.T
+            self.passages[key] = Passage(S, onto)
+        return self.passages[key]
+
+
+def family_of(problem: Problem) -> Family:
+    """The family of a problem; the last ones are kept."""
+    sines = tuple(
+        load.model_copy(update={"force": 1.0, "angular_frequency": 1.0, "phase": 0.0})
+        if isinstance(load, SineLoad)
+        else load
+        for load in problem.point_loads
+    )
+    base = None if problem.base_motion is None else BaseMotion(amplitude=1.0, angular_frequency=1.0)
+    unit = {"title": "", "base_motion": base, "point_loads": sines, "initial": AtRest()}
+    return _family(problem.model_copy(update=unit))
+
+
+@lru_cache(maxsize=16)
+def _family(problem: Problem) -> Family:
+    return Family(problem)
+
+
+def _unit_state(problem: Problem, state: ContactState, count: int) -> UnitState:
+    modes = exact_modes(problem, state, count)
+    loads = _unit_loads(problem, state, modes.shapes.nodes)
+    at_nodes = modes.shapes(modes.shapes.nodes)
+    modal = loads.concentrated @ at_nodes.T + loads.uniform[:, None] * integral(modes.shapes)  # (27)
+    shapes = residual(problem, state, modes, loads, modal)
+    x_stops = np.array([stop.x for stop in problem.stops])
+    return UnitState(
+        modes=modes,
+        decay=damping_rates(problem, modes.omega),
+        modal=modal,
+        residual=shapes,
+        at_stops=modes.shapes(x_stops).T,
+        residual_at_stops=shapes(x_stops),
+    )
 
 
 @dataclass(frozen=True)
@@ -98,11 +192,26 @@ class StateModel:
     """Coefficients of 1, t, t^2 of the answer to F0, shape ``(N, 3)``."""
     harmonic: np.ndarray
     """Complex amplitudes P with q_i = Im(P exp(i theta)), shape ``(H, N)``."""
+    unit: UnitState
 
     @property
     def size(self) -> int:
         """Number of modes N."""
         return self.decay.size
+
+    @cached_property
+    def kind(self) -> np.ndarray:
+        """How each mode moves freely, shape ``(N,)``, int64: OSCILLATING, SPLIT or DRIFTING."""
+        drifting = (self.roots == 0).all(axis=1)
+        return np.where(self.roots[:, 0].imag > 0, OSCILLATING, np.where(drifting, DRIFTING, SPLIT))
+
+    def turning(self, roots: np.ndarray, longest: float, halvings: int) -> np.ndarray:
+        """exp(lambda longest / 2^j) for all `roots`, shape ``(halvings, roots)``; kept with the state."""
+        key = (roots.tobytes(), longest, halvings)
+        if key not in self.unit.turning:
+            steps = longest * 0.5 ** np.arange(halvings)
+            self.unit.turning[key] = np.exp(np.outer(steps, roots))
+        return self.unit.turning[key]
 
 
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
@@ -114,31 +223,25 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
     return np.full(omega.size, rate)
 
 
-def build_state(problem: Problem, state: ContactState, count: int) -> StateModel:
-    """The modal form of `problem` in `state` with `count` modes."""
-    modes = exact_modes(problem, state, count)
-    harmonics = harmonics_of(problem)
-    loads = _loads_of(problem, state, modes.shapes.nodes)
-    at_nodes = modes.shapes(modes.shapes.nodes)
-    modal = loads.concentrated @ at_nodes.T + loads.uniform[:, None] * integral(modes.shapes)  # (27)
-    shapes = residual(problem, state, modes, loads, modal)
-    x_stops = np.array([stop.x for stop in problem.stops])
-    decay = damping_rates(problem, modes.omega)
-    omega = _away_from_resonance(modes.omega, decay, harmonics.omega)
-    roots = _roots(omega, decay)
-    denominator = omega**2 - harmonics.omega[:, None] ** 2 + 2j * decay * harmonics.omega[:, None]
+def build_state(problem: Problem, family: Family, state: ContactState, count: int) -> StateModel:
+    """The modal form of `problem`, of the given family, in `state` with `count` modes."""
+    unit, sizes, driven = family.state(state, count), _sizes(problem), harmonics_of(problem).omega
+    modal = unit.modal * sizes[:, None]
+    omega = _away_from_resonance(unit.modes.omega, unit.decay, driven)
+    denominator = omega**2 - driven[:, None] ** 2 + 2j * unit.decay * driven[:, None]
     return StateModel(
         state=state,
-        modes=modes,
-        decay=decay,
+        modes=unit.modes,
+        decay=unit.decay,
         F0=modal[0],
         Fh=modal[1:],
-        residual=shapes,
-        at_stops=modes.shapes(x_stops).T,
-        residual_at_stops=shapes(x_stops),
-        roots=roots,
-        static=_static_answer(modal[0], omega, decay),
+        residual=unit.residual.scaled(sizes),
+        at_stops=unit.at_stops,
+        residual_at_stops=unit.residual_at_stops * sizes[:, None],
+        roots=_roots(omega, unit.decay),
+        static=_static_answer(modal[0], omega, unit.decay),
         harmonic=modal[1:] / denominator,  # (28), (29) with the off-diagonal entries C* omega
+        unit=unit,
     )
 
 
@@ -190,9 +293,7 @@ def _overlap(new: ExactModes, old: ExactModes) -> FloatArray:
     return gram(new.shapes, old.shapes)
 
 
-def build_passage(problem: Problem, old: StateModel, new: StateModel) -> Passage:
+def build_passage(problem: Problem, family: Family, old: StateModel, new: StateModel) -> Passage:
     """The map from `old` to `new` by closed-form inner products (43)."""
-    m = problem.beam.m
-    S = m * _overlap(new.modes, old.modes)
-    onto = m * gram(old.residual.foundation, new.modes.shapes) - old.residual.weights @ S.T
-    return Passage(S, onto)
+    unit = family.passage(old.state, old.size, new.state, new.size)
+    return Passage(unit.S, unit.residual * _sizes(problem)[:, None])

@@ -1,17 +1,16 @@
-r"""Periodic motions: Newton's method on the period map, and Floquet multipliers.
+r"""Periodic motions: Newton's method on the period map, Floquet multipliers, and exponents where nothing repeats.
 
-The state at a multiple of the period, y = (q, v) in the modes of the contact state at that time, is mapped by
-P(y) over n periods.  The monodromy matrix dP/dy is the product of the closed-form flow of each segment, and at
-each switch
+The state at a multiple of the period, y = (q, v) in the modes of the contact state at that time, is mapped by P(y)
+over n periods.  A joint that is its own mirror image has a finer map: over half a period, then mirrored, z -> -z.  Its
+fixed points are the symmetric motions.  All maps are counted in half periods here, called turns: an odd number of
+turns ends mirrored, and 2 n turns are n periods.
 
-    dy_new = [ J + (J f_old + b - f_new) (grad h . -1 / h') ] dy_old
+A fixed point y* is accepted only if it is stable, all multipliers within the unit circle, and if the march leads to
+it: either the march has come within `_NEAR` of repeating, or it moves as the linearisation at y* says it must,
 
-where J is the linear part of the passage, b the rate of its time-dependent part, f the rates of y on both sides,
-and h the gap function whose root sets the time of the switch.  Under modal damping f jumps at a switch even though
-the spring force does not.
+    |P(y) - y* - M (y - y*)| <= _LINEAR |y - y*|.
 
-A fixed point is accepted only if it is stable, all multipliers within the unit circle: then it is a motion that
-marching would lead to.
+So a motion is found long before it has settled, and among motions that coexist it is the one marched to.
 """
 
 from __future__ import annotations
@@ -20,28 +19,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic import kernel
-from analytic.march import Compiled, Joint, March, Segment, march
-from analytic.state import StateModel
-from lapjoint.contact import ContactState
-from lapjoint.problem import FloatArray
+from analytic.march import Coordinates, Joint, March, march
+from analytic.tables import mirrored
+from analytic.tangent import carried, monodromy
+from lapjoint.contact import FREE
+from lapjoint.problem import FloatArray, StepLoad
 from lapjoint.solver import Progress
+from lapjoint.steady import Exponent
 
-_NEAR = 1e-2
-"""Newton starts only where the march has come this near to repeating, relative to the motion: of several motions
-that coexist it then finds the one that the march leads to."""
-
-
-@dataclass(frozen=True)
-class Orbit:
-    """A periodic motion, or the best that was found."""
-
-    order: int
-    """Excitation periods per period of the motion; 0 if none was found."""
-    residual: float
-    multipliers: FloatArray
-    motion: March
-    """One period of the motion, from t = 0; the last periods marched if none was found."""
+_NEAR = 1e-2  # of the size of the motion
+_FAR = 1.0  # from here on Newton is tried for one period
+_LINEAR = 0.1
+_TURNS = 1e-6  # of a multiplier's modulus: an imaginary part above says that it is one of a complex pair
+_FIRST_STRETCH = 8  # periods
+_NEWTON_STEPS = 12
+_LONG = 512  # periods of transient before an exponent is measured, and the least over which it is
+_BATCHES = 16  # stretches over which the spread of an exponent is taken
 
 
 @dataclass(frozen=True)
@@ -54,154 +47,179 @@ class Search:
 
 
 @dataclass(frozen=True)
-class Section:
-    """The state at a multiple of the excitation period."""
+class Orbit:
+    """A periodic motion."""
 
-    state: ContactState
-    q: FloatArray
-    v: FloatArray
-
-    @property
-    def y(self) -> FloatArray:
-        """q and v in one array, shape ``(2 N,)``."""
-        return np.concatenate([self.q, self.v])
-
-    def moved(self, y: FloatArray) -> Section:
-        """The same contact state with other coordinates ``y``."""
-        return Section(self.state, y[: self.q.size].copy(), y[self.q.size :].copy())
+    begin: Coordinates
+    """At a multiple of the excitation period."""
+    order: int
+    """Excitation periods per period of the motion."""
+    symmetric: bool
+    residual: float
+    multipliers: FloatArray
+    """Moduli over `order` periods, descending."""
 
 
-def flow_matrix(model: StateModel, s: float) -> FloatArray:
-    """d(q, v)(s) / d(q, v)(0) within one state, shape ``(2 N, 2 N)``."""
-    first, second = model.roots[:, 0], model.roots[:, 1]
-    equal = first == second  # a free rigid body: q + v s
-    apart = np.where(equal, 1.0, first - second)
-    e1, e2 = np.exp(first * s), np.exp(second * s)
-    sine = np.where(equal, s * e1, (e1 - e2) / apart).real
-    cosine = np.where(equal, e1, (first * e2 - second * e1) / apart).real
-    sine_rate = np.where(equal, e1, (first * e1 - second * e2) / apart).real
-    cosine_rate = np.where(equal, 0.0, first * second * (e2 - e1) / apart).real
-    n = model.size
-    matrix = np.zeros((2 * n, 2 * n))
-    i = np.arange(n)
-    matrix[i, i], matrix[i, n + i] = cosine, sine
-    matrix[n + i, i], matrix[n + i, n + i] = cosine_rate, sine_rate
-    return matrix
+@dataclass(frozen=True)
+class Wandering:
+    """A motion that was not found to repeat."""
+
+    begin: Coordinates
+    residual: float
+    """How far it is from repeating, at best, after up to the most periods looked for."""
+    exponent: Exponent
+    quasiperiodic: bool
+    """Whether the exponent vanishes beside the slowest damping, and an unstable motion that it circles is known."""
+    penetration: FloatArray
+    """Mean over the time measured of the integral of each stop's penetration over one period, m s."""
 
 
-def _rates(joint: Joint, it: Compiled, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
-    """d(q, v)/dt in one state, shape ``(2 N,)``."""
-    model, theta = it.model, joint.harmonics.theta(t)
-    stiffness = (model.roots[:, 0] * model.roots[:, 1]).real
-    damping = -(model.roots[:, 0] + model.roots[:, 1]).real
-    return np.concatenate([v, model.F0 + np.sin(theta) @ model.Fh - damping * v - stiffness * q])
+@dataclass(frozen=True)
+class Shot:
+    """What becomes of a section after some turns."""
+
+    motion: March
+    end: Coordinates
+    """Mirrored after an odd number of turns."""
+    residual: float
+    """Distance from the start, relative to the size of the motion; infinite in another contact state."""
 
 
-def monodromy(joint: Joint, motion: March) -> FloatArray:
-    """d(q, v) at the end by d(q, v) at the start of a marched motion, shape ``(2 N_end, 2 N_start)``."""
-    product = np.eye(2 * motion.segments[0].q.size)
-    for now, after in zip(motion.segments, (*motion.segments[1:], None), strict=True):
-        product = flow_matrix(joint.state(now.state).model, now.end - now.start) @ product
-        if after is not None:
-            product = saltation(joint, now, after) @ product
-    return product
+class Map:
+    """The maps of a section over half periods."""
+
+    def __init__(self, joint: Joint, period: float) -> None:
+        self.joint, self.period = joint, period
+        self.symmetric = is_symmetric(joint)
+        self.circled = False
+        """Whether an unstable periodic motion with complex multipliers outside the unit circle has been met."""
+
+    def norm(self, y: FloatArray) -> float:
+        """Size of a deviation: displacements, and velocities times period / 2 pi."""
+        q, v = np.split(y, 2)
+        return float(np.linalg.norm(q) + np.linalg.norm(v) * self.period / (2 * np.pi))
+
+    def shoot(self, begin: Coordinates, turns: int) -> Shot:
+        """March over some turns, and compare the end with the start."""
+        motion = march(self.joint, begin, 0.0, turns * self.period / 2)
+        end = motion.end if turns % 2 == 0 else self._mirrored(motion.end)
+        if end.state != begin.state:
+            return Shot(motion, end, np.inf)
+        return Shot(motion, end, self.norm(end.y - begin.y) / (self.norm(begin.y) + 1e-300))
+
+    def matrix(self, shot: Shot, turns: int) -> FloatArray:
+        """d(end) / d(start) of a shot."""
+        return monodromy(shot.motion) * (1 if turns % 2 == 0 else -1)
+
+    def _mirrored(self, section: Coordinates) -> Coordinates:
+        state = mirrored(self.joint.problem, section.state)
+        assert state is not None
+        return Coordinates(state, -section.q, -section.v)
 
 
-def saltation(joint: Joint, before: Segment, after: Segment) -> FloatArray:
-    """Jump of a small deviation at the switch between two segments, shape ``(2 N_new, 2 N_old)``."""
-    t, stop = before.end, before.switched
-    old, new = joint.state(before.state), joint.state(after.state)
-    passage, harmonics = joint.passage(before.state, after.state), joint.harmonics
-    n_old, n_new = old.model.size, new.model.size
-    J = np.zeros((2 * n_new, 2 * n_old))
-    J[:n_new, :n_old] = passage.S
-    J[n_new:, n_old:] = passage.S
-    theta, omega = harmonics.theta(t), harmonics.omega
-    moving = np.concatenate(
-        [
-            (omega * np.cos(theta)) @ passage.residual[1:],
-            (-(omega**2) * np.sin(theta)) @ passage.residual[1:],
-        ]
-    )
-    q, v = _end_of(joint, before)
-    jump = J @ _rates(joint, old, t, q, v) + moving - _rates(joint, new, t, after.q, after.v)
-    orientation = joint.sign[stop] * (-1.0 if stop in before.state else 1.0)
-    gradient = np.concatenate([orientation * old.model.at_stops[stop], np.zeros(n_old)])
-    return np.asarray(J - np.outer(jump, gradient) / before.rate)
+def is_symmetric(joint: Joint) -> bool:
+    """Whether z -> -z and half a period later is the same problem again."""
+    problem, omega = joint.problem, joint.harmonics.omega
+    if any(isinstance(load, StepLoad) and load.force for load in problem.point_loads) or np.ptp(omega) > 0:
+        return False
+    whole = joint.every_stop_closed
+    return mirrored(problem, whole) == whole
 
 
-def _end_of(joint: Joint, segment: Segment) -> tuple[FloatArray, FloatArray]:
-    it, harmonics = joint.state(segment.state), joint.harmonics
-    model, theta = it.model, harmonics.theta(segment.start)
-    c, poly = kernel.amplitudes(
-        segment.q, segment.v, theta, harmonics.omega, it.kind, model.roots, model.static, model.harmonic
-    )
-    s = segment.end - segment.start
-    q, v = kernel.state_at(s, c, poly, theta, harmonics.omega, it.kind, model.roots, model.harmonic)
-    return q, v
-
-
-def find_orbit(
-    joint: Joint,
-    start: Section,
-    period: float,
-    search: Search,
-    progress: Progress | None,
-) -> Orbit:
-    """March from `start`, try Newton at lengthening intervals, and accept the first stable periodic motion."""
-    now, marched, stretch = start, 0, 8
+def find_steady(
+    joint: Joint, begin: Coordinates, period: float, search: Search, progress: Progress | None
+) -> Orbit | Wandering:
+    """March from `begin` for longer and longer, and try Newton's method after each stretch."""
+    maps, now, marched, stretch, positive = Map(joint, period), begin, 0, _FIRST_STRETCH, 0
     while True:
-        motion = march(joint, now.state, 0.0, now.q, now.v, stretch * period)
-        now = Section(motion.state, motion.q, motion.v)
+        wandering = None
+        if marched + stretch < min(_LONG, search.max_periods):
+            now = march(joint, now, 0.0, stretch * period, record=False).end
+        else:
+            stretch = max(stretch, _LONG)
+            wandering, now = _measured(maps, now, stretch, search.max_order)
+            positive = positive + 1 if wandering.exponent.positive else 0
         marched += stretch
         if progress is not None:
-            progress(marched, search.max_periods)
-        for order in range(1, search.max_order + 1):
-            orbit = _newton(joint, now, order, period, search.tolerance)
-            if orbit is not None:
-                return _shortest(joint, orbit, period, search.tolerance)
-        if marched >= search.max_periods:
-            last = march(joint, now.state, 0.0, now.q, now.v, search.max_order * period)
-            return Orbit(0, _residual(now, last, period), np.zeros(0), last)
-        stretch = min(2 * stretch, search.max_periods - marched)
+            progress(min(marched, search.max_periods), search.max_periods)
+        orbit = _orbit_from(maps, now, search)
+        if orbit is not None:
+            return orbit
+        if wandering is not None and (positive == 2 or wandering.quasiperiodic or marched >= search.max_periods):
+            return wandering
+        stretch = min(2 * stretch, max(search.max_periods - marched, _FIRST_STRETCH))
 
 
-def _scale(section: Section, period: float) -> float:
-    """Size of the motion in energy-like units: displacements, and velocities times period / 2 pi."""
-    return float(np.linalg.norm(section.q) + np.linalg.norm(section.v) * period / (2 * np.pi)) + 1e-300
+def _orbit_from(maps: Map, now: Coordinates, search: Search) -> Orbit | None:
+    """The first stable motion that a section leads to: of one period, symmetric ones first, then of several."""
+    step = 1 if maps.symmetric else 2
+    for turns in range(step, 2 * search.max_order + 1, step):
+        orbit = _newton(maps, now, turns, search.tolerance, _FAR if turns <= 2 else _NEAR)
+        if orbit is not None:
+            return _least(maps, orbit, search.tolerance)
+    return None
 
 
-def _residual(section: Section, motion: March, period: float) -> float:
-    if motion.state != section.state:
-        return np.inf
-    difference = np.linalg.norm(motion.q - section.q) + np.linalg.norm(motion.v - section.v) * period / (2 * np.pi)
-    return float(difference) / _scale(section, period)
-
-
-def _shortest(joint: Joint, orbit: Orbit, period: float, tolerance: float) -> Orbit:
-    """The same motion over its least period: an orbit found over n periods may repeat after a part of them."""
-    first = orbit.motion.segments[0]
-    for order in range(1, orbit.order):
-        if orbit.order % order == 0:
-            shorter = _newton(joint, Section(first.state, first.q, first.v), order, period, tolerance)
+def _least(maps: Map, orbit: Orbit, tolerance: float) -> Orbit:
+    """The same motion over its least period: an orbit found over n turns may repeat after a part of them."""
+    found = orbit.order if orbit.symmetric else 2 * orbit.order
+    for turns in range(1, found):
+        if found % turns == 0 and (maps.symmetric or turns % 2 == 0):
+            shorter = _newton(maps, orbit.begin, turns, tolerance, _NEAR)
             if shorter is not None:
                 return shorter
     return orbit
 
 
-def _newton(joint: Joint, guess: Section, order: int, period: float, tolerance: float) -> Orbit | None:
-    """A stable orbit of `order` periods near `guess`, or None."""
-    now, allowed = guess, _NEAR
-    for _ in range(12):
-        motion = march(joint, now.state, 0.0, now.q, now.v, order * period)
-        residual = _residual(now, motion, period)
-        if not residual <= allowed:
+def _newton(maps: Map, guess: Coordinates, turns: int, tolerance: float, allowed: float) -> Orbit | None:
+    """A stable orbit of some turns that `guess` leads to, or None."""
+    now, first = guess, None
+    for _ in range(_NEWTON_STEPS):
+        shot = maps.shoot(now, turns)
+        if not shot.residual <= allowed:
             return None
-        matrix = monodromy(joint, motion)
-        if residual < tolerance:
-            multipliers = np.sort(np.abs(np.linalg.eigvals(matrix)))[::-1]
-            return Orbit(order, residual, multipliers, motion) if multipliers[0] < 1 else None
-        allowed = 2 * max(residual, 1e-6)
-        end = np.concatenate([motion.q, motion.v])
-        now = now.moved(now.y + np.linalg.solve(np.eye(end.size) - matrix, end - now.y))
+        first = first or shot
+        matrix = maps.matrix(shot, turns)
+        if shot.residual < tolerance:
+            eigenvalues = np.linalg.eigvals(matrix)
+            multipliers = np.sort(np.abs(eigenvalues))[::-1]
+            leading = eigenvalues[np.argmax(np.abs(eigenvalues))]
+            maps.circled |= bool(multipliers[0] > 1 and abs(leading.imag) > _TURNS * abs(leading))
+            if multipliers[0] >= 1 or not _leads_to(maps, guess, first, now, matrix):
+                return None
+            odd = turns % 2 == 1
+            return Orbit(now, turns if odd else turns // 2, odd, shot.residual, multipliers**2 if odd else multipliers)
+        allowed = 2 * max(shot.residual, 1e-6)
+        now = now.moved(now.y + np.linalg.solve(np.eye(now.y.size) - matrix, shot.end.y - now.y))
     return None
+
+
+def _leads_to(maps: Map, guess: Coordinates, first: Shot, orbit: Coordinates, matrix: FloatArray) -> bool:
+    """Whether the march from `guess`, of which `first` is the next piece, is on its way to `orbit`."""
+    if first.residual <= _NEAR:
+        return True
+    deviation = guess.y - orbit.y
+    return maps.norm(first.end.y - orbit.y - matrix @ deviation) <= _LINEAR * maps.norm(deviation)
+
+
+def _measured(maps: Map, begin: Coordinates, periods: int, max_order: int) -> tuple[Wandering, Coordinates]:
+    """March over `periods` and measure the largest Lyapunov exponent; also returns where the march ends."""
+    joint, now = maps.joint, begin
+    rng = np.random.default_rng(0)
+    deviation = rng.standard_normal((begin.y.size, 1))
+    deviation /= maps.norm(deviation[:, 0])
+    growth, total = np.zeros(periods), np.zeros(len(joint.problem.stops))
+    for i in range(periods):
+        motion = march(joint, now, 0.0, maps.period)
+        deviation = carried(motion, deviation)
+        size = maps.norm(deviation[:, 0])
+        growth[i] = np.log(size)
+        deviation /= size
+        now = motion.end
+        total += motion.penetration
+    batches = growth[: periods - periods % _BATCHES].reshape(_BATCHES, -1).mean(axis=1) / maps.period
+    exponent = Exponent(float(growth.mean() / maps.period), float(batches.std(ddof=1) / np.sqrt(_BATCHES)), periods)
+    decay = joint.model(FREE).decay
+    quasi = maps.circled and exponent.vanishes(float(decay[decay > 0].min(initial=np.inf)))
+    closest = min(maps.shoot(now, 2 * n).residual for n in range(1, max_order + 1))
+    return Wandering(now, closest, exponent, quasi, total / periods), now

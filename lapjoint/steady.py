@@ -19,6 +19,7 @@ class Outcome(Enum):
     NO_CONTACT = "The motion is periodic and touches no stop."
     PERIODIC = "The motion is periodic, with contacts."
     CHATTERING = "The motion is periodic; in each period a stop chatters: contacts ever closer, then a lasting one."
+    QUASIPERIODIC = "The motion is quasi-periodic: it circles an unstable periodic one, and nearby motions keep apart."
     APERIODIC = "The motion is aperiodic: nearby motions part exponentially."
     UNDECIDED = "Within the effort allowed the motion did not repeat, and nearby motions did not part for certain."
 
@@ -47,6 +48,10 @@ class Exponent:
     def positive(self) -> bool:
         """Whether it is above zero by four spreads or more."""
         return self.value > 4 * self.spread
+
+    def vanishes(self, rate: float) -> bool:
+        """Whether it is zero within four spreads, and three or more of them above -`rate`, a decay in 1/s."""
+        return abs(self.value) <= 4 * self.spread and self.value >= -rate + 3 * self.spread
 
 
 @dataclass(frozen=True)

@@ -81,6 +81,23 @@ def export_series(
     return folder / "motion.pvd"
 
 
+def check_sizes(points: int, frames: int) -> None:
+    """Refuse numbers of points and frames that cannot be written.
+
+    Raises
+    ------
+    InputError
+        If `points` is not 2 to `MOST_POINTS`, or `frames` not 2 to `MOST_FRAMES`.
+    """
+    _check("points", points, MOST_POINTS)
+    _check("frames", frames, MOST_FRAMES)
+
+
+def _check(name: str, value: int, most: int) -> None:
+    if not 2 <= value <= most:
+        raise InputError(f"{name} = {value}: allowed are 2 to {most}")
+
+
 def beam_points(problem: Problem, points: int) -> FloatArray:
     """Positions along the beam, m: `points` equidistant ones, and those of supports and stops.
 
@@ -89,8 +106,7 @@ def beam_points(problem: Problem, points: int) -> FloatArray:
     InputError
         If `points` is less than 2 or more than `MOST_POINTS`.
     """
-    if not 2 <= points <= MOST_POINTS:
-        raise InputError(f"points = {points}: allowed are 2 to {MOST_POINTS}")
+    _check("points", points, MOST_POINTS)
     L = problem.beam.length
     special = [support.x for support in problem.supports] + [stop.x for stop in problem.stops]
     grid = np.linspace(0.0, L, points)
@@ -100,8 +116,7 @@ def beam_points(problem: Problem, points: int) -> FloatArray:
 
 
 def _frame_times(history: History, frames: int) -> FloatArray:
-    if not 2 <= frames <= MOST_FRAMES:
-        raise InputError(f"frames = {frames}: allowed are 2 to {MOST_FRAMES}")
+    _check("frames", frames, MOST_FRAMES)
     times = np.union1d(np.linspace(history.start, history.end, frames), history.switch_times)
     if times.size > MOST_FRAMES:
         raise InputError(

@@ -11,7 +11,7 @@ from scipy.integrate import quad, solve_ivp
 
 import analytic
 from analytic.kernel import first_root_of_bound
-from analytic.state import build_state
+from analytic.state import build_state, family_of
 from lapjoint import (
     FREE,
     BaseMotion,
@@ -74,7 +74,7 @@ def test_one_mode_before_contact_is_the_textbook_oscillator(damping: object) -> 
 
 
 def residual_at_tip(problem: Problem, t: float) -> float:
-    model = build_state(problem, FREE, 1)
+    model = build_state(problem, family_of(problem), FREE, 1)
     return float(model.residual(np.array([2.0]))[1, 0] * math.sin(40.0 * t))
 
 
@@ -152,11 +152,12 @@ def test_the_step_bound_never_passes_the_first_root() -> None:
     for _ in range(2000):
         h, h1, h2 = -abs(rng.normal()) * 10.0 ** rng.integers(-9, 1), rng.normal(), rng.normal() * 10.0
         b3 = abs(rng.normal()) * 10.0 ** rng.integers(-1, 4) + 1e-9
-        tau = first_root_of_bound(h, h1, h2, b3)
+        tau = first_root_of_bound(h, h1, h2, b3, np.inf)
         s = np.linspace(0, tau, 200)
         assert np.all(h + s * (h1 + s * (h2 / 2 + s * b3 / 6)) <= 1e-12)
         after = tau * 1.01 + 1e-9
         assert h + after * (h1 + after * (h2 / 2 + after * b3 / 6)) > 0 or tau == 0
+        assert first_root_of_bound(h, h1, h2, b3, tau / 2) == tau / 2
 
 
 @pytest.mark.parametrize("side", ["top", "bottom"])

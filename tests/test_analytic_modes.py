@@ -9,7 +9,7 @@ import pytest
 
 from analytic.modes import exact_modes
 from analytic.shapes import gram, integral
-from analytic.state import build_passage, build_state
+from analytic.state import build_passage, build_state, family_of
 from lapjoint import FREE, Beam, ContactState, Problem, Support, contact_states, paper_joint
 
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
@@ -51,8 +51,9 @@ def test_closed_form_inner_products_agree_with_quadrature() -> None:
 def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:
     # (8) by parts: (omega_i^2 - omega_j^2) <Phi_i, Phi_j> = sum of k Phi_i Phi_j over the stops that differ.
     problem = paper_joint()
-    free, both = build_state(problem, FREE, 30), build_state(problem, ContactState((0, 1)), 30)
-    S = build_passage(problem, free, both).S
+    family = family_of(problem)
+    free, both = (build_state(problem, family, state, 30) for state in (FREE, ContactState((0, 1))))
+    S = build_passage(problem, family, free, both).S
     k = problem.stops[0].stiffness
     jump = k * both.at_stops[:2].T @ free.at_stops[:2]
     squares = both.modes.omega[:, None] ** 2 - free.modes.omega**2
@@ -90,7 +91,7 @@ def test_derivatives_of_shapes_agree_with_differences() -> None:
 
 def test_residual_shape_is_the_sum_of_the_left_out_modes() -> None:
     problem, state, x = paper_joint(), ContactState((0, 1)), np.array([0.3, 1.25, 2.5])
-    few, many = build_state(problem, state, 20), build_state(problem, state, 300)
+    few, many = (build_state(problem, family_of(problem), state, count) for count in (20, 300))
     forces = np.vstack([many.F0, many.Fh])[:, 20:]
     summed = (forces / many.modes.omega[20:] ** 2) @ many.modes.shapes(x)[20:]
     # The sum is cut at 300 modes (3e-4 of it is left out) and the foundation of the closed form moves it by 1e-6.

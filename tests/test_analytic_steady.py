@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import analytic
 from analytic.default_modes import default_count, truncation_error
-from analytic.march import Joint, march
+from analytic.march import Coordinates, Joint, march
 from analytic.start import initial_coordinates, initial_state
-from analytic.steady import Section, monodromy
-from lapjoint import FREE, Outcome, paper_joint
+from analytic.tangent import carried, monodromy
+from lapjoint import FREE, ModalDamping, Outcome, ViscousDamping, paper_joint
 
 
 @pytest.mark.parametrize("omega", [515.0, 2000.0])
@@ -32,14 +33,21 @@ def test_newton_finds_the_orbit_that_marching_leads_to(omega: float) -> None:
     np.testing.assert_allclose(steady.impulses, last, rtol=1e-7)
 
 
-def test_monodromy_agrees_with_finite_differences_and_with_the_damping() -> None:
-    problem, n = paper_joint(), 6
+def settled(joint: Joint, period: float) -> Coordinates:
+    problem = joint.problem
+    start = initial_coordinates(problem, joint.model(FREE).modes)
+    return march(joint, Coordinates(initial_state(problem), *start), 0.0, 60 * period, record=False).end
+
+
+DAMPINGS = {"modal": ModalDamping(ratio=0.08), "viscous": ViscousDamping(coefficient=2000.0)}
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_monodromy_agrees_with_finite_differences(damping: str) -> None:
+    problem, n = paper_joint().replace(damping=DAMPINGS[damping]), 6
     joint, period = Joint(problem, {}, n), 2 * math.pi / 515.0
-    q, v = initial_coordinates(problem, joint.state(FREE).model.modes)
-    settled = march(joint, initial_state(problem), 0.0, q, v, 60 * period)
-    start = Section(settled.state, settled.q, settled.v)
-    motion = march(joint, start.state, 0.0, start.q, start.v, period)
-    M = monodromy(joint, motion)
+    start = settled(joint, period)
+    M = monodromy(march(joint, start, 0.0, period))
     difference = np.zeros_like(M)
     steps = np.concatenate([np.full(n, 1e-8), np.full(n, 1e-5)])
     for i, h in enumerate(steps):
@@ -47,19 +55,29 @@ def test_monodromy_agrees_with_finite_differences_and_with_the_damping() -> None
         for sign in (1, -1):
             y = start.y
             y[i] += sign * h
-            moved = start.moved(y)
-            end = march(joint, moved.state, 0.0, moved.q, moved.v, period)
-            ends.append(np.concatenate([end.q, end.v]))
+            ends.append(march(joint, start.moved(y), 0.0, period).end.y)
         difference[:, i] = (ends[0] - ends[1]) / (2 * h)
     np.testing.assert_allclose(M, difference, atol=2e-5 * np.abs(M).max())
-    # Within a state the flow shrinks volume by exp(-2 sum of zeta omega t).
-    segment = motion.segments[0]
-    from analytic.steady import flow_matrix
-
-    model, duration = joint.state(segment.state).model, segment.end - segment.start
-    assert np.linalg.slogdet(flow_matrix(model, duration))[1] == pytest.approx(
-        -2 * model.decay.sum() * duration, rel=1e-9
+    vector = np.random.default_rng(1).standard_normal((2 * n, 1))
+    np.testing.assert_allclose(
+        carried(march(joint, start, 0.0, period), vector), M @ vector, atol=1e-9 * np.abs(M @ vector).max()
     )
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_the_monodromy_shrinks_volume_by_the_damping_and_the_truncation(damping: str) -> None:
+    problem = paper_joint().replace(damping=DAMPINGS[damping])
+    joint, period = Joint(problem, {}, 20), 2 * math.pi / 515.0
+    motion = march(joint, settled(joint, period), 0.0, period)
+    expected = 0.0
+    segments = motion.segments
+    for now, after in zip(segments, (*segments[1:], None), strict=True):
+        expected -= 2 * joint.model(now.state).decay.sum() * (now.end - now.start)
+        if after is not None:
+            # A saltation matrix has the determinant of the map itself times h' after over h' before, which is 1
+            # but for the velocity that 20 modes lose: 1e-5 a switch.
+            expected += 2 * np.linalg.slogdet(joint.passage(now.state, after.state).S)[1]
+    assert np.linalg.slogdet(monodromy(motion))[1] == pytest.approx(expected, abs=2e-3)
 
 
 @pytest.mark.parametrize("omega", [515.0, 2950.0, 5000.0])
@@ -97,6 +115,62 @@ def test_longer_periods_are_found() -> None:
     assert steady.history.end == pytest.approx(3 * 2 * math.pi / 300.0)
     thirds = [steady.history.displacement(2.5, n * steady.history.end / 3)[0, 0] for n in range(3)]
     assert np.ptp(thirds) > 1e-3 * np.abs(thirds).max()  # it does not repeat after one
+
+
+def test_symmetric_motions_are_told_from_others() -> None:
+    problem = paper_joint()
+    steady = analytic.Solver(n_modes=12).steady_state(problem)
+    assert steady.symmetric
+    half = steady.history.end / 2
+    tip = steady.history.displacement(2.5, [0.1 * half, 1.1 * half])[0]
+    assert tip[0] == pytest.approx(-tip[1], rel=1e-7)
+    uneven = tuple(stop.model_copy(update={"gap": 3e-3}) if stop.side == "top" else stop for stop in problem.stops)
+    lopsided = analytic.Solver(n_modes=12).steady_state(problem.replace(stops=uneven))
+    assert lopsided.outcome is Outcome.PERIODIC
+    assert not lopsided.symmetric
+
+
+def test_a_section_of_a_neighbour_leads_to_the_same_motion() -> None:
+    solver = analytic.Solver()
+    near = solver.steady_state(paper_joint(angular_frequency=780.0))
+    here = paper_joint(angular_frequency=820.0, gap=1.05e-3)
+    near = replace(near, section=replace(near.section, coordinates=near.section.coordinates[:, :12]))
+    np.testing.assert_allclose(
+        solver.steady_state(here, start=near.section).impulses, solver.steady_state(here).impulses, rtol=1e-7
+    )
+
+
+LIGHT = {
+    "modal": (700.0, ModalDamping(ratio=0.002)),
+    "viscous": (1100.0, ViscousDamping(coefficient=100.0)),
+}
+
+
+@pytest.mark.parametrize("damping", LIGHT)
+def test_lightly_damped_motions_are_certified_aperiodic(damping: str) -> None:
+    omega, kind = LIGHT[damping]
+    problem = paper_joint(angular_frequency=omega).replace(damping=kind)
+    steady = analytic.Solver(n_modes=12).steady_state(problem)
+    assert steady.outcome is Outcome.APERIODIC
+    assert steady.order == 0
+    assert steady.exponent is not None
+    assert steady.exponent.positive
+    assert steady.exponent.periods >= 500
+
+
+def test_a_motion_that_circles_an_unstable_orbit_is_certified_quasiperiodic() -> None:
+    steady = analytic.Solver(n_modes=12).steady_state(paper_joint(angular_frequency=1100.0, damping_ratio=0.01))
+    assert steady.outcome is Outcome.QUASIPERIODIC
+    assert steady.exponent is not None
+    assert abs(steady.exponent.value) <= 4 * steady.exponent.spread
+
+
+def test_a_linear_motion_without_damping_is_undecided() -> None:
+    problem = paper_joint(gap=10.0, damping_ratio=0.0)
+    steady = analytic.Solver(n_modes=6, max_periods=600).steady_state(problem)
+    assert steady.outcome is Outcome.UNDECIDED
+    assert steady.exponent is not None
+    assert abs(steady.exponent.value) < 1.0  # 1/s: nearby motions stay near, to the rounding of the logarithms
 
 
 def test_numbers_of_modes_may_differ_between_free_and_contact_states() -> None:

@@ -231,12 +231,13 @@ def export(
 ) -> None:
     """Write the motion of PROBLEM to DIR as a series of .vtu files; open DIR/motion.pvd in ParaView."""
     from lapjoint.errors import InputError
-    from lapjoint.vtk import export_series
+    from lapjoint.vtk import check_sizes, export_series
     from validation import chosen
 
     if (duration is None) != steady_state:
         raise InputError("export: give either --duration or --steady, and not both")
     chosen.check_directory(directory)
+    check_sizes(points, frames)
     if duration is not None:
         chosen.check_duration(duration)
     this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)

@@ -1,0 +1,121 @@
+r"""How small deviations from a motion travel: closed-form flow within a state, a saltation matrix at every switch.
+
+A deviation dy = (dq, dv) is carried over a switch by
+
+    dy_new = [ J + (J f_old + b - f_new) (grad h . -1 / h') ] dy_old
+
+where J is the linear part of the passage, b the rate of its time-dependent part, f the rates of y on both sides,
+and h the gap function whose root sets the time of the switch.  Under modal damping f jumps at a switch even though
+the spring force does not.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from analytic.march import March
+from analytic.state import OSCILLATING, SPLIT
+from lapjoint.problem import FloatArray
+
+
+def monodromy(motion: March) -> FloatArray:
+    """d(q, v) at the end by d(q, v) at the start of a recorded motion, shape ``(2 N_end, 2 N_start)``."""
+    n = motion.joint.model(motion.joint.state_in(int(motion.log.slot[0]))).size
+    return carried(motion, np.eye(2 * n))
+
+
+def carried(motion: March, deviations: FloatArray) -> FloatArray:
+    """Deviations at the start of a recorded motion, as columns ``(2 N_start, m)``, carried to its end."""
+    result: FloatArray = _carried(motion.joint.tables, motion.log, np.ascontiguousarray(deviations))
+    return result
+
+
+@njit(cache=True)
+def _carried(tables: Any, log: Any, deviations: Any) -> Any:
+    now = deviations.copy()
+    for i in range(log.slot.size):
+        _flow(tables, log.slot[i], log.end[i] - log.start[i], now)
+        if log.stop[i] >= 0 and i + 1 < log.slot.size:
+            now = _saltation(tables, log, i, now)
+    return now
+
+
+@njit(cache=True)
+def _flow(tables: Any, slot: int, s: float, now: Any) -> None:
+    """Carry deviations within a state, in place."""
+    n = tables.modes[slot]
+    extra = n
+    for i in range(n):
+        kind, root = tables.kind[slot, i], tables.root[slot, i]
+        if kind == OSCILLATING:
+            a, b = root.real, root.imag
+            decay = math.exp(a * s)
+            sine, cosine = decay * math.sin(b * s) / b, decay * math.cos(b * s)
+            C, S = cosine - a * sine, sine
+            C1, S1 = -(a * a + b * b) * sine, cosine + a * sine
+        elif kind == SPLIT:
+            first, second = root.real, tables.root[slot, extra].real
+            extra += 1
+            e1, e2 = math.exp(first * s), math.exp(second * s)
+            S, C = (e1 - e2) / (first - second), (first * e2 - second * e1) / (first - second)
+            S1, C1 = (first * e1 - second * e2) / (first - second), first * second * (e2 - e1) / (first - second)
+        else:
+            C, S, C1, S1 = 1.0, s, 0.0, 1.0
+        for j in range(now.shape[1]):
+            x, y = now[i, j], now[n + i, j]
+            now[i, j] = C * x + S * y
+            now[n + i, j] = C1 * x + S1 * y
+
+
+@njit(cache=True)
+def _rates(tables: Any, slot: int, theta: Any, q: Any, v: Any) -> Any:
+    """d(q, v)/dt in one state, shape ``(2 N,)``."""
+    n = tables.modes[slot]
+    rates = np.zeros(2 * n)
+    extra = n
+    for i in range(n):
+        kind, root = tables.kind[slot, i], tables.root[slot, i]
+        damping, stiffness = -2 * root.real, root.real**2 + root.imag**2
+        if kind == SPLIT:
+            other = tables.root[slot, extra].real
+            extra += 1
+            damping, stiffness = -root.real - other, root.real * other
+        force = tables.force[slot, 0, i]
+        for h in range(theta.size):
+            force += tables.force[slot, 1 + h, i] * theta[h].imag
+        rates[i] = v[i]
+        rates[n + i] = force - damping * v[i] - stiffness * q[i]
+    return rates
+
+
+@njit(cache=True)
+def _saltation(tables: Any, log: Any, i: int, now: Any) -> Any:
+    """Carry deviations over the switch that ends segment `i`."""
+    old, new, k, t = log.slot[i], log.slot[i + 1], log.stop[i], log.end[i]
+    n_old, n_new = tables.modes[old], tables.modes[new]
+    S = np.ascontiguousarray(tables.carry[old, k, :n_new, :n_old])
+    theta = np.exp(1j * (tables.omega * t + tables.phase))
+    before = _rates(tables, old, theta, log.q_end[i], log.v_end[i])
+    after = _rates(tables, new, theta, log.q[i + 1], log.v[i + 1])
+    jump = np.empty(2 * n_new)
+    jump[:n_new] = np.dot(S, before[:n_old]) - after[:n_new]
+    jump[n_new:] = np.dot(S, before[n_old:]) - after[n_new:]
+    for h in range(theta.size):
+        for j in range(n_new):
+            onto = tables.carry_residual[old, k, 1 + h, j]
+            jump[j] += onto * tables.omega[h] * theta[h].real
+            jump[n_new + j] -= onto * tables.omega[h] ** 2 * theta[h].imag
+    orientation = -tables.sign[k] if tables.closed[old, k] else tables.sign[k]
+    mode = np.ascontiguousarray(tables.weight[old, tables.position[k], :n_old])
+    delay = np.dot(mode, now[:n_old]) * (-orientation / log.rate[i])
+    result = np.empty((2 * n_new, now.shape[1]))
+    result[:n_new] = np.dot(S, now[:n_old])
+    result[n_new:] = np.dot(S, now[n_old:])
+    for j in range(2 * n_new):
+        for m in range(now.shape[1]):
+            result[j, m] += jump[j] * delay[m]
+    return result
