@@ -18,12 +18,16 @@ An initial shape that is not straight and still also asks that the modes hold al
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 
 from analytic.modes import ExactModes, exact_modes
 from analytic.start import initial_coordinates
+from analytic.state import Family, family_of, harmonics_of
 from lapjoint.contact import FREE, contact_states
-from lapjoint.problem import AtRest, FloatArray, Problem, SineLoad, StepLoad
+from lapjoint.problem import AtRest, FloatArray, Problem, StepLoad
 
 LEAST, MOST = 10, 320
 _SHAPE_REMAINDER = 1e-3
@@ -41,19 +45,36 @@ def default_count(problem: Problem, tolerance: float) -> int:
 
 def truncation_error(problem: Problem, pool: int) -> FloatArray:
     """e_N for N = 1 ... pool - 1 with the sums cut at `pool` modes, the larger of both states, ``(pool - 1,)``."""
-    fullest = contact_states(problem)[-1]
-    both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, fullest))]
+    parts = _parts(family_of(problem), pool)
+    fastest = max([parts.elastic, *harmonics_of(problem).omega])
+    return np.asarray(np.maximum(parts.inert * fastest**2, parts.steps))
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """What the criterion needs apart from the excitation."""
+
+    elastic: float
+    """The lowest elastic frequency with every stop closed that can be, rad/s."""
+    inert: FloatArray
+    """e_N over the square of the fastest frequency, s^2, shape ``(pool - 1,)``."""
+    steps: FloatArray
+    """The error of step loads, shape ``(pool - 1,)``."""
+
+
+@lru_cache(maxsize=32)
+def _parts(family: Family, pool: int) -> _Parts:
+    problem = family.problem
+    both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, contact_states(problem)[-1]))]
     elastic = both[-1].omega[both[-1].omega > 0]
-    fastest = max([elastic[0], *_driven(problem)])
-    return np.asarray(np.max([_error(problem, modes, fastest) for modes in both], axis=0))
+    return _Parts(
+        elastic=float(elastic[0]),
+        inert=np.max([_inert(problem, modes) for modes in both], axis=0),
+        steps=np.max([_steps(problem, modes) for modes in both], axis=0),
+    )
 
 
-def _driven(problem: Problem) -> list[float]:
-    base = [] if problem.base_motion is None else [problem.base_motion.angular_frequency]
-    return base + [load.angular_frequency for load in problem.point_loads if isinstance(load, SineLoad)]
-
-
-def _error(problem: Problem, modes: ExactModes, fastest: float) -> FloatArray:
+def _inert(problem: Problem, modes: ExactModes) -> FloatArray:
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     shares = [np.zeros(omega.size)]
     for stop in problem.stops:
@@ -62,8 +83,15 @@ def _error(problem: Problem, modes: ExactModes, fastest: float) -> FloatArray:
     left_out = np.max([share[::-1].cumsum()[::-1] for share in shares], axis=0)[1:]
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
     least = np.arange(1, omega.size, dtype=float) ** -4
-    inertia = np.where(modes.omega[:-1] > 0, (fastest / omega[:-1]) ** 2, 1.0)
-    errors = [np.maximum(left_out, least) * inertia]
+    square = np.where(modes.omega[:-1] > 0, omega[:-1], 0.0) ** 2  # rigid-body modes are never left out
+    return np.asarray(
+        np.divide(np.maximum(left_out, least), square, out=np.full(square.size, np.inf), where=square > 0)
+    )
+
+
+def _steps(problem: Problem, modes: ExactModes) -> FloatArray:
+    omega = np.where(modes.omega > 0, modes.omega, np.inf)
+    errors = [np.zeros(omega.size - 1)]
     for load in problem.point_loads:
         if isinstance(load, StepLoad):
             compliance = modes.shapes(np.array([load.x]))[:, 0] ** 2 / omega**2

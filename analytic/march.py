@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from analytic import kernel
 from analytic.state import Passage, StateModel, build_passage, build_state, family_of, harmonics_of
-from analytic.tables import Tables, empty_tables, fill_passage, fill_state, grown
+from analytic.tables import Tables, slots_of
 from lapjoint.contact import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Problem
@@ -56,30 +55,26 @@ class Segment:
     """The stop that switches at the end, or `kernel.NO_SWITCH`."""
 
 
-@dataclass
 class Joint:
-    """A problem with numbers of modes; states and passages are built when a motion first needs them, and kept."""
+    """A problem with numbers of modes in the free state, and in every other."""
 
-    problem: Problem
-    counts: dict[ContactState, int]
-    default_count: int
-    _models: dict[ContactState, StateModel] = field(default_factory=dict)
-    _slots: list[ContactState] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.family = family_of(self.problem)
-        self.harmonics = harmonics_of(self.problem)
-        beam = self.problem.beam
-        longest = math.sqrt(beam.m / beam.EI) * beam.length**2
-        most = max([self.default_count, *self.counts.values()])
-        self.tables: Tables = empty_tables(self.problem, self.harmonics, most, longest)
+    def __init__(self, problem: Problem, free_modes: int, contact_modes: int) -> None:
+        self.problem = problem
+        self.harmonics = harmonics_of(problem)
+        self.family = family_of(problem)
+        self._slots = slots_of(self.family, free_modes, contact_modes)
+        self.tables: Tables = self._slots.scaled(problem)
+        self._models: dict[ContactState, StateModel] = {}
 
     def model(self, state: ContactState) -> StateModel:
         """One contact state in modal form."""
         if state not in self._models:
-            count = self.counts.get(state, self.default_count)
-            self._models[state] = build_state(self.problem, self.family, state, count)
+            self._models[state] = build_state(self.problem, self.family, state, self._slots.count(state))
         return self._models[state]
+
+    def count(self, state: ContactState) -> int:
+        """Number of modes in a state."""
+        return self._slots.count(state)
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
         """The map from one state to another."""
@@ -87,28 +82,25 @@ class Joint:
 
     def slot(self, state: ContactState) -> int:
         """Where a contact state is in the tables."""
-        if state not in self._slots:
-            if len(self._slots) == self.tables.modes.size:
-                self.tables = grown(self.tables)
-            fill_state(self.tables, len(self._slots), self.model(state), len(self.problem.stops))
-            self._slots.append(state)
-        return self._slots.index(state)
+        known = state in self._slots.states
+        slot = self._slots.slot(state)
+        if not known:
+            self.tables = self._slots.scaled(self.problem)
+        return slot
 
     def state_in(self, slot: int) -> ContactState:
         """The contact state in a slot."""
-        return self._slots[slot]
+        return self._slots.states[slot]
+
+    def connect(self, slot: int, stop: int) -> None:
+        """Make the switch of a stop from the state in a slot known to the tables."""
+        self._slots.connect(slot, stop)
+        self.tables = self._slots.scaled(self.problem)
 
     @property
     def every_stop_closed(self) -> ContactState:
         """All stops, whether or not they can be closed together."""
         return ContactState(tuple(range(len(self.problem.stops))))
-
-    def connect(self, slot: int, stop: int) -> None:
-        """Make the switch of a stop from the state in a slot known to the tables."""
-        old = self._slots[slot]
-        new = old.toggled(stop)
-        target = self.slot(new)
-        fill_passage(self.tables, slot, stop, target, self.passage(old, new))
 
 
 @dataclass(frozen=True)
@@ -129,7 +121,7 @@ class March:
         return tuple(self._segment(i, self.joint.state_in(int(log.slot[i]))) for i in range(log.slot.size))
 
     def _segment(self, i: int, state: ContactState) -> Segment:
-        n, log = self.joint.model(state).size, self.log
+        n, log = self.joint.count(state), self.log
         return Segment(state, float(log.start[i]), float(log.end[i]), log.q[i, :n], log.v[i, :n], int(log.stop[i]))
 
 
@@ -183,7 +175,7 @@ def march(
             if progress is not None:
                 progress(t - start, end - start)
     state = joint.state_in(slot)
-    n = joint.model(state).size
+    n = joint.count(state)
     whole = kernel.Log(*(np.concatenate(parts) for parts in zip(*full, strict=True))) if full else log
     return March(joint, whole, Coordinates(state, q[:n].copy(), v[:n].copy()), total)
 

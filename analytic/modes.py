@@ -13,20 +13,22 @@ from analytic.shapes import BeamFunctions, gram
 from lapjoint.contact import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem
 
+_POOL = 40
 _CLUSTER = 1e-6  # roots closer than this, relatively, share their plane of shapes and are made orthogonal in it
 
 
 @dataclass(frozen=True, eq=False)
 class ExactModes:
-    """Frequencies and shapes of one state: rigid-body modes first, then the elastic ones.
-
-    Compared and hashed by identity, so that what is derived from them can be kept.
-    """
+    """Frequencies and shapes of one state: rigid-body modes first, then the elastic ones."""
 
     omega: FloatArray
     """Natural angular frequencies, rad/s, shape ``(modes,)``."""
     shapes: BeamFunctions
     """Mass-normalised shapes, kg^-1/2."""
+
+    def head(self, count: int) -> ExactModes:
+        """The lowest `count` modes."""
+        return ExactModes(self.omega[:count], self.shapes.head(count))
 
 
 def exact_modes(problem: Problem, state: ContactState, count: int) -> ExactModes:
@@ -36,7 +38,15 @@ def exact_modes(problem: Problem, state: ContactState, count: int) -> ExactModes
     """
     layout = layout_of(problem, state.closed)
     springs = (tuple(layout.x), tuple(layout.translational), tuple(layout.torsional))
-    return _exact_modes(problem.beam, *springs, count)
+    return _exact_modes(problem.beam, *springs, pool_size(count)).head(count)
+
+
+def pool_size(count: int) -> int:
+    """How many modes are computed at once where `count` are asked for: so that numbers of modes share their work."""
+    size = _POOL
+    while size < count:
+        size *= 2
+    return size
 
 
 @lru_cache(maxsize=64)

@@ -54,6 +54,10 @@ class BeamFunctions:
         f = factors[:, None, None]
         return BeamFunctions(self.nodes, self.mu, self.right, self.c * f, self.p * f)
 
+    def head(self, count: int) -> BeamFunctions:
+        """The first `count` functions."""
+        return BeamFunctions(self.nodes, self.mu[:count], self.right, self.c[:count], self.p[:count])
+
     def mixed(self, matrix: FloatArray) -> BeamFunctions:
         """New coefficients ``matrix @ functions``, for functions with one and the same set of exponents."""
         return BeamFunctions(

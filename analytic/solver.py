@@ -13,7 +13,7 @@ from analytic.modes import exact_modes
 from analytic.motion import history_of
 from analytic.start import initial_coordinates, initial_state, resumed
 from analytic.steady import Orbit, Search, Wandering, find_steady
-from lapjoint.contact import FREE, ContactState
+from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
@@ -187,7 +187,7 @@ class Solver:
 
     def _start(self, problem: Problem, start: Section | None = None) -> tuple[Joint, Coordinates]:
         free, contact = self.mode_counts(problem)
-        joint = Joint(problem, {FREE: free}, contact)
+        joint = Joint(problem, free, contact)
         if start is None:
             state = initial_state(problem)
             return joint, Coordinates(state, *initial_coordinates(problem, joint.model(state).modes))

@@ -20,11 +20,11 @@ where S0 and Sh carry the residual shapes of the old state.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
-from analytic.modes import ExactModes, exact_modes
+from analytic.modes import ExactModes, exact_modes, pool_size
 from analytic.residual import Loads, Residual, residual
 from analytic.shapes import gram, integral
 from lapjoint.contact import ContactState
@@ -64,7 +64,7 @@ def harmonics_of(problem: Problem) -> Harmonics:
     return Harmonics(np.array([part.angular_frequency for part in parts]), np.array([part.phase for part in parts]))
 
 
-def _sizes(problem: Problem) -> FloatArray:
+def load_sizes(problem: Problem) -> FloatArray:
     """Factors of the unit loads: 1 for the constant one, then the amplitudes of the harmonics, ``(1 + H,)``."""
     base = problem.base_motion
     inertia = [] if base is None else [problem.beam.m * base.amplitude * base.angular_frequency**2]
@@ -103,35 +103,60 @@ class UnitState:
     residual: Residual
     at_stops: FloatArray
     """Modes at the stops, shape ``(P, N)``."""
-    residual_at_stops: FloatArray
-    """Residual shapes at the stops, shape ``(1 + H, P)``."""
-    turning: dict[tuple[bytes, float, int], np.ndarray] = field(default_factory=dict)
-    """Tables of exp(lambda tau) made so far; see `StateModel.turning`."""
+    foundation_at_stops: FloatArray
+    """The foundation shapes of `residual` at the stops, shape ``(1 + H, P)``."""
+
+    @property
+    def size(self) -> int:
+        """Number of modes N."""
+        return self.decay.size
+
+    @property
+    def residual_at_stops(self) -> FloatArray:
+        """Residual shapes at the stops, shape ``(1 + H, P)``."""
+        return np.asarray(self.foundation_at_stops - self.residual.weights @ self.at_stops.T)
+
+    def head(self, count: int) -> UnitState:
+        """The same state with its lowest `count` modes."""
+        modes, left = self.modes.head(count), self.residual.weights[:, :count]
+        return UnitState(
+            modes,
+            self.decay[:count],
+            self.modal[:, :count],
+            Residual(self.residual.foundation, modes.shapes, left),
+            self.at_stops[:, :count],
+            self.foundation_at_stops,
+        )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Family:
     """All problems that differ in the size and the frequency of the excitation only: their states are kept."""
 
     problem: Problem
-    states: dict[tuple[ContactState, int], UnitState] = field(default_factory=dict)
-    passages: dict[tuple[ContactState, int, ContactState, int], Passage] = field(default_factory=dict)
+    _states: dict[tuple[ContactState, int], UnitState] = field(default_factory=dict)
+    _passages: dict[tuple[ContactState, int, ContactState, int], Passage] = field(default_factory=dict)
 
     def state(self, state: ContactState, count: int) -> UnitState:
         """A contact state with `count` modes."""
-        if (state, count) not in self.states:
-            self.states[state, count] = _unit_state(self.problem, state, count)
-        return self.states[state, count]
+        return self._pool(state, pool_size(count)).head(count)
 
     def passage(self, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
         """The map between two states, for unit loads (43)."""
-        key = (old, n_old, new, n_new)
-        if key not in self.passages:
-            before, after, m = self.state(old, n_old), self.state(new, n_new), self.problem.beam.m
-            S = m * _overlap(after.modes, before.modes)
-            onto = m * gram(before.residual.foundation, after.modes.shapes) - before.residual.weights @ S.T
-            self.passages[key] = Passage(S, onto)
-        return self.passages[key]
+        before, m = self._pool(old, pool_size(n_old)), self.problem.beam.m
+        key = (old, before.size, new, pool_size(n_new))
+        if key not in self._passages:
+            after = self._pool(new, pool_size(n_new)).modes.shapes
+            products = m * gram(after, before.modes.shapes), m * gram(before.residual.foundation, after)
+            self._passages[key] = Passage(*products)
+        S = self._passages[key].S[:n_new, :n_old]
+        onto = self._passages[key].residual[:, :n_new] - before.residual.weights[:, :n_old] @ S.T
+        return Passage(S, onto)
+
+    def _pool(self, state: ContactState, size: int) -> UnitState:
+        if (state, size) not in self._states:
+            self._states[state, size] = _unit_state(self.problem, state, size)
+        return self._states[state, size]
 
 
 def family_of(problem: Problem) -> Family:
@@ -165,7 +190,7 @@ def _unit_state(problem: Problem, state: ContactState, count: int) -> UnitState:
         modal=modal,
         residual=shapes,
         at_stops=modes.shapes(x_stops).T,
-        residual_at_stops=shapes(x_stops),
+        foundation_at_stops=shapes.foundation(x_stops),
     )
 
 
@@ -192,26 +217,16 @@ class StateModel:
     """Coefficients of 1, t, t^2 of the answer to F0, shape ``(N, 3)``."""
     harmonic: np.ndarray
     """Complex amplitudes P with q_i = Im(P exp(i theta)), shape ``(H, N)``."""
-    unit: UnitState
 
     @property
     def size(self) -> int:
         """Number of modes N."""
         return self.decay.size
 
-    @cached_property
+    @property
     def kind(self) -> np.ndarray:
-        """How each mode moves freely, shape ``(N,)``, int64: OSCILLATING, SPLIT or DRIFTING."""
-        drifting = (self.roots == 0).all(axis=1)
-        return np.where(self.roots[:, 0].imag > 0, OSCILLATING, np.where(drifting, DRIFTING, SPLIT))
-
-    def turning(self, roots: np.ndarray, longest: float, halvings: int) -> np.ndarray:
-        """exp(lambda longest / 2^j) for all `roots`, shape ``(halvings, roots)``; kept with the state."""
-        key = (roots.tobytes(), longest, halvings)
-        if key not in self.unit.turning:
-            steps = longest * 0.5 ** np.arange(halvings)
-            self.unit.turning[key] = np.exp(np.outer(steps, roots))
-        return self.unit.turning[key]
+        """How each mode moves freely, shape ``(N,)``; see `kinds_of`."""
+        return kinds_of(self.modes.omega, self.decay)
 
 
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
@@ -225,10 +240,9 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
 
 def build_state(problem: Problem, family: Family, state: ContactState, count: int) -> StateModel:
     """The modal form of `problem`, of the given family, in `state` with `count` modes."""
-    unit, sizes, driven = family.state(state, count), _sizes(problem), harmonics_of(problem).omega
+    unit, sizes, driven = family.state(state, count), load_sizes(problem), harmonics_of(problem).omega
     modal = unit.modal * sizes[:, None]
-    omega = _away_from_resonance(unit.modes.omega, unit.decay, driven)
-    denominator = omega**2 - driven[:, None] ** 2 + 2j * unit.decay * driven[:, None]
+    omega = away_from_resonance(unit.modes.omega, unit.decay, driven)
     return StateModel(
         state=state,
         modes=unit.modes,
@@ -238,14 +252,22 @@ def build_state(problem: Problem, family: Family, state: ContactState, count: in
         residual=unit.residual.scaled(sizes),
         at_stops=unit.at_stops,
         residual_at_stops=unit.residual_at_stops * sizes[:, None],
-        roots=_roots(omega, unit.decay),
-        static=_static_answer(modal[0], omega, unit.decay),
-        harmonic=modal[1:] / denominator,  # (28), (29) with the off-diagonal entries C* omega
-        unit=unit,
+        roots=roots_of(omega, unit.decay),
+        static=static_answer(modal[0], omega, unit.decay),
+        harmonic=forced_answer(modal[1:], omega, unit.decay, driven),
     )
 
 
-def _away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArray) -> FloatArray:
+def forced_answer(force: FloatArray, omega: FloatArray, decay: FloatArray, driven: FloatArray) -> np.ndarray:
+    """Complex amplitudes of the answer to the harmonics (28), (29), with the off-diagonal entries C* omega of (29).
+
+    ``force`` is ``(..., H, N)``, ``omega`` and ``decay`` are ``(..., N)``, ``driven`` is ``(H,)``.
+    """
+    Omega = driven[:, None]
+    return np.asarray(force / (omega[..., None, :] ** 2 - Omega**2 + 2j * decay[..., None, :] * Omega))
+
+
+def away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArray) -> FloatArray:
     """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays."""
     result = omega.copy()
     for value in driven:
@@ -254,7 +276,7 @@ def _away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArra
     return result
 
 
-def _roots(omega: FloatArray, decay: FloatArray) -> np.ndarray:
+def roots_of(omega: FloatArray, decay: FloatArray) -> np.ndarray:
     """Roots of the damped oscillator; a critically damped pair is kept 1e-7 apart (under the root: 1e-14)."""
     square = decay**2 - omega**2
     square = np.where((omega > 0) & (np.abs(square) < (_SEPARATE * omega) ** 2), -((_SEPARATE * omega) ** 2), square)
@@ -265,7 +287,14 @@ def _roots(omega: FloatArray, decay: FloatArray) -> np.ndarray:
     return np.stack([slow, -decay - split], axis=1)
 
 
-def _static_answer(F0: FloatArray, omega: FloatArray, decay: FloatArray) -> FloatArray:
+def kinds_of(omega: FloatArray, decay: FloatArray) -> np.ndarray:
+    """OSCILLATING, SPLIT or DRIFTING for each mode, int64."""
+    roots = roots_of(omega, decay)
+    drifting = (roots == 0).all(axis=1)
+    return np.where(roots[:, 0].imag > 0, OSCILLATING, np.where(drifting, DRIFTING, SPLIT))
+
+
+def static_answer(F0: FloatArray, omega: FloatArray, decay: FloatArray) -> FloatArray:
     """Particular solution for a constant force (31); a rigid-body mode drifts, F0 t/(2 decay), or F0 t^2/2."""
     answer = np.zeros((F0.size, 3))
     rigid = omega == 0
@@ -287,13 +316,7 @@ class Passage:
     """S0 first, then Sh, shape ``(1 + H, N_new)``."""
 
 
-@lru_cache(maxsize=256)
-def _overlap(new: ExactModes, old: ExactModes) -> FloatArray:
-    """Integrals of Phi_i_new Phi_j_old, shape ``(N_new, N_old)``; kept: they do not depend on the excitation."""
-    return gram(new.shapes, old.shapes)
-
-
 def build_passage(problem: Problem, family: Family, old: StateModel, new: StateModel) -> Passage:
     """The map from `old` to `new` by closed-form inner products (43)."""
     unit = family.passage(old.state, old.size, new.state, new.size)
-    return Passage(unit.S, unit.residual * _sizes(problem)[:, None])
+    return Passage(unit.S, unit.residual * load_sizes(problem)[:, None])

@@ -219,7 +219,7 @@ def _measured(maps: Map, begin: Coordinates, periods: int, max_order: int) -> tu
         total += motion.penetration
     batches = growth[: periods - periods % _BATCHES].reshape(_BATCHES, -1).mean(axis=1) / maps.period
     exponent = Exponent(float(growth.mean() / maps.period), float(batches.std(ddof=1) / np.sqrt(_BATCHES)), periods)
-    decay = joint.model(FREE).decay
+    decay = joint.family.state(FREE, joint.count(FREE)).decay
     quasi = maps.circled and exponent.vanishes(float(decay[decay > 0].min(initial=np.inf)))
     closest = min(maps.shoot(now, 2 * n).residual for n in range(1, max_order + 1))
     return Wandering(now, closest, exponent, quasi, total / periods), now

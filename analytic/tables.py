@@ -2,18 +2,32 @@
 
 Each state has a slot.  Its motion is a sum of terms p_t(s) = c_t exp(lambda_t s): one for each mode, and a second for
 each mode that is damped above critical; the harmonic loads turn besides.  Slots are filled when a motion first
-reaches their state: of the many sets of stops that could be closed, a motion meets few.
+reaches their state: of the many sets of stops that could be closed, a motion meets few.  They are filled for loads
+of unit size, kept for all problems of a family, and scaled to the excitation of each.
 """
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from analytic.state import SPLIT, Harmonics, Passage, StateModel
-from lapjoint.contact import ContactState
-from lapjoint.problem import Problem
+from analytic.state import (
+    SPLIT,
+    Family,
+    UnitState,
+    away_from_resonance,
+    forced_answer,
+    harmonics_of,
+    kinds_of,
+    load_sizes,
+    roots_of,
+    static_answer,
+)
+from lapjoint.contact import FREE, ContactState
+from lapjoint.problem import FloatArray, Problem
 
 HALVINGS = 40  # of the longest tabulated step
 _SPARE = 4  # slots made at a time
@@ -70,11 +84,123 @@ class Tables(NamedTuple):
     """The longest tabulated step, s."""
 
 
-def empty_tables(problem: Problem, harmonics: Harmonics, size: int, longest: float) -> Tables:
+class Slots:
+    """The states of a family that motions have met so far, for given numbers of modes."""
+
+    def __init__(self, family: Family, free_modes: int, contact_modes: int) -> None:
+        self.family = family
+        self.counts = (free_modes, contact_modes)
+        self.states: list[ContactState] = []
+        problem, size = family.problem, max(free_modes, contact_modes)
+        self._omega = np.zeros((0, size))
+        self._decay = np.zeros((0, size))
+        self._residual = np.zeros((0, len({stop.x for stop in problem.stops}), load_sizes(problem).size))
+        self._unit = _empty_tables(problem, size)
+
+    def count(self, state: ContactState) -> int:
+        """Number of modes in a state."""
+        return self.counts[0] if state == FREE else self.counts[1]
+
+    def slot(self, state: ContactState) -> int:
+        """Where a contact state is; it is given a slot if it has none."""
+        if state not in self.states:
+            if len(self.states) == self._unit.modes.size:
+                self._grow()
+            self.states.append(state)
+            self._fill(len(self.states) - 1, self.family.state(state, self.count(state)), state)
+        return self.states.index(state)
+
+    def connect(self, slot: int, stop: int) -> None:
+        """Make the switch of a stop from the state in a slot known."""
+        old = self.states[slot]
+        new = old.toggled(stop)
+        target = self.slot(new)
+        passage, unit = self.family.passage(old, self.count(old), new, self.count(new)), self._unit
+        n_new, n_old = passage.S.shape
+        unit.carry[slot, stop, :n_new, :n_old] = passage.S
+        unit.carry_residual[slot, stop, :, :n_new] = passage.residual
+        unit.next_slot[slot, stop] = target
+
+    def scaled(self, problem: Problem) -> Tables:
+        """The tables for a problem of the family: its excitation has a size and a frequency."""
+        unit, sizes, harmonics = self._unit, load_sizes(problem), harmonics_of(problem)
+        used = self._omega.shape[0]
+        omega = away_from_resonance(self._omega, self._decay, harmonics.omega)
+        force = unit.force * sizes[:, None]
+        harmonic = np.zeros(unit.harmonic.shape, dtype=complex)
+        harmonic[:used] = forced_answer(force[:used, 1:], omega, self._decay, harmonics.omega)
+        weight = unit.weight[:used, :, : self._omega.shape[1]]
+        forced = np.zeros(unit.forced.shape, dtype=complex)
+        forced[:used] = weight @ harmonic[:used].transpose(0, 2, 1) + self._residual[:, :, 1:] * sizes[1:]
+        steps = unit.longest * 0.5 ** np.arange(HALVINGS)
+        tables = unit._replace(
+            force=force,
+            harmonic=harmonic,
+            forced=forced,
+            carry_residual=unit.carry_residual * sizes[:, None],
+            omega=harmonics.omega,
+            phase=harmonics.phase,
+            harmonic_turn=np.exp(1j * np.outer(steps, harmonics.omega)),
+        )
+        return tables if np.array_equal(omega, self._omega) else self._moved(tables, omega)
+
+    def _moved(self, tables: Tables, omega: FloatArray) -> Tables:
+        """The tables with other frequencies of undamped modes, as `away_from_resonance` has them."""
+        moved = tables._replace(root=tables.root.copy(), turn=tables.turn.copy(), static=tables.static.copy())
+        steps = tables.longest * 0.5 ** np.arange(HALVINGS)
+        for slot, i in np.argwhere(omega != self._omega):
+            root = roots_of(omega[slot, i : i + 1], self._decay[slot, i : i + 1])[0, 0]
+            moved.root[slot, i], moved.turn[slot, :, i] = root, np.exp(steps * root)
+            moved.static[slot, i, 0] = tables.force[slot, 0, i] / omega[slot, i] ** 2
+        return moved
+
+    def _grow(self) -> None:
+        """Make room for twice the states."""
+        empty = _empty_tables(self.family.problem, self._omega.shape[1], slots=self._unit.modes.size)
+        twice: dict[str, Any] = {
+            name: np.concatenate([getattr(self._unit, name), getattr(empty, name)]) for name in _PER_SLOT
+        }
+        self._unit = self._unit._replace(**twice)
+
+    def _fill(self, slot: int, state: UnitState, which: ContactState) -> None:
+        """Write a state into its slot."""
+        unit, n = self._unit, state.size
+        roots, kind = roots_of(state.modes.omega, state.decay), kinds_of(state.modes.omega, state.decay)
+        split = np.flatnonzero(kind == SPLIT)
+        mode_of = np.concatenate([np.arange(n), split])
+        terms = mode_of.size
+        root = np.concatenate([roots[:, 0], roots[split, 1]])
+        _, first = np.unique(unit.position, return_index=True)
+        unit.modes[slot], unit.terms[slot] = n, terms
+        unit.kind[slot, :n] = kind
+        unit.mode_of[slot, :terms] = mode_of
+        unit.root[slot, :terms] = root
+        unit.turn[slot, :, :terms] = np.exp(np.outer(unit.longest * 0.5 ** np.arange(HALVINGS), root))
+        unit.static[slot, :n] = static_answer(state.modal[0], state.modes.omega, state.decay)
+        unit.force[slot, :, :n] = state.modal
+        unit.weight[slot, :, :terms] = state.at_stops[first][:, mode_of]
+        unit.constant[slot] = state.residual_at_stops[0, first]
+        unit.closed[slot] = [k in which for k in range(unit.sign.size)]
+        pad = self._omega.shape[1] - n
+        self._omega = np.vstack([self._omega, np.pad(state.modes.omega, (0, pad))])
+        self._decay = np.vstack([self._decay, np.pad(state.decay, (0, pad))])
+        self._residual = np.concatenate([self._residual, state.residual_at_stops.T[None, first]])
+
+
+@lru_cache(maxsize=64)
+def slots_of(family: Family, free_modes: int, contact_modes: int) -> Slots:
+    """The slots of a family for given numbers of modes; the last ones are kept."""
+    return Slots(family, free_modes, contact_modes)
+
+
+_PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
+
+
+def _empty_tables(problem: Problem, size: int, slots: int = _SPARE) -> Tables:
     """Tables without a state, for states of at most `size` modes."""
+    harmonics, beam = harmonics_of(problem), problem.beam
     x = sorted({stop.x for stop in problem.stops})
-    S, N, T, P, U, H = _SPARE, size, 2 * size, len(problem.stops), len(x), harmonics.omega.size
-    steps = longest * 0.5 ** np.arange(HALVINGS)
+    S, N, T, P, U, H = slots, size, 2 * size, len(problem.stops), len(x), harmonics.omega.size
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),
@@ -94,53 +220,12 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, longest: flo
         carry_residual=np.zeros((S, P, 1 + H, N)),
         omega=harmonics.omega,
         phase=harmonics.phase,
-        harmonic_turn=np.exp(1j * np.outer(steps, harmonics.omega)),
+        harmonic_turn=np.ones((HALVINGS, H), dtype=complex),
         position=np.array([x.index(stop.x) for stop in problem.stops], dtype=np.int64),
         sign=np.array([stop.sign for stop in problem.stops], dtype=float),
         gap=np.array([stop.gap for stop in problem.stops], dtype=float),
-        longest=longest,
+        longest=math.sqrt(beam.m / beam.EI) * beam.length**2,
     )
-
-
-_PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
-
-
-def grown(tables: Tables) -> Tables:
-    """The same tables with twice the slots."""
-    twice: dict[str, Any] = {name: np.concatenate([getattr(tables, name)] * 2) for name in _PER_SLOT}
-    twice["next_slot"][tables.modes.size :] = -1
-    return tables._replace(**twice)
-
-
-def fill_state(tables: Tables, slot: int, model: StateModel, stops: int) -> None:
-    """Write a state into its slot."""
-    n = model.size
-    split = np.flatnonzero(model.kind == SPLIT)
-    terms = n + split.size
-    mode_of = np.concatenate([np.arange(n), split])
-    roots = np.concatenate([model.roots[:, 0], model.roots[split, 1]])
-    _, first = np.unique(tables.position, return_index=True)
-    tables.modes[slot], tables.terms[slot] = n, terms
-    tables.kind[slot, :n] = model.kind
-    tables.mode_of[slot, :terms] = mode_of
-    tables.root[slot, :terms] = roots
-    tables.turn[slot, :, :terms] = model.turning(roots, tables.longest, HALVINGS)
-    tables.static[slot, :n] = model.static
-    tables.harmonic[slot, :, :n] = model.harmonic
-    tables.force[slot, 0, :n], tables.force[slot, 1:, :n] = model.F0, model.Fh
-    tables.weight[slot, :, :terms] = model.at_stops[first][:, mode_of]
-    forced = model.at_stops @ model.harmonic.T + model.residual_at_stops[1:].T
-    tables.forced[slot] = forced[first]
-    tables.constant[slot] = model.residual_at_stops[0, first]
-    tables.closed[slot] = [k in model.state for k in range(stops)]
-
-
-def fill_passage(tables: Tables, slot: int, stop: int, target: int, passage: Passage) -> None:
-    """Write the passage from a slot to another by the switch of one stop."""
-    new, old = passage.S.shape
-    tables.carry[slot, stop, :new, :old] = passage.S
-    tables.carry_residual[slot, stop, :, :new] = passage.residual
-    tables.next_slot[slot, stop] = target
 
 
 def mirrored(problem: Problem, state: ContactState) -> ContactState | None:

@@ -24,7 +24,7 @@ from lapjoint.problem import FloatArray
 
 def monodromy(motion: March) -> FloatArray:
     """d(q, v) at the end by d(q, v) at the start of a recorded motion, shape ``(2 N_end, 2 N_start)``."""
-    n = motion.joint.model(motion.joint.state_in(int(motion.log.slot[0]))).size
+    n = motion.joint.count(motion.joint.state_in(int(motion.log.slot[0])))
     return carried(motion, np.eye(2 * n))
 
 

@@ -45,7 +45,7 @@ DAMPINGS = {"modal": ModalDamping(ratio=0.08), "viscous": ViscousDamping(coeffic
 @pytest.mark.parametrize("damping", DAMPINGS)
 def test_monodromy_agrees_with_finite_differences(damping: str) -> None:
     problem, n = paper_joint().replace(damping=DAMPINGS[damping]), 6
-    joint, period = Joint(problem, {}, n), 2 * math.pi / 515.0
+    joint, period = Joint(problem, n, n), 2 * math.pi / 515.0
     start = settled(joint, period)
     M = monodromy(march(joint, start, 0.0, period))
     difference = np.zeros_like(M)
@@ -67,7 +67,7 @@ def test_monodromy_agrees_with_finite_differences(damping: str) -> None:
 @pytest.mark.parametrize("damping", DAMPINGS)
 def test_the_monodromy_shrinks_volume_by_the_damping_and_the_truncation(damping: str) -> None:
     problem = paper_joint().replace(damping=DAMPINGS[damping])
-    joint, period = Joint(problem, {}, 20), 2 * math.pi / 515.0
+    joint, period = Joint(problem, 20, 20), 2 * math.pi / 515.0
     motion = march(joint, settled(joint, period), 0.0, period)
     expected = 0.0
     segments = motion.segments
