@@ -28,7 +28,7 @@ from lapjoint.solver import Progress
 from lapjoint.steady import Exponent
 
 _NEAR = 1e-2  # of the size of the motion
-_FAR = 1.0  # from here on Newton is tried for one period
+_FAR = 2.0  # from here on Newton is tried for one period
 _LINEAR = 0.1
 _TURNS = 1e-6  # of a multiplier's modulus: an imaginary part above says that it is one of a complex pair
 _FIRST_STRETCH = 8  # periods
@@ -107,6 +107,17 @@ class Map:
             return Shot(motion, end, np.inf)
         return Shot(motion, end, self.norm(end.y - begin.y) / (self.norm(begin.y) + 1e-300))
 
+    def returns(self, begin: Coordinates, turns: int) -> FloatArray:
+        """The residuals after 1, 2, ... `turns` turns of one march, shape ``(turns,)``; odd ones only if symmetric."""
+        half, now, residuals = self.period / 2, begin, np.full(turns, np.inf)
+        for i in range(turns):
+            now = march(self.joint, now, i * half, (i + 1) * half, record=False).end
+            odd = i % 2 == 0
+            end = self._mirrored(now) if odd and self.symmetric else now
+            if end.state == begin.state and (self.symmetric or not odd):
+                residuals[i] = self.norm(end.y - begin.y) / (self.norm(begin.y) + 1e-300)
+        return residuals
+
     def matrix(self, shot: Shot, turns: int) -> FloatArray:
         """d(end) / d(start) of a shot."""
         return monodromy(shot.motion) * (1 if turns % 2 == 0 else -1)
@@ -152,9 +163,12 @@ def find_steady(
 
 def _orbit_from(maps: Map, now: Coordinates, search: Search) -> Orbit | None:
     """The first stable motion that a section leads to: of one period, symmetric ones first, then of several."""
-    step = 1 if maps.symmetric else 2
-    for turns in range(step, 2 * search.max_order + 1, step):
-        orbit = _newton(maps, now, turns, search.tolerance, _FAR if turns <= 2 else _NEAR)
+    for turns in (1, 2) if maps.symmetric else (2,):
+        orbit = _newton(maps, now, turns, search.tolerance, _FAR)
+        if orbit is not None:
+            return _least(maps, orbit, search.tolerance)
+    for turns in 1 + np.flatnonzero(maps.returns(now, 2 * search.max_order) <= _NEAR):
+        orbit = _newton(maps, now, int(turns), search.tolerance, _NEAR)
         if orbit is not None:
             return _least(maps, orbit, search.tolerance)
     return None
@@ -221,5 +235,5 @@ def _measured(maps: Map, begin: Coordinates, periods: int, max_order: int) -> tu
     exponent = Exponent(float(growth.mean() / maps.period), float(batches.std(ddof=1) / np.sqrt(_BATCHES)), periods)
     decay = joint.family.state(FREE, joint.count(FREE)).decay
     quasi = maps.circled and exponent.vanishes(float(decay[decay > 0].min(initial=np.inf)))
-    closest = min(maps.shoot(now, 2 * n).residual for n in range(1, max_order + 1))
+    closest = float(maps.returns(now, 2 * max_order)[1::2].min())
     return Wandering(now, closest, exponent, quasi, total / periods), now
