@@ -1,26 +1,22 @@
-"""The analytic solver: numerical options, and the three questions that it answers."""
+"""The analytic solver: numerical options, and the three questions that it answers.
+
+The modules that answer them bring numba and scipy along; they are imported when the first question is asked.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from analytic.default_modes import default_count
-from analytic.march import Coordinates, Joint, march
-from analytic.modes import exact_modes
-from analytic.motion import history_of
-from analytic.start import initial_coordinates, initial_state, resumed
-from analytic.steady import Orbit, Search, Wandering, find_steady
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
+from lapjoint.steady import Section, SteadyState
 
 MOST_MODES = 500
+_REPEATS = 1e-9  # a motion repeats if it comes back to this fraction of its size
 
 
 @dataclass(frozen=True)
@@ -94,13 +90,15 @@ class Solver:
             n_modes=more(self.n_modes),
             free_modes=more(self.free_modes),
             contact_modes=more(self.contact_modes),
-            tolerance=float(np.clip(self.tolerance / factor**6, 1e-9, 1e-1)),
+            tolerance=min(max(self.tolerance / factor**6, 1e-9), 1e-1),
         )
 
     def mode_counts(self, problem: Problem) -> tuple[int, int]:
         """Numbers of modes used for `problem`: in the free state, and in every other."""
         common = self.n_modes
         if common is None and (self.free_modes is None or self.contact_modes is None):
+            from analytic.default_modes import default_count
+
             common = default_count(problem, self.tolerance)
         assert common is not None or (self.free_modes is not None and self.contact_modes is not None)
         return self.free_modes or common or 0, self.contact_modes or common or 0
@@ -114,6 +112,8 @@ class Solver:
             If `count` is not between 1 and 500.
         """
         _check_count("count", count)
+        from analytic.modes import exact_modes
+
         found = exact_modes(problem, state, count)
         return Modes(state, found.omega, found.shapes)
 
@@ -129,9 +129,9 @@ class Solver:
         """
         if not (math.isfinite(duration) and duration > 0):
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
-        joint, start = self._start(problem)
-        motion = march(joint, start, 0.0, float(duration), depth=True, progress=progress)
-        return history_of(problem, self.name, joint, motion)
+        from analytic import answers
+
+        return answers.simulate(problem, self.name, self.mode_counts(problem), float(duration), progress)
 
     def steady_state(
         self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
@@ -151,47 +151,12 @@ class Solver:
         SolverError
             If the march cannot go on.
         """
-        frequency = problem.excitation_frequency
-        if frequency is None:
+        if problem.excitation_frequency is None:
             raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
-        joint, begin = self._start(problem, start)
-        period = 2 * math.pi / frequency
-        found = find_steady(joint, begin, period, Search(1e-9, self.max_order, self.max_periods), progress)
-        return self._answer(joint, found, period)
+        from analytic import answers
 
-    def _answer(self, joint: Joint, found: Orbit | Wandering, period: float) -> SteadyState:
-        """What was found, with the motion over its period, or over the longest one looked for."""
-        problem, periods = joint.problem, found.order if isinstance(found, Orbit) else self.max_order
-        motion = march(joint, found.begin, 0.0, periods * period, depth=True)
-        history = history_of(problem, self.name, joint, motion)
-        if isinstance(found, Orbit):
-            outcome, impulses, exponent = periodic_outcome(history), steady_impulses(history, periods), None
-        else:
-            exponent = found.exponent
-            neither = Outcome.QUASIPERIODIC if found.quasiperiodic else Outcome.UNDECIDED
-            outcome = Outcome.APERIODIC if exponent.positive else neither
-            impulses = np.array([stop.sign * stop.stiffness for stop in problem.stops]) * found.penetration
-        return SteadyState(
-            problem=problem,
-            solver=self.name,
-            outcome=outcome,
-            order=found.order if isinstance(found, Orbit) else 0,
-            symmetric=isinstance(found, Orbit) and found.symmetric,
-            residual=found.residual,
-            multipliers=found.multipliers if isinstance(found, Orbit) else np.zeros(0),
-            exponent=exponent,
-            section=Section(found.begin.state, np.stack([found.begin.q, found.begin.v])),
-            history=history,
-            impulses=impulses,
-        )
-
-    def _start(self, problem: Problem, start: Section | None = None) -> tuple[Joint, Coordinates]:
-        free, contact = self.mode_counts(problem)
-        joint = Joint(problem, free, contact)
-        if start is None:
-            state = initial_state(problem)
-            return joint, Coordinates(state, *initial_coordinates(problem, joint.model(state).modes))
-        return joint, resumed(joint, start)
+        effort = answers.Search(_REPEATS, self.max_order, self.max_periods)
+        return answers.steady_state(problem, self.name, self.mode_counts(problem), effort, start, progress)
 
 
 def _check_count(field: str, value: object) -> None:

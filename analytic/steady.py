@@ -167,8 +167,8 @@ def _orbit_from(maps: Map, now: Coordinates, search: Search) -> Orbit | None:
         orbit = _newton(maps, now, turns, search.tolerance, _FAR)
         if orbit is not None:
             return _least(maps, orbit, search.tolerance)
-    for turns in 1 + np.flatnonzero(maps.returns(now, 2 * search.max_order) <= _NEAR):
-        orbit = _newton(maps, now, int(turns), search.tolerance, _NEAR)
+    for i in np.flatnonzero(maps.returns(now, 2 * search.max_order) <= _NEAR):
+        orbit = _newton(maps, now, int(i) + 1, search.tolerance, _NEAR)
         if orbit is not None:
             return _least(maps, orbit, search.tolerance)
     return None
