@@ -1,0 +1,51 @@
+"""What a user would pick instead: a plain `solve_ivp` script, or OpenSeesPy (if it is installed).
+
+One group, one motion: the first 20 ms of the paper's joint with viscous damping, by every program at settings that
+give the impulses to about a percent.  The impulses' largest deviation from the certified answer is in the columns
+that ``--benchmark-json`` writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analytic
+import fe_lapjoint
+from benchmarks.opensees_script import opensees_impulses
+from benchmarks.plain_script import plain_impulses
+from lapjoint import Problem, ViscousDamping, paper_joint
+
+DURATION = 0.02  # s
+ELEMENTS = 40
+USABLE = 0.03  # of the largest impulse
+PROBLEM = paper_joint().replace(damping=ViscousDamping(coefficient=2000.0))
+
+
+def lapjoint_impulses(solver: Any) -> Callable[[Problem], np.ndarray]:
+    return lambda problem: np.asarray(solver.simulate(problem, DURATION).impulses())
+
+
+PROGRAMS: dict[str, Callable[[Problem], np.ndarray]] = {
+    "analytic": lapjoint_impulses(analytic.Solver()),
+    "fe_lapjoint": lapjoint_impulses(fe_lapjoint.Solver(elements=ELEMENTS)),
+    "solve_ivp, Radau, 40 elements": lambda problem: plain_impulses(problem, ELEMENTS, DURATION, "Radau", 1e-4),
+    "solve_ivp, LSODA, 40 elements": lambda problem: plain_impulses(problem, ELEMENTS, DURATION, "LSODA", 1e-4),
+    "OpenSeesPy, dt 4e-6 s, 40 elements": lambda problem: opensees_impulses(problem, ELEMENTS, DURATION, 4e-6),
+}
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+@pytest.mark.benchmark(group=f"{DURATION} s of motion")
+def bench_program(benchmark: Any, program: str) -> None:
+    if "OpenSees" in program:
+        pytest.importorskip("openseespy.opensees", reason="OpenSeesPy is not installed", exc_type=RuntimeError)
+    fast = program == "analytic"
+    impulses = benchmark.pedantic(PROGRAMS[program], (PROBLEM,), rounds=50 if fast else 1, warmup_rounds=int(fast))
+    certified = PROGRAMS["analytic"](PROBLEM)
+    deviation = np.max(np.abs(impulses - certified)) / np.abs(certified).max()
+    benchmark.extra_info["deviation"] = float(deviation)
+    assert deviation < USABLE
