@@ -129,6 +129,16 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
             hi = r1
         elif r2 > 0:
             lo = r2
+    # From `lo` to the root the cubic rises.  No third of |h| is made up for before this:
+    third = -h / 3
+    safe = most
+    if h1 * safe > third:
+        safe = third / h1
+    if h2 * safe * safe > 2 * third:
+        safe = math.sqrt(2 * third / h2)
+    if b3 * safe * safe * safe > 6 * third:
+        safe = (6 * third / b3) ** (1 / 3)
+    lo = max(lo, 0.999 * safe)
     if lo >= most:
         return most
     if hi < 0:
@@ -138,15 +148,28 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
             if lo >= most:
                 return most
             hi = 2 * hi
+    return min(_root_from_below(h, h1, h2, b3, lo, hi), most)
+
+
+@njit(cache=True)
+def _root_from_below(h: float, h1: float, h2: float, b3: float, lo: float, hi: float) -> float:
+    """A time at most a thousandth below the root of a cubic that rises from `lo` to `hi`."""
+    x = 0.5 * (lo + hi)
     for _ in range(60):
+        value = h + x * (h1 + x * (h2 / 2 + x * b3 / 6))
+        if value < 0:
+            lo = x
+        else:
+            hi = x
         if hi - lo <= 1e-3 * hi:
             break
-        middle = 0.5 * (lo + hi)
-        if h + middle * (h1 + middle * (h2 / 2 + middle * b3 / 6)) < 0:
-            lo = middle
-        else:
-            hi = middle
-    return min(lo, most)
+        slope = h1 + x * (h2 + x * b3 / 2)
+        # Newton's step, or just below it, so that `lo` comes close to the root in the next one.
+        newton = (x - value / slope) * (1 - 4e-4) if slope > 0 else lo
+        x = newton if lo < newton < hi else 0.5 * (lo + hi)
+        if value < 0 and 0 < newton - lo < 3e-4 * lo:
+            break
+    return lo
 
 
 @njit(cache=True)
@@ -348,12 +371,12 @@ def follow(
         for i in range(n):
             for order in range(3):
                 drift[u, order] += weight[u, i] * poly[i, order]
-        for t in range(terms - 1, -1, -1):
-            tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * abs(term[t])
+    for t in range(terms - 1, -1, -1):
+        size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
+        for u in range(positions):
+            tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
     start_theta, start_term = theta.copy(), term.copy()
-    fastest = 0.0
-    for t in range(terms):
-        fastest = max(fastest, abs(root[t]))
+    fastest = tables.fastest[slot]
     deepest[:] = 0.0
     shift, previous = np.zeros(stops), np.zeros(stops)
     out = np.zeros((positions, 4))
@@ -463,15 +486,14 @@ def _areas(
         u = tables.position[k]
         z = s * (drift[u, 0] + s * (drift[u, 1] / 2 + s * drift[u, 2] / 3))
         for t in range(tables.terms[slot]):
-            root = tables.root[slot, t]
-            if root != 0:
-                z += tables.weight[slot, u, t] * ((term[t] - term0[t]) / root).real
+            change, over = term[t] - term0[t], tables.inverse[slot, t]
+            z += tables.weight[slot, u, t] * (change.real * over.real - change.imag * over.imag)
         for h in range(theta.size):
             z += (tables.forced[slot, u, h] * (theta[h] - theta0[h]) / (1j * tables.omega[h])).imag
         area[k] = max(tables.sign[k] * z - tables.gap[k] * s, 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=_SUM)
 def switch(tables: Any, slot: int, stop: int, theta: Any, q: Any, v: Any) -> int:
     """Carry displacement (36) and velocity (41) over to the next state, in place; returns its slot."""
     target = tables.next_slot[slot, stop]

@@ -46,6 +46,10 @@ class Tables(NamedTuple):
     """The mode of each term; the first terms are the modes in order, shape ``(S, T)``."""
     root: Any
     """lambda of each term, complex, shape ``(S, T)``."""
+    inverse: Any
+    """1 / lambda, or 0 where lambda is 0, shape ``(S, T)``."""
+    fastest: Any
+    """Largest modulus of the lambdas, shape ``(S,)``."""
     turn: Any
     """exp(lambda tau) for tau = longest / 2^j, shape ``(S, HALVINGS, T)``."""
     static: Any
@@ -146,11 +150,13 @@ class Slots:
 
     def _moved(self, tables: Tables, omega: FloatArray) -> Tables:
         """The tables with other frequencies of undamped modes, as `away_from_resonance` has them."""
-        moved = tables._replace(root=tables.root.copy(), turn=tables.turn.copy(), static=tables.static.copy())
+        copied = {name: getattr(tables, name).copy() for name in ("root", "inverse", "turn", "static")}
+        moved = tables._replace(**copied)
         steps = tables.longest * 0.5 ** np.arange(HALVINGS)
         for slot, i in np.argwhere(omega != self._omega):
             root = roots_of(omega[slot, i : i + 1], self._decay[slot, i : i + 1])[0, 0]
             moved.root[slot, i], moved.turn[slot, :, i] = root, np.exp(steps * root)
+            moved.inverse[slot, i] = 1 / root
             moved.static[slot, i, 0] = tables.force[slot, 0, i] / omega[slot, i] ** 2
         return moved
 
@@ -175,6 +181,8 @@ class Slots:
         unit.kind[slot, :n] = kind
         unit.mode_of[slot, :terms] = mode_of
         unit.root[slot, :terms] = root
+        unit.inverse[slot, :terms] = np.divide(1.0, root, out=np.zeros(terms, dtype=complex), where=root != 0)
+        unit.fastest[slot] = np.abs(root).max(initial=0.0)
         unit.turn[slot, :, :terms] = np.exp(np.outer(unit.longest * 0.5 ** np.arange(HALVINGS), root))
         unit.static[slot, :n] = static_answer(state.modal[0], state.modes.omega, state.decay)
         unit.force[slot, :, :n] = state.modal
@@ -207,6 +215,8 @@ def _empty_tables(problem: Problem, size: int, slots: int = _SPARE) -> Tables:
         kind=np.zeros((S, N), dtype=np.int64),
         mode_of=np.zeros((S, T), dtype=np.int64),
         root=np.zeros((S, T), dtype=complex),
+        inverse=np.zeros((S, T), dtype=complex),
+        fastest=np.zeros(S),
         turn=np.ones((S, HALVINGS, T), dtype=complex),
         static=np.zeros((S, N, 3)),
         harmonic=np.zeros((S, H, N), dtype=complex),

@@ -30,9 +30,7 @@ def opensees_impulses(problem: Problem, elements: int, duration: float, dt: floa
     for k, (stop, node) in enumerate(zip(problem.stops, stops, strict=True)):
         far, force = stop.sign * FAR, stop.sign * stop.stiffness * (FAR - stop.gap)
         law = sorted([(-far, 0.0), (stop.sign * stop.gap, 0.0), (far, force)])
-        ops.uniaxialMaterial(
-            "ElasticMultiLinear", k, "-strain", *[e for e, _ in law], "-stress", *[s for _, s in law]
-        )
+        ops.uniaxialMaterial("ElasticMultiLinear", k, "-strain", *[e for e, _ in law], "-stress", *[s for _, s in law])
         ops.node(1000 + k, beam.length * node / elements, 0.0)
         ops.fix(1000 + k, 1, 1, 1)
         ops.element("zeroLength", 1000 + k, 1000 + k, node, "-mat", k, "-dir", 2)
