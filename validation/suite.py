@@ -26,6 +26,8 @@ _MODULES = {
     "grazing": "grazing",
     "transient": "transient",
     "steady": "steady",
+    "peaks": "peaks",
+    "aperiodic": "aperiodic",
 }
 _COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}
 _MOST_LINES = 12

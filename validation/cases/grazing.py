@@ -105,12 +105,9 @@ def run(level: Level, say: Say) -> CaseResult:
         "grazing",
         "Ever shorter grazing contacts",
         "A stop is placed a little below the highest point of the tip's free flight: by 1e-2 to 1e-8 of it. "
-        "The contacts "
-        "become ever shorter. scipy's solve_ivp looks at its events at the ends of its steps only, and "
-        "passes over two "
-        "crossings within one step (DOP853, rtol 1e-8); the certified steps of the analytic solver and the "
-        "dense search of the FE "
-        "solver do not.",
+        "The contacts become ever shorter. scipy's solve_ivp looks at its events at the ends of its steps only, and "
+        "passes over two crossings within one step (DOP853, rtol 1e-8); the certified steps of the analytic solver and "
+        "the search of the FE solver do not.",
         checks=tuple(checks),
         criteria=tuple(criteria),
         tables=(table("Duration of the grazing contact, s", ("depth", "analytic", "FE", "solve_ivp alone"), rows),),

@@ -1,0 +1,70 @@
+"""Lightly damped joints whose motion never repeats: both solvers certify it, with one exponent."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor
+
+import analytic
+import fe_lapjoint
+from lapjoint import ModalDamping, Outcome, Problem, SteadyState, ViscousDamping, paper_joint
+from validation.case import CaseResult, Level, Say, table
+from validation.quantity import Check, Criterion, Estimate
+
+JOINTS = {
+    "modal damping 0.002, 700 rad/s": paper_joint(angular_frequency=700.0).replace(damping=ModalDamping(ratio=0.002)),
+    "viscous damping 100 N s/m2, 1100 rad/s": paper_joint(angular_frequency=1100.0).replace(
+        damping=ViscousDamping(coefficient=100.0)
+    ),
+}
+COVERAGE = 4.0  # spreads: the batches of a chaotic motion are few, and not independent
+
+
+def solve(which: str, problem: Problem, elements: int) -> SteadyState:
+    """The motion that remains, by the solver named."""
+    if which == "analytic":
+        return analytic.Solver().steady_state(problem)
+    return fe_lapjoint.Solver(elements=elements).steady_state(problem)
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """Both joints by both solvers."""
+    elements = {"quick": 8, "standard": 16, "full": 32}[level]
+    checks, criteria, rows = [], [], []
+    with ProcessPoolExecutor(max_workers=2) as pool:
+        futures = {
+            label: [pool.submit(solve, which, problem, elements) for which in ("analytic", "fe")]
+            for label, problem in JOINTS.items()
+        }
+        try:
+            for label, pair in futures.items():
+                found = [future.result() for future in pair]
+                say(label)
+                estimates = []
+                for steady in found:
+                    certified = float(steady.outcome is Outcome.APERIODIC)
+                    reason = "nothing repeats, and nearby motions part"
+                    criteria.append(
+                        Criterion(f"{label}: certified aperiodic, {steady.solver}", "1", certified, 1, 1, reason)
+                    )
+                    assert steady.exponent is not None
+                    value, spread, periods = steady.exponent.value, steady.exponent.spread, steady.exponent.periods
+                    how = f"{steady.solver}, over {periods} periods"
+                    estimates.append(Estimate(value, COVERAGE * spread, how))
+                    rows.append((label, steady.solver, f"{value:.3g}", f"{spread:.2g}", periods))
+                checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", estimates[0], estimates[1]))
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return CaseResult(
+        "aperiodic",
+        "Motions that never repeat",
+        "With the paper's damping ratio of 0.08 every motion of the joint settles. With a fortieth of it, or with "
+        "viscous damping as light at high frequency, some are chaotic. No two solvers can follow such a motion for long, but "
+        "the rate at which nearby motions part, the largest Lyapunov exponent, is a property of the joint: both measure "
+        "it by carrying a small deviation through every flow and over every switch.",
+        checks=tuple(checks),
+        criteria=tuple(criteria),
+        tables=(
+            table("Largest Lyapunov exponents", ("joint", "solver", "exponent (1/s)", "spread (1/s)", "periods"), rows),
+        ),
+    )
