@@ -10,21 +10,28 @@ during which its curvature cannot bring it back.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from lapjoint.problem import FloatArray
-
-GapFunctions = Callable[[FloatArray, int], FloatArray]
-"""h and its time derivative: called with times ``(m,)`` and order 0 or 1, gives ``(P, m)``; h > 0 is a switch."""
 
 SHORTEST = 1e-9  # s: intervals are not divided further
 LOCATION = 4e-13  # s: to which a crossing is located
 _DIVISIONS = 16
+_HALVINGS = 100  # at most: Newton's steps are far fewer
+
+
+class Gaps(Protocol):
+    """The gap functions h of all stops; h > 0 is a switch."""
+
+    def __call__(self, t: FloatArray) -> FloatArray:
+        """All of them at the times ``(m,)``: ``(P, m)``."""
+
+    def at(self, k: int, t: float) -> tuple[float, float]:
+        """One of them, and its rate, at one time."""
 
 
 @dataclass(frozen=True)
@@ -35,53 +42,48 @@ class Switch:
     stop: int
 
 
-def first_switch(
-    gaps: GapFunctions, start: float, end: float, curvature: FloatArray, fresh: FloatArray, samples: int = 48
-) -> Switch | None:
-    """The first crossing of any gap function in ``[start, end]``.
+def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, curvature: FloatArray, fresh: FloatArray) -> Switch | None:
+    """The first crossing of any gap function between the first and the last of the times ``t``.
 
     Parameters
     ----------
-    gaps : callable
+    gaps : Gaps
         The gap functions.
-    start, end : float
-        Interval, s.
+    t : FloatArray
+        Grid that is searched, s, shape ``(m + 1,)``.
+    h : FloatArray
+        The gap functions there, shape ``(P, m + 1)``.
     curvature : FloatArray
-        Bound on the second derivative of each gap function, shape ``(P,)``.
+        Bounds on the second derivative of each gap function from each grid time on, shape ``(P, m)``.
     fresh : FloatArray
         Time of each stop's last switch, shape ``(P,)``; -inf for none.
-    samples : int
-        Intervals of the first division.
     """
-    quiet = _quiet_until(gaps, start, curvature, fresh)
-    return _search(gaps, np.linspace(start, end, samples + 1), curvature, quiet)
+    return _search(gaps, t, h, curvature, _quiet_until(gaps, float(t[0]), curvature[:, 0], fresh))
 
 
-def _quiet_until(gaps: GapFunctions, start: float, curvature: FloatArray, fresh: FloatArray) -> FloatArray:
+def _quiet_until(gaps: Gaps, start: float, curvature: FloatArray, fresh: FloatArray) -> FloatArray:
     """From when each stop may switch, ``(P,)``: later than `start` for those that have just done so."""
     quiet = np.full(fresh.size, start)
-    recent = start - fresh < SHORTEST
-    if recent.any():
-        rate = gaps(np.array([start]), 1)[:, 0]
-        leaving = np.where(rate < 0, -2 * rate / np.maximum(curvature, 1e-300), 0.0)
+    for k in np.flatnonzero(start - fresh < SHORTEST):
+        rate = gaps.at(int(k), start)[1]
+        leaving = -2 * rate / max(curvature[k], 1e-300) if rate < 0 else 0.0
         # h <= h' s + B s^2 / 2 < 0 before 2 |h'| / B; half of it leaves room for the rounding of h at the start
-        quiet = np.where(recent, start + np.maximum(leaving / 2, SHORTEST), quiet)
+        quiet[k] = start + max(leaving / 2, SHORTEST)
     return quiet
 
 
-def _search(gaps: GapFunctions, t: FloatArray, curvature: FloatArray, quiet: FloatArray) -> Switch | None:
+def _search(gaps: Gaps, t: FloatArray, h: FloatArray, curvature: FloatArray, quiet: FloatArray) -> Switch | None:
     """Left to right through the intervals of the grid ``t``, dividing those that may hide a crossing."""
-    h = gaps(t, 0)
-    h = np.where(t >= quiet[:, None], h, -np.inf)  # a quiet stop cannot cross
     # The first grid point after a quiet time starts its stop anew: it may already be beyond zero.
-    width = np.diff(t)
-    if h.shape[0] == 0:
-        return None
+    curvature = np.broadcast_to(curvature, (h.shape[0], t.size - 1))
+    calm = t < quiet[:, None]
+    h = np.where(calm, -np.inf, h)  # a quiet stop cannot cross
+    width = t[1:] - t[:-1]
     ends = np.maximum(h[:, :-1], h[:, 1:])
-    partly = (t[:-1] < quiet[:, None]) & (t[1:] > quiet[:, None])
-    suspicious = (ends + curvature[:, None] * width**2 / 8 >= 0) | partly
+    suspicious = (ends + curvature * (width**2 / 8) >= 0) | (calm[:, :-1] & (t[1:] > quiet[:, None]))
     for i in np.flatnonzero(suspicious.any(axis=0)):
-        simple = _single_crossing(gaps, h, t, int(i), curvature, suspicious[:, i], quiet)
+        here, bound = suspicious[:, i], curvature[:, i]
+        simple = _single_crossing(gaps, h, t, int(i), bound, here, quiet)
         if simple is not None:
             return simple
         if width[i] <= SHORTEST:
@@ -90,14 +92,19 @@ def _search(gaps: GapFunctions, t: FloatArray, curvature: FloatArray, quiet: Flo
             if times:
                 return min(times, key=lambda switch: switch.time)
             continue
-        inside = _search(gaps, np.linspace(t[i], t[i + 1], _DIVISIONS + 1), curvature, quiet)
+        finer = t[i] + (t[i + 1] - t[i]) * _FRACTIONS
+        finer[-1] = t[i + 1]
+        inside = _search(gaps, finer, gaps(finer), bound[:, None], quiet)
         if inside is not None:
             return inside
     return None
 
 
+_FRACTIONS = np.arange(_DIVISIONS + 1) / _DIVISIONS
+
+
 def _single_crossing(
-    gaps: GapFunctions,
+    gaps: Gaps,
     h: FloatArray,
     t: FloatArray,
     i: int,
@@ -106,22 +113,33 @@ def _single_crossing(
     quiet: FloatArray,
 ) -> Switch | None:
     """The switch in the i-th interval if one stop alone can switch there, and its gap function rises in it."""
-    if suspicious.sum() != 1:
+    if np.count_nonzero(suspicious) != 1:
         return None
     k, width = int(np.argmax(suspicious)), t[i + 1] - t[i]
     if not (t[i] >= quiet[k] and h[k, i] <= 0 < h[k, i + 1]):
         return None
-    rate = gaps(t[i : i + 1], 1)[k, 0]
+    rate = gaps.at(k, float(t[i]))[1]
     return Switch(_locate(gaps, k, t[i], t[i + 1], quiet[k]), k) if rate > curvature[k] * width else None
 
 
-def _locate(gaps: GapFunctions, k: int, lo: float, hi: float, quiet: float) -> float:
-    """The crossing of stop `k` between `lo` and `hi`, where h is positive."""
-    lo = max(lo, quiet)
-
-    def h(t: float) -> float:
-        return float(gaps(np.array([t]), 0)[k, 0])
-
-    if lo >= hi or h(lo) >= 0:
+def _locate(gaps: Gaps, k: int, lo: float, hi: float, quiet: float) -> float:
+    """The crossing of stop `k` between `lo` and `hi`, where h is positive: Newton's method, or else halving."""
+    lo, hi = max(float(lo), float(quiet)), float(hi)
+    if lo >= hi:
         return lo
-    return float(brentq(h, lo, hi, xtol=LOCATION, rtol=8.9e-16))
+    h, rate = gaps.at(k, lo)
+    if h >= 0:
+        return lo
+    t = lo
+    for _ in range(_HALVINGS):
+        after = t - h / rate if rate > 0 else np.inf
+        if abs(after - t) <= LOCATION:
+            return float(after)
+        if not lo < after < hi:
+            after = (lo + hi) / 2
+            if hi - lo <= LOCATION:
+                return after
+        t = after
+        h, rate = gaps.at(k, t)
+        lo, hi = (lo, t) if h > 0 else (t, hi)
+    return t
