@@ -151,7 +151,8 @@ class SolutionGaps:
 
     def curvature(self, start: float, end: float) -> FloatArray:
         """Twice the largest sampled |z''| at the stops over a window: no bound, but all there is."""
-        return 2 * np.abs(self.stops @ self.coordinates(np.linspace(start, end, 200), 2)).max(axis=1, initial=0.0)
+        sampled = np.abs(self.stops @ self.coordinates(np.linspace(start, end, 200), 2))
+        return np.asarray(2 * sampled.max(axis=1, initial=0.0))
 
 
 @dataclass(frozen=True)
@@ -246,7 +247,7 @@ def _advance(
         switch: Switch | None = None
         if orientation.size:
             # the flow goes on beyond the end: the last step may too
-            grid, z = t + step * np.arange(count + 1), flow.at_grid(step, count)
+            grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset)
             switch = first_switch(gaps, grid, h, flow.curvature_bound(step, count), fresh)

@@ -116,7 +116,8 @@ class Flow:
         """z at the stops at the start and `count` equal steps on, shape ``(P, count + 1)``."""
         it = self.system
         free = (self._weights @ it.grid(step)[0][:, : count + 1]).real
-        return np.asarray((free + self._rest_of_places(self.start + step * np.arange(count + 1), 0))[it.place_of])
+        rest = self._rest_of_places(np.asarray(self.start + step * np.arange(count + 1.0)), 0)
+        return np.asarray((free + rest)[it.place_of])
 
     def at_stop(self, k: int, t: float) -> tuple[float, float]:
         """z and its rate at one stop at one time."""

@@ -11,7 +11,7 @@ import fe_lapjoint
 from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.march import Model, march
 from fe_lapjoint.mesh import mesh_nodes
-from fe_lapjoint.steady import monodromy
+from fe_lapjoint.tangent import monodromy
 from lapjoint import InputError, Outcome, Problem, Support, paper_joint, sdnl104
 
 
