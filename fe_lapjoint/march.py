@@ -40,6 +40,7 @@ class Model:
     rtol: float
     atol: float
     _systems: dict[ContactState, System] = field(default_factory=dict)
+    _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -63,13 +64,18 @@ class Model:
 
     def orientation(self, state: ContactState) -> FloatArray:
         """+1 or -1 for each stop, so that ``orientation * z - offset`` rises through 0 at its next switch."""
-        closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
-        return np.where(closed, -self.sign, self.sign)
+        return self._signs(state)[0]
 
     def offset(self, state: ContactState) -> FloatArray:
         """The gap of each stop, with the sign that belongs to `orientation`."""
-        closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
-        return np.where(closed, -self.gap, self.gap)
+        return self._signs(state)[1]
+
+    def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
+        if state not in self._gaps:
+            closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
+            turn = np.where(closed, -1.0, 1.0)
+            self._gaps[state] = turn * self.sign, turn * self.gap
+        return self._gaps[state]
 
 
 Coordinates = Callable[[FloatArray, int], FloatArray]
@@ -264,7 +270,11 @@ def _advance_by_library(
     coordinates = integrate(model, state, t, end, y)
     gaps = SolutionGaps(model.system(state).stops, coordinates, model.orientation(state), model.offset(state))
     grid = np.linspace(t, end, SAMPLES + 1)
-    switch = first_switch(gaps, grid, gaps(grid), gaps.curvature(t, end)[:, None], fresh) if fresh.size else None
+    switch = (
+        first_switch(gaps, grid, gaps(grid), np.outer(gaps.curvature(t, end), np.ones(SAMPLES)), fresh)
+        if fresh.size
+        else None
+    )
     until = end if switch is None else switch.time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, order)[:, 0] for order in (0, 1)])

@@ -78,10 +78,16 @@ class Flow:
         return np.asarray(x - 1j * (y - root.real * x) / root.imag)
 
     @cached_property
-    def _weights(self) -> ComplexArray:
-        """What the oscillating modes contribute to the displacement of the places at the start, ``(p, n)``."""
+    def _terms(self) -> ComplexArray:
+        """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
         it = self.system
-        return np.asarray((it.places if it.all_oscillate else it.places[:, it.oscillating]) * self._turning)
+        loads = it.place_amplitudes * (-1j * np.exp(1j * (it.driven * self.start + it.phase)))
+        return np.concatenate([it.place_modes * self._turning, loads, it.place_equilibrium], axis=1)
+
+    @cached_property
+    def _terms_and_rates(self) -> ComplexArray:
+        """Those of the displacement and of the velocity, shape ``(p, 2, terms)``."""
+        return np.stack([self._terms, self._terms * self.system.rates_of_terms], axis=1)
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t`` of shape ``(m,)``; returns ``(n, m)``."""
@@ -97,7 +103,7 @@ class Flow:
     def at(self, t: float) -> FloatArray:
         """(q, q') at one time, shape ``(2 n,)``."""
         it = self.system
-        if not it.all_oscillate or it.drift is not None:
+        if not it.plain:
             times = np.array([t])
             return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
         wave = it.amplitudes * np.exp(1j * (it.driven * t + it.phase))
@@ -108,41 +114,32 @@ class Flow:
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative of z at the stops, shape ``(P, m)``: the same sum, the modes contracted first."""
         it = self.system
-        turning = np.exp(np.multiply.outer(it.roots, t - self.start))
-        free = ((self._weights * it.roots**dt if dt else self._weights) @ turning).real
-        return np.asarray((free + self._rest_of_places(t, dt))[it.place_of])
+        turning = np.exp(np.multiply.outer(it.rates_of_terms, t - self.start))
+        terms = self._terms * it.rates_of_terms**dt if dt else self._terms
+        return self._with_others((terms @ turning).real, t, dt)
 
     def at_grid(self, step: float, count: int) -> FloatArray:
         """z at the stops at the start and `count` equal steps on, shape ``(P, count + 1)``."""
-        it = self.system
-        free = (self._weights @ it.grid(step)[0][:, : count + 1]).real
-        rest = self._rest_of_places(np.asarray(self.start + step * np.arange(count + 1.0)), 0)
-        return np.asarray((free + rest)[it.place_of])
+        z = (self._terms @ self.system.grid(step)[0][:, : count + 1]).real
+        return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
 
     def at_stop(self, k: int, t: float) -> tuple[float, float]:
         """z and its rate at one stop at one time."""
         it = self.system
-        if not it.all_oscillate or it.drift is not None:
+        if not it.plain:
             times = np.array([t])
             return float(self.at_stops(times)[k, 0]), float(self.at_stops(times, 1)[k, 0])
-        i = it.place_of[k]
-        turned = self._weights[i] * np.exp(it.roots * (t - self.start))
-        wave = it.place_amplitudes[i] * np.exp(1j * (it.driven * t + it.phase))
-        z = turned.real.sum() + wave.imag.sum() + it.place_equilibrium[i]
-        return float(z), float((turned @ it.roots).real + wave.real @ it.driven)
+        z, rate = self._terms_and_rates[it.place_of[k]] @ np.exp(it.rates_of_terms * (t - self.start))
+        return float(z.real), float(rate.real)
 
-    def _rest_of_places(self, t: FloatArray, dt: int) -> FloatArray:
-        """What loads and the modes that do not oscillate contribute to the motion of the places, ``(p, m)``."""
+    def _with_others(self, z: FloatArray, t: FloatArray, dt: int) -> FloatArray:
+        """From the places to the stops, with what rigid-body and overdamped modes contribute, ``(P, m)``."""
         it = self.system
-        angle = np.multiply.outer(it.driven, t) + it.phase[:, None]
-        result = ((it.place_amplitudes * (1j * it.driven) ** dt) @ np.exp(1j * angle)).imag
-        if dt == 0:
-            result += it.place_equilibrium[:, None]
         if it.drift is not None:
-            result += it.places @ self._drift(t - self.start, dt)
+            z = z + it.places @ self._drift(t - self.start, dt)
         if not it.all_oscillate:
-            result += it.places[:, ~it.oscillating] @ self._others(t, dt)
-        return np.asarray(result)
+            z = z + it.places[:, ~it.oscillating] @ self._others(t, dt)
+        return np.asarray(z[it.place_of])
 
     def _others(self, t: FloatArray, dt: int) -> FloatArray:
         """Modes that do not oscillate, or hardly: overdamped, critical, rigid."""
@@ -204,9 +201,11 @@ class Flow:
     def curvature_bound(self, step: float, count: int) -> FloatArray:
         """Bounds on |z''| at every stop from each of `count` grid times on, shape ``(P, count)``."""
         it = self.system
-        # an oscillating mode is Re(c exp(root s)): its acceleration is at most |c| |root|^2 exp(-a s)
-        strength = np.abs(self._weights) * np.abs(it.roots) ** 2
-        bound = strength @ it.grid(step)[1][:, :count] + it.place_forced_curvature[:, None]
+        # the acceleration of Re(c exp(r s)) is at most |c| |r|^2 exp(Re(r) s)
+        strength = np.abs(self._terms) * it.squares_of_terms
+        bound = strength @ it.grid(step)[1][:, :count]
+        if it.drift is not None:
+            bound += (np.abs(it.places) @ np.abs(it.drift[1]))[:, None]
         if not it.all_oscillate:
             bound += self._others_bound()[:, None]
         return np.asarray(bound[it.place_of])

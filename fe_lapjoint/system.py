@@ -100,15 +100,29 @@ class System:
         return np.asarray(self.places @ self.amplitudes)
 
     @cached_property
-    def place_equilibrium(self) -> FloatArray:
-        """Where the constant forces hold the places, shape ``(p,)``."""
-        return np.asarray(self.places @ self.equilibrium)
+    def place_modes(self) -> FloatArray:
+        """The oscillating modes at the places, shape ``(p, n)``."""
+        return np.asarray(self.places if self.all_oscillate else self.places[:, self.oscillating])
 
     @cached_property
-    def place_forced_curvature(self) -> FloatArray:
-        """Bound on |z''| at the places under the loads alone, shape ``(p,)``."""
-        rigid = np.where(self.omega == 0, np.abs(self.constant), 0.0)
-        return np.asarray(np.abs(self.place_amplitudes) @ self.driven**2 + np.abs(self.places) @ rigid)
+    def place_equilibrium(self) -> ComplexArray:
+        """Where the constant forces hold the places, shape ``(p, 1)``."""
+        return np.asarray((self.places @ self.equilibrium)[:, None].astype(complex))
+
+    @cached_property
+    def rates_of_terms(self) -> ComplexArray:
+        """What the motion of a place is made of: exp(r t) for the oscillating modes, the loads and a constant."""
+        return np.concatenate([self.roots, 1j * self.driven, [0.0]])
+
+    @cached_property
+    def squares_of_terms(self) -> FloatArray:
+        """|r|^2 of `rates_of_terms`."""
+        return np.asarray(np.abs(self.rates_of_terms) ** 2)
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether these terms are all of it: no overdamped and no rigid-body modes."""
+        return self.all_oscillate and self.drift is None
 
     @cached_property
     def drift(self) -> tuple[FloatArray, FloatArray] | None:
@@ -120,9 +134,9 @@ class System:
         return ramp, np.where(rigid & ~drag, self.constant, 0.0)
 
     def grid(self, step: float) -> tuple[ComplexArray, FloatArray]:
-        """exp(root t) of the oscillating modes at t = 0, step, ... `SAMPLES` step, and moduli, kept for next time."""
+        """exp(r t) of `rates_of_terms` at t = 0, step, ... `SAMPLES` step, and moduli, kept for next time."""
         if step not in self._grids:
-            turning = np.exp(np.multiply.outer(self.roots, step * np.arange(SAMPLES + 1)))
+            turning = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
             self._grids[step] = turning, np.abs(turning)
         return self._grids[step]
 
