@@ -13,6 +13,7 @@ from lapjoint.steady import Exponent
 
 STRETCH = 20  # periods
 LEAST_STRETCHES = 20
+_UNMISTAKABLE = 10  # spreads above zero at which a march is not continued: it has been looked at many times
 _LEAST_GROWTH = 7.0  # logarithm of the growth below which nothing is called exponential
 
 
@@ -57,3 +58,8 @@ class Growth:
     def exponential(self) -> bool:
         """Whether nearby motions part exponentially, for certain."""
         return self.enough and self.exponent.positive and sum(self.logs) > _LEAST_GROWTH
+
+    @property
+    def unmistakable(self) -> bool:
+        """Whether this is so clear that going on would not change it."""
+        return self.exponential and self.exponent.value > _UNMISTAKABLE * self.exponent.spread

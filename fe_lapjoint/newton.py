@@ -14,6 +14,7 @@ from lapjoint.problem import FloatArray
 _STEPS = 14  # of Newton's method; near an orbit the residual squares in each
 _FARTHEST = 1.5  # relative residual from which on Newton is tried
 _FINEST = 1e-13  # relative residual not improved upon
+_MARGINAL = 1e-9  # multipliers nearer to the unit circle are on it as far as can be told
 _NEAR = 1e-2  # relative distance within which a march is taken to be bound for a stable orbit
 _LINEAR = 0.25  # or else: largest departure from the linearised map, over the deviation
 
@@ -53,7 +54,7 @@ def newton(turns: Turns, point: Point, count: int, tolerance: float) -> Orbit | 
 
 def _stable(count: int, point: Point, matrix: FloatArray) -> Orbit | None:
     moduli = np.sort(np.abs(np.linalg.eigvals(matrix)))[::-1]
-    return Orbit(count, point, matrix, moduli) if moduli[0] < 1 else None
+    return Orbit(count, point, matrix, moduli) if moduli[0] < 1 - _MARGINAL else None
 
 
 def least(turns: Turns, orbit: Orbit, tolerance: float) -> Orbit:

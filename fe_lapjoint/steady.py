@@ -41,8 +41,8 @@ class Search:
     max_order: int
     max_periods: int
     points: list[Point] = field(default_factory=list)
-    candidate: Orbit | None = None
-    _found_at: int = 0
+    candidates: dict[int, tuple[Orbit, int]] = field(default_factory=dict)
+    """The stable orbits found, by their number of turns, and how many points had been passed then."""
 
     def run(self, start: Point, first: int, progress: Progress | None) -> Found:
         """Until an orbit is certain, or chaos is, or `max_periods` and an exponent's worth of periods are over."""
@@ -54,39 +54,38 @@ class Search:
             marched, part = divmod(len(self.points) - 1, per)
             if marched >= min(_TRANSIENT, self.max_periods):
                 growth.add(turned)
-            if self._arrived():
-                break
-            if part:
-                continue
-            if progress is not None and marched % 8 == 0:
-                progress(min(marched, self.max_periods), self.max_periods)
-            judge = growth.enough and marched % 100 == 0
-            if marched >= trial or judge:
-                trial = 2 * marched if marched >= trial else trial
-                self._try_newton()
-                if self._arrived():
-                    break
-            over = growth.enough and marched >= self.max_periods
-            if over or (judge and self.candidate is None and growth.exponential):
-                return Found(None, self.points[-1], growth.exponent, growth.exponential)
-        assert self.candidate is not None
-        return Found(least(self.turns, self.candidate, TOLERANCE), self.points[-1], None, False)
+            orbit = self._arrived()
+            if orbit is None and part == 0:
+                if progress is not None and marched % 8 == 0:
+                    progress(min(marched, self.max_periods), self.max_periods)
+                judge = growth.enough and marched % 100 == 0
+                if marched >= trial or judge:
+                    trial = 2 * marched if marched >= trial else trial
+                    orbit = self._try_newton()
+                over = growth.enough and marched >= self.max_periods
+                if orbit is None and (over or (judge and not self.candidates and growth.unmistakable)):
+                    return Found(None, self.points[-1], growth.exponent, growth.exponential)
+            if orbit is not None:
+                return Found(least(self.turns, orbit, TOLERANCE), self.points[-1], None, False)
 
-    def _arrived(self) -> bool:
-        """Whether the march is bound for the candidate; looked at whenever it comes by the candidate's phase."""
-        if self.candidate is None:
-            return False
-        here, n = len(self.points) - 1, self.candidate.turns
-        if (here - self._found_at) % n or here < 2 * n:
-            return False
-        return bound_for(self.turns, self.candidate, self.points[-1 - 2 * n :: n])
+    def _arrived(self) -> Orbit | None:
+        """The candidate that the march is bound for; each is looked at when the march comes by its phase."""
+        here = len(self.points) - 1
+        for n, (orbit, found_at) in self.candidates.items():
+            due = (here - found_at) % n == 0 and here >= 2 * n
+            if due and bound_for(self.turns, orbit, self.points[-1 - 2 * n :: n]):
+                return orbit
+        return None
 
-    def _try_newton(self) -> None:
+    def _try_newton(self) -> Orbit | None:
+        """From the present point; returns the orbit found if the march is bound for it."""
         for count in self._counts():
             orbit = newton(self.turns, self.points[-1], count, TOLERANCE)
             if orbit is not None:
-                self.candidate, self._found_at = orbit, len(self.points) - 1
-                return
+                self.candidates[count] = orbit, len(self.points) - 1
+                if self._arrived() is orbit:
+                    return orbit
+        return None
 
     def _counts(self) -> Iterator[int]:
         """Numbers of turns to try: the symmetric motion, the excitation's period, and what nearly repeated."""
