@@ -21,7 +21,8 @@ from lapjoint.problem import FloatArray
 
 SHORTEST = 1e-9  # s: what happens within is not resolved
 LOCATION = 4e-13  # s: to which a crossing is located
-_HALVINGS = 100  # at most: Newton's steps are far fewer
+_STEPS = 20  # of Newton's method: more than it takes
+_HALVINGS = 100  # at most, where it must be helped
 
 
 class Gaps(Protocol):
@@ -92,6 +93,9 @@ def _first_crossing(gaps: Gaps, k: int, t: float, end: float, curvature: float) 
         if h >= 0:
             return t
         step = _safe_step(h, rate, curvature)
+        if rate > 4 * curvature * step:  # h rises all the way to a crossing within 2 step
+            time = _newton(gaps, k, t, h, rate)
+            return time if time < end else None
         if step <= SHORTEST:
             step = SHORTEST
             if gaps.at(k, t + step)[0] > 0:
@@ -106,6 +110,17 @@ def _safe_step(h: float, rate: float, curvature: float) -> float:
     root = math.sqrt(rate * rate - 2 * curvature * h)
     below = rate + root if rate > 0 else -2 * curvature * h / max(root - rate, 1e-300)
     return -2 * h / max(below, 1e-300)
+
+
+def _newton(gaps: Gaps, k: int, t: float, h: float, rate: float) -> float:
+    """The crossing just ahead of `t`, where the rate hardly changes: the steps shrink quadratically."""
+    for _ in range(_STEPS):
+        step = -h / rate
+        t += step
+        if abs(step) <= LOCATION:
+            break
+        h, rate = gaps.at(k, t)
+    return t
 
 
 def _locate(gaps: Gaps, k: int, lo: float, hi: float) -> float:

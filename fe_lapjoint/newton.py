@@ -12,6 +12,7 @@ from fe_lapjoint.turns import Point, Turns
 from lapjoint.problem import FloatArray
 
 _STEPS = 14  # of Newton's method; near an orbit the residual squares in each
+_PATIENCE = 5  # steps in which the residual must halve
 _FARTHEST = 1.5  # relative residual from which on Newton is tried
 _FINEST = 1e-13  # relative residual not improved upon
 _MARGINAL = 1e-9  # multipliers nearer to the unit circle are on it as far as can be told
@@ -33,17 +34,18 @@ class Orbit:
 
 def newton(turns: Turns, point: Point, count: int, tolerance: float) -> Orbit | None:
     """A stable fixed point of `count` turns, from `point`; None if there is none to be found from here."""
-    allowed, before = _FARTHEST, np.inf
+    allowed, residuals = _FARTHEST, [np.inf] * _PATIENCE
     for _ in range(_STEPS):
         turned = turns.after(point, count)
         change = turns.seen_from(point.state, turned.end) - point.y
         residual = turns.size(change) / max(turns.size(point.y), np.finfo(float).tiny)
-        if not residual <= allowed:
+        if not ((residual <= allowed and residual < residuals[-_PATIENCE] / 2) or residual <= tolerance):
             return None
         matrix = turns.matrix(point, turned)
-        if residual <= tolerance and (residual <= _FINEST or residual > before / 4):
+        if residual <= tolerance and (residual <= _FINEST or residual > residuals[-1] / 4):
             return _stable(count, point, matrix)
-        allowed, before = 4 * max(residual, 1e-6), residual
+        allowed = 4 * max(residual, 1e-6)
+        residuals.append(residual)
         try:
             y = point.y + np.linalg.solve(np.eye(change.size) - matrix, change)
         except np.linalg.LinAlgError:

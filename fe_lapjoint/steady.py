@@ -20,7 +20,7 @@ TOLERANCE = 1e-9  # relative residual of an orbit
 _FIRST = 8  # periods marched before Newton is first tried; then after twice as many
 _TRANSIENT = 160  # periods before deviations are followed
 _RETURN = 0.1  # relative distance after some turns at which a longer period is suspected
-_SUSPECTS = 3  # longer periods tried at a time
+_SUSPECTS = 2  # longer periods tried at a time
 
 
 @dataclass(frozen=True)
