@@ -37,14 +37,15 @@ class Solver:
     nodes : tuple of float, optional
         Nodes of a graded mesh, m, instead of `elements`.
     method : str
-        Method given to `solve_ivp`: "exact" (`fe_lapjoint.ExactPropagator`), "Radau", "BDF", "LSODA" or "DOP853".
+        "exact" (the flow that `fe_lapjoint.ExactPropagator` steps by), or a method of `solve_ivp`: "Radau", "BDF",
+        "LSODA" or "DOP853".
         The mesh's highest frequency rises with the square of `elements`; explicit steps and LSODA then crawl.
     rtol, atol : float
         Tolerances of the library methods.
     max_order : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
-        Most excitation periods marched in search of a steady state.
+        Most excitation periods marched in search of a steady state; about 440 more where an exponent is due.
 
     Raises
     ------

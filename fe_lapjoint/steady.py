@@ -66,7 +66,7 @@ class Search:
                 if orbit is None and (over or (judge and not self.candidates and growth.unmistakable)):
                     return Found(None, self.points[-1], growth.exponent, growth.exponential)
             if orbit is not None:
-                return Found(least(self.turns, orbit, TOLERANCE), self.points[-1], None, False)
+                return Found(orbit, self.points[-1], None, False)
 
     def _arrived(self) -> Orbit | None:
         """The candidate that the march is bound for; each is looked at when the march comes by its phase."""
@@ -82,7 +82,8 @@ class Search:
         for count in self._counts():
             orbit = newton(self.turns, self.points[-1], count, TOLERANCE)
             if orbit is not None:
-                self.candidates[count] = orbit, len(self.points) - 1
+                orbit = least(self.turns, orbit, TOLERANCE)
+                self.candidates[orbit.turns] = orbit, len(self.points) - 1
                 if self._arrived() is orbit:
                     return orbit
         return None
