@@ -1,4 +1,4 @@
-"""Hermite beam elements, penalty contact springs and event-driven time stepping on `scipy.integrate.solve_ivp`.
+"""Hermite beam elements, penalty contact springs, event-driven time stepping: exact, or on `scipy`'s `solve_ivp`.
 
 import fe_lapjoint
 from lapjoint import paper_joint

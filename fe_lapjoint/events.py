@@ -3,28 +3,36 @@
 `solve_ivp` looks at its events at the ends of its steps only, so that two crossings inside one step go unseen, and
 restarting on an event fires it again.  Here the gap functions are sampled on the dense output.  Between two samples a
 gap function stays below the larger of the two plus B w^2 / 8, where w is the spacing and B bounds its curvature; an
-interval for which that is not below zero is divided until it is, or holds a crossing, or is so short that what could
-hide in it is a contact of less than 1e-9 s.  A stop that has just switched is looked at again only after the time
-during which its curvature cannot bring it back.
+interval for which that is not below zero is walked through from the left in steps s for which h + h' s + B s^2 / 2
+stays below zero.  They lead to the first crossing, ever faster as Newton's do, and past a near miss; none is made
+shorter than 1e-9 s, so that only a contact of less than that may hide.  A stop that has just switched is looked at
+again only after the time during which its curvature cannot bring it back.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
-from scipy.optimize import brentq
 
 from lapjoint.problem import FloatArray
 
-GapFunctions = Callable[[FloatArray, int], FloatArray]
-"""h and its time derivative: called with times ``(m,)`` and order 0 or 1, gives ``(P, m)``; h > 0 is a switch."""
-
-SHORTEST = 1e-9  # s: intervals are not divided further
+SHORTEST = 1e-9  # s: what happens within is not resolved
 LOCATION = 4e-13  # s: to which a crossing is located
-_DIVISIONS = 16
+_STEPS = 20  # of Newton's method: more than it takes
+_HALVINGS = 100  # at most, where it must be helped
+
+
+class Gaps(Protocol):
+    """The gap functions h of all stops; h > 0 is a switch."""
+
+    def __call__(self, t: FloatArray) -> FloatArray:
+        """All of them at the times ``(m,)``: ``(P, m)``."""
+
+    def at(self, k: int, t: float) -> tuple[float, float]:
+        """One of them, and its rate, at one time."""
 
 
 @dataclass(frozen=True)
@@ -35,93 +43,99 @@ class Switch:
     stop: int
 
 
-def first_switch(
-    gaps: GapFunctions, start: float, end: float, curvature: FloatArray, fresh: FloatArray, samples: int = 48
-) -> Switch | None:
-    """The first crossing of any gap function in ``[start, end]``.
+def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, curvature: FloatArray, fresh: FloatArray) -> Switch | None:
+    """The first crossing of any gap function between the first and the last of the times ``t``.
 
     Parameters
     ----------
-    gaps : callable
+    gaps : Gaps
         The gap functions.
-    start, end : float
-        Interval, s.
+    t : FloatArray
+        Grid that is searched, s, shape ``(m + 1,)``.
+    h : FloatArray
+        The gap functions there, shape ``(P, m + 1)``.
     curvature : FloatArray
-        Bound on the second derivative of each gap function, shape ``(P,)``.
+        Bounds on the second derivative of each gap function from each grid time on, shape ``(P, m)``.
     fresh : FloatArray
         Time of each stop's last switch, shape ``(P,)``; -inf for none.
-    samples : int
-        Intervals of the first division.
     """
-    quiet = _quiet_until(gaps, start, curvature, fresh)
-    return _search(gaps, np.linspace(start, end, samples + 1), curvature, quiet)
-
-
-def _quiet_until(gaps: GapFunctions, start: float, curvature: FloatArray, fresh: FloatArray) -> FloatArray:
-    """From when each stop may switch, ``(P,)``: later than `start` for those that have just done so."""
-    quiet = np.full(fresh.size, start)
-    recent = start - fresh < SHORTEST
-    if recent.any():
-        rate = gaps(np.array([start]), 1)[:, 0]
-        leaving = np.where(rate < 0, -2 * rate / np.maximum(curvature, 1e-300), 0.0)
-        # h <= h' s + B s^2 / 2 < 0 before 2 |h'| / B; half of it leaves room for the rounding of h at the start
-        quiet = np.where(recent, start + np.maximum(leaving / 2, SHORTEST), quiet)
-    return quiet
-
-
-def _search(gaps: GapFunctions, t: FloatArray, curvature: FloatArray, quiet: FloatArray) -> Switch | None:
-    """Left to right through the intervals of the grid ``t``, dividing those that may hide a crossing."""
-    h = gaps(t, 0)
-    h = np.where(t >= quiet[:, None], h, -np.inf)  # a quiet stop cannot cross
-    # The first grid point after a quiet time starts its stop anew: it may already be beyond zero.
-    width = np.diff(t)
-    if h.shape[0] == 0:
-        return None
-    ends = np.maximum(h[:, :-1], h[:, 1:])
-    partly = (t[:-1] < quiet[:, None]) & (t[1:] > quiet[:, None])
-    suspicious = (ends + curvature[:, None] * width**2 / 8 >= 0) | partly
+    quiet = _quiet_until(gaps, float(t[0]), curvature[:, 0], fresh)
+    calm = t < quiet[:, None]
+    h = np.where(calm, -np.inf, h)  # a quiet stop cannot cross
+    ends, width = np.maximum(h[:, :-1], h[:, 1:]), t[1:] - t[:-1]
+    suspicious = (ends + curvature * (width**2 / 8) >= 0) | (calm[:, :-1] & ~calm[:, 1:])
     for i in np.flatnonzero(suspicious.any(axis=0)):
-        simple = _single_crossing(gaps, h, t, int(i), curvature, suspicious[:, i], quiet)
-        if simple is not None:
-            return simple
-        if width[i] <= SHORTEST:
-            crossed = [k for k in range(h.shape[0]) if h[k, i + 1] > 0]
-            times = [Switch(_locate(gaps, k, t[i], t[i + 1], quiet[k]), k) for k in crossed]
-            if times:
-                return min(times, key=lambda switch: switch.time)
-            continue
-        inside = _search(gaps, np.linspace(t[i], t[i + 1], _DIVISIONS + 1), curvature, quiet)
-        if inside is not None:
-            return inside
+        first: Switch | None = None
+        for k in np.flatnonzero(suspicious[:, i]):
+            lo, hi = max(float(t[i]), float(quiet[k])), float(t[i + 1]) if first is None else first.time
+            time = _first_crossing(gaps, int(k), lo, hi, float(curvature[k, i]))
+            first = first if time is None else Switch(time, int(k))
+        if first is not None:
+            return first
     return None
 
 
-def _single_crossing(
-    gaps: GapFunctions,
-    h: FloatArray,
-    t: FloatArray,
-    i: int,
-    curvature: FloatArray,
-    suspicious: npt.NDArray[np.bool_],
-    quiet: FloatArray,
-) -> Switch | None:
-    """The switch in the i-th interval if one stop alone can switch there, and its gap function rises in it."""
-    if suspicious.sum() != 1:
-        return None
-    k, width = int(np.argmax(suspicious)), t[i + 1] - t[i]
-    if not (t[i] >= quiet[k] and h[k, i] <= 0 < h[k, i + 1]):
-        return None
-    rate = gaps(t[i : i + 1], 1)[k, 0]
-    return Switch(_locate(gaps, k, t[i], t[i + 1], quiet[k]), k) if rate > curvature[k] * width else None
+def _quiet_until(gaps: Gaps, start: float, curvature: FloatArray, fresh: FloatArray) -> FloatArray:
+    """From when each stop may switch, ``(P,)``: later than `start` for those that have just done so."""
+    quiet = np.full(fresh.size, start)
+    for k in np.flatnonzero(start - fresh < SHORTEST):
+        rate = gaps.at(int(k), start)[1]
+        leaving = -2 * rate / max(curvature[k], 1e-300) if rate < 0 else 0.0
+        # h <= h' s + B s^2 / 2 < 0 before 2 |h'| / B; half of it leaves room for the rounding of h at the start
+        quiet[k] = start + max(leaving / 2, SHORTEST)
+    return quiet
 
 
-def _locate(gaps: GapFunctions, k: int, lo: float, hi: float, quiet: float) -> float:
-    """The crossing of stop `k` between `lo` and `hi`, where h is positive."""
-    lo = max(lo, quiet)
+def _first_crossing(gaps: Gaps, k: int, t: float, end: float, curvature: float) -> float | None:
+    """Where stop `k` first switches in an interval, or None; at once if it is beyond zero from the start."""
+    while t < end:
+        h, rate = gaps.at(k, t)
+        if h >= 0:
+            return t
+        step = _safe_step(h, rate, curvature)
+        if rate > 4 * curvature * step:  # h rises all the way to a crossing within 2 step
+            time = _newton(gaps, k, t, h, rate)
+            return time if time < end else None
+        if step <= SHORTEST:
+            step = SHORTEST
+            if gaps.at(k, t + step)[0] > 0:
+                time = _locate(gaps, k, t, t + step)
+                return time if time < end else None
+        t += step
+    return None
 
-    def h(t: float) -> float:
-        return float(gaps(np.array([t]), 0)[k, 0])
 
-    if lo >= hi or h(lo) >= 0:
-        return lo
-    return float(brentq(h, lo, hi, xtol=LOCATION, rtol=8.9e-16))
+def _safe_step(h: float, rate: float, curvature: float) -> float:
+    """The s > 0 at which h + rate s + curvature s^2 / 2 comes up to zero, with h < 0."""
+    root = math.sqrt(rate * rate - 2 * curvature * h)
+    below = rate + root if rate > 0 else -2 * curvature * h / max(root - rate, 1e-300)
+    return -2 * h / max(below, 1e-300)
+
+
+def _newton(gaps: Gaps, k: int, t: float, h: float, rate: float) -> float:
+    """The crossing just ahead of `t`, where the rate hardly changes: the steps shrink quadratically."""
+    for _ in range(_STEPS):
+        step = -h / rate
+        t += step
+        if abs(step) <= LOCATION:
+            break
+        h, rate = gaps.at(k, t)
+    return t
+
+
+def _locate(gaps: Gaps, k: int, lo: float, hi: float) -> float:
+    """The crossing of stop `k` between `lo` and `hi`, where h is positive: Newton's method, or else halving."""
+    h, rate = gaps.at(k, lo)
+    t = lo
+    for _ in range(_HALVINGS):
+        after = t - h / rate if rate > 0 else np.inf
+        if abs(after - t) <= LOCATION:
+            return float(after)
+        if not lo < after < hi:
+            after = (lo + hi) / 2
+            if hi - lo <= LOCATION:
+                return after
+        t = after
+        h, rate = gaps.at(k, t)
+        lo, hi = (lo, t) if h > 0 else (t, hi)
+    return t

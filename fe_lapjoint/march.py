@@ -1,8 +1,9 @@
-"""The march of the finite element model: `solve_ivp` between switches, with this module's own event handling.
+"""The march of the finite element model: linear flows between switches, with this package's own event handling.
 
-Time is cut into windows.  In each, `solve_ivp` integrates the linear system of the present contact state with
-dense output, by the exact propagator or by one of scipy's own methods; `fe_lapjoint.events` looks for the first
-switch on that output; there the state is changed, the modal coordinates are mapped, and the next window begins.
+Time is cut into windows.  In each, the linear system of the present contact state is integrated: by its exact flow,
+or by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.events` looks for the first switch
+in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.
+`fe_lapjoint.ExactPropagator` is the same exact flow as a method of `solve_ivp`.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from scipy.integrate import solve_ivp
 
 from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.events import Switch, first_switch
-from fe_lapjoint.propagator import ExactPropagator, Flow
-from fe_lapjoint.system import System, build_system
+from fe_lapjoint.propagator import Flow
+from fe_lapjoint.system import SAMPLES, System, build_system
 from lapjoint.contact import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Problem
@@ -39,6 +40,7 @@ class Model:
     rtol: float
     atol: float
     _systems: dict[ContactState, System] = field(default_factory=dict)
+    _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -62,13 +64,18 @@ class Model:
 
     def orientation(self, state: ContactState) -> FloatArray:
         """+1 or -1 for each stop, so that ``orientation * z - offset`` rises through 0 at its next switch."""
-        closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
-        return np.where(closed, -self.sign, self.sign)
+        return self._signs(state)[0]
 
     def offset(self, state: ContactState) -> FloatArray:
         """The gap of each stop, with the sign that belongs to `orientation`."""
-        closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
-        return np.where(closed, -self.gap, self.gap)
+        return self._signs(state)[1]
+
+    def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
+        if state not in self._gaps:
+            closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
+            turn = np.where(closed, -1.0, 1.0)
+            self._gaps[state] = turn * self.sign, turn * self.gap
+        return self._gaps[state]
 
 
 Coordinates = Callable[[FloatArray, int], FloatArray]
@@ -91,24 +98,15 @@ class Piece:
     """The stop that switches at the end; -1 if none does."""
 
 
-def integrate(
-    model: Model, state: ContactState, t: float, end: float, y: FloatArray
-) -> tuple[Coordinates, Flow | None]:
-    """Integrate one state over a window by the chosen method, through `solve_ivp`."""
+def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
+    """Integrate one state over a window by a library method, through `solve_ivp`."""
     system = model.system(state)
-    options: dict[str, Any]
-    if model.method == "exact":
-        options = {"method": ExactPropagator, "system": system}
-    else:
-        options = {"method": model.method, "rtol": model.rtol, "atol": model.atol}
-        if model.method != "DOP853":
-            options["jac"] = system.jacobian(t, y) if model.method in ("Radau", "BDF") else system.jacobian
+    options: dict[str, Any] = {"method": model.method, "rtol": model.rtol, "atol": model.atol}
+    if model.method != "DOP853":
+        options["jac"] = system.jacobian(t, y) if model.method in ("Radau", "BDF") else system.jacobian
     solution = solve_ivp(system.rates, (t, end), y, dense_output=True, **options)
     if not solution.success:
         raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    if model.method == "exact":
-        flow = Flow(system, t, *np.split(y, 2))
-        return flow, flow
     n = system.omega.size
 
     def coordinates(times: FloatArray, order: int = 0) -> FloatArray:
@@ -117,15 +115,50 @@ def integrate(
             return np.array([system.rates(s, values[:, i])[n:] for i, s in enumerate(times)]).T
         return np.asarray(values[:n] if order == 0 else values[n:])
 
-    return coordinates, None
+    return coordinates
 
 
-def curvature_of(system: System, flow: Flow | None, coordinates: Coordinates, t: float, end: float) -> FloatArray:
-    """Bound on |z''| at the stops over a window; for library methods twice the largest sampled value."""
-    if flow is not None:
-        return flow.curvature_bound()
-    sampled = np.abs(system.stops @ coordinates(np.linspace(t, end, 200), 2)).max(axis=1, initial=0.0)
-    return np.asarray(2 * sampled)
+@dataclass(frozen=True)
+class FlowGaps:
+    """The gap functions of an exact flow; see `fe_lapjoint.events.Gaps`."""
+
+    flow: Flow
+    orientation: FloatArray
+    offset: FloatArray
+
+    def __call__(self, t: FloatArray) -> FloatArray:
+        """All at the times ``(m,)``."""
+        return np.asarray(self.orientation[:, None] * self.flow.at_stops(t) - self.offset[:, None])
+
+    def at(self, k: int, t: float) -> tuple[float, float]:
+        """One and its rate."""
+        z, rate = self.flow.at_stop(k, t)
+        return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
+
+
+@dataclass(frozen=True)
+class SolutionGaps:
+    """The gap functions of a library method's dense output."""
+
+    stops: FloatArray
+    coordinates: Coordinates
+    orientation: FloatArray
+    offset: FloatArray
+
+    def __call__(self, t: FloatArray) -> FloatArray:
+        """All at the times ``(m,)``."""
+        z = self.stops @ self.coordinates(t, 0)
+        return np.asarray(self.orientation[:, None] * z - self.offset[:, None])
+
+    def at(self, k: int, t: float) -> tuple[float, float]:
+        """One and its rate."""
+        z, rate = (float(self.stops[k] @ self.coordinates(np.array([t]), order)[:, 0]) for order in (0, 1))
+        return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
+
+    def curvature(self, start: float, end: float) -> FloatArray:
+        """Twice the largest sampled |z''| at the stops over a window: no bound, but all there is."""
+        sampled = np.abs(self.stops @ self.coordinates(np.linspace(start, end, 200), 2))
+        return np.asarray(2 * sampled.max(axis=1, initial=0.0))
 
 
 @dataclass(frozen=True)
@@ -154,75 +187,98 @@ def march(
     end: float,
     *,
     progress: Progress | None = None,
+    record: bool = True,
     max_switches: int = 200_000,
 ) -> March:
-    """March from `start` to `end`.
+    """March from `start` to `end`; contacts are listed only if `record` is set.
 
     Raises
     ------
     SolverError
         If the integrator fails, or more than `max_switches` switches occur.
     """
-    window = _window(model, state, end - start)
+    step = _window(model, state) / SAMPLES
     fresh = np.full(model.sign.size, start)
     going = {k: _Going(start, True) for k in state.closed}
     pieces: list[Piece] = []
     contacts: list[Contact] = []
     t, switches = start, 0
     while t < end or not pieces:
-        stop_at = min(t + window, end)
-        piece, y = _advance(model, state, t, stop_at, y, fresh)
+        piece, y = _advance(model, state, t, end, step, y, fresh)
         pieces.append(piece)
-        _account(model, piece, going)
+        if record:
+            _account(model, piece, going)
         t = piece.end
         if piece.switched >= 0:
             k, switches = piece.switched, switches + 1
             if switches > max_switches:
                 raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
-            if k in state:
+            if not record:
+                pass
+            elif k in state:
                 contacts.append(_contact(model, k, going.pop(k), t, open_end=False))
             else:
                 going[k] = _Going(t, False)
             new = state.toggled(k)
             fresh[k] = t
             S = model.transfer(state, new)
-            y = np.concatenate([S @ part for part in np.split(y, 2)])
+            y = (y.reshape(2, -1) @ S.T).ravel()
             state = new
         if progress is not None and len(pieces) % 32 == 0:
             progress(t - start, end - start)
-    contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
+    if record:
+        contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
     contacts.sort(key=lambda contact: (contact.start, contact.stop))
     return March(tuple(pieces), tuple(contacts), state, y)
 
 
-def _window(model: Model, state: ContactState, duration: float) -> float:
+def _window(model: Model, state: ContactState) -> float:
     """A third of the shortest excitation period or of the slowest bending, s."""
     beam = model.problem.beam
     slow = 2 * math.pi * math.sqrt(beam.m * beam.length**4 / beam.EI)
     periods = [2 * math.pi / omega for omega in model.system(state).driven]
-    return float(min(duration, min([slow, *periods]) / WINDOWS_PER_PERIOD))
+    return float(min([slow, *periods]) / WINDOWS_PER_PERIOD)
 
 
 def _advance(
+    model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, fresh: FloatArray
+) -> tuple[Piece, FloatArray]:
+    """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end."""
+    system = model.system(state)
+    orientation, offset = model.orientation(state), model.offset(state)
+    count = min(SAMPLES, max(1, math.ceil((end - t) / step)))
+    until = min(t + count * step, end)
+    if model.method == "exact":
+        flow = Flow(system, t, *y.reshape(2, -1))
+        switch: Switch | None = None
+        if orientation.size:
+            # the flow goes on beyond the end: the last step may too
+            grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
+            h = orientation[:, None] * z - offset[:, None]
+            gaps = FlowGaps(flow, orientation, offset)
+            switch = first_switch(gaps, grid, h, flow.curvature_bound(step, count), fresh)
+        switch = switch if switch is not None and switch.time <= until else None
+        until = until if switch is None else switch.time
+        return Piece(state, t, until, y, flow, flow, -1 if switch is None else switch.stop), flow.at(until)
+    return _advance_by_library(model, state, t, until, y, fresh)
+
+
+def _advance_by_library(
     model: Model, state: ContactState, t: float, end: float, y: FloatArray, fresh: FloatArray
 ) -> tuple[Piece, FloatArray]:
-    """One window, or less if a stop switches in it; returns the piece and (q, q') at its end."""
-    system = model.system(state)
-    coordinates, flow = integrate(model, state, t, end, y)
-    orientation, offset = model.orientation(state), model.offset(state)
-
-    def gaps(times: FloatArray, order: int) -> FloatArray:
-        z = system.stops @ coordinates(times, order) if flow is None else flow.at_stops(times, order)
-        h = orientation[:, None] * z
-        return np.asarray(h - offset[:, None] if order == 0 else h)
-
-    switch: Switch | None = None
-    if orientation.size:
-        switch = first_switch(gaps, t, end, curvature_of(system, flow, coordinates, t, end), fresh)
+    """A window integrated by `solve_ivp`."""
+    coordinates = integrate(model, state, t, end, y)
+    gaps = SolutionGaps(model.system(state).stops, coordinates, model.orientation(state), model.offset(state))
+    grid = np.linspace(t, end, SAMPLES + 1)
+    switch = (
+        first_switch(gaps, grid, gaps(grid), np.outer(gaps.curvature(t, end), np.ones(SAMPLES)), fresh)
+        if fresh.size
+        else None
+    )
     until = end if switch is None else switch.time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, order)[:, 0] for order in (0, 1)])
-    return Piece(state, t, until, y, coordinates, flow, -1 if switch is None else switch.stop), y_end
+    return Piece(state, t, until, y, coordinates, None, -1 if switch is None else switch.stop), y_end
 
 
 def _account(model: Model, piece: Piece, going: dict[int, _Going]) -> None:

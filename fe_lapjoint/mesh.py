@@ -39,3 +39,10 @@ def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None)
         np.linspace(a, b, max(1, round(elements * (b - a) / L)) + 1)[:-1] for a, b in itertools.pairwise(required)
     ]
     return np.concatenate([*pieces, required[-1:]])
+
+
+def split_elements(nodes: tuple[float, ...], parts: int) -> tuple[float, ...]:
+    """The nodes with every element between two of them cut into equal parts."""
+    ends = sorted(set(nodes))
+    cut = [np.linspace(a, b, parts + 1)[:-1].tolist() for a, b in itertools.pairwise(ends)]
+    return tuple(itertools.chain(*cut, ends[-1:]))

@@ -12,7 +12,7 @@ smooth through s = 0, so critical damping and rigid-body modes need no case of t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,6 @@ from scipy.integrate import DenseOutput, OdeSolver
 
 from fe_lapjoint.system import ComplexArray, System
 from lapjoint.problem import FloatArray
-
-_DETUNE = 1e-7  # an undamped mode met exactly by a load is moved by this fraction of its frequency
 
 
 def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -64,36 +62,84 @@ class Flow:
     @cached_property
     def free(self) -> tuple[FloatArray, FloatArray]:
         """Displacement and velocity at the start that the forced motion does not account for, each ``(n,)``."""
-        at = np.array([self.start])
-        return self.q - self._forced(at, 0)[:, 0], self.v - self._forced(at, 1)[:, 0]
+        it = self.system
+        wave = it.amplitudes * np.exp(1j * (it.driven * self.start + it.phase))
+        x = self.q - wave.imag.sum(axis=1) - it.equilibrium
+        y = self.v - (wave.real @ it.driven)
+        return (x, y) if it.drift is None else (x, y - it.drift[0])
 
     @cached_property
     def _turning(self) -> ComplexArray:
         """Complex amplitudes of the oscillating modes, Re(c exp(root s))."""
-        osc, root = self.system.oscillating, self.system.roots
-        x, y = (part[osc] for part in self.free)
+        x, y = self.free
+        if not self.system.all_oscillate:
+            x, y = x[self.system.oscillating], y[self.system.oscillating]
+        root = self.system.roots
         return np.asarray(x - 1j * (y - root.real * x) / root.imag)
+
+    @cached_property
+    def _terms(self) -> ComplexArray:
+        """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
+        it = self.system
+        loads = it.place_amplitudes * (-1j * np.exp(1j * (it.driven * self.start + it.phase)))
+        return np.concatenate([it.place_modes * self._turning, loads, it.place_equilibrium], axis=1)
+
+    @cached_property
+    def _terms_and_rates(self) -> ComplexArray:
+        """Those of the displacement and of the velocity, shape ``(p, 2, terms)``."""
+        return np.stack([self._terms, self._terms * self.system.rates_of_terms], axis=1)
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t`` of shape ``(m,)``; returns ``(n, m)``."""
         result = self._forced(t, dt)
-        osc, root = self.system.oscillating, self.system.roots
-        result[osc] += ((self._turning * root**dt)[:, None] * np.exp(np.multiply.outer(root, t - self.start))).real
-        if not osc.all():
-            result[~osc] += self._others(t, dt)
+        it = self.system
+        free = ((self._turning * it.roots**dt)[:, None] * np.exp(np.multiply.outer(it.roots, t - self.start))).real
+        if it.all_oscillate:
+            return np.asarray(result + free)
+        result[it.oscillating] += free
+        result[~it.oscillating] += self._others(t, dt)
         return result
+
+    def at(self, t: float) -> FloatArray:
+        """(q, q') at one time, shape ``(2 n,)``."""
+        it = self.system
+        if not it.plain:
+            times = np.array([t])
+            return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
+        wave = it.amplitudes * np.exp(1j * (it.driven * t + it.phase))
+        turned = self._turning * np.exp(it.roots * (t - self.start))
+        q = turned.real + wave.imag.sum(axis=1) + it.equilibrium
+        return np.concatenate([q, (turned * it.roots).real + wave.real @ it.driven])
 
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative of z at the stops, shape ``(P, m)``: the same sum, the modes contracted first."""
-        it, osc = self.system, self.system.oscillating
-        weights = it.stops[:, osc] * (self._turning * it.roots**dt)
-        result = (weights @ np.exp(np.multiply.outer(it.roots, t - self.start))).real
-        angle = np.multiply.outer(it.driven, t) + it.phase[:, None]
-        result += (it.stops @ amplitudes(it) @ ((1j * it.driven[:, None]) ** dt * np.exp(1j * angle))).imag
-        result += it.stops @ self._constant(t - self.start, dt)
-        if not osc.all():
-            result += it.stops[:, ~osc] @ self._others(t, dt)
-        return np.asarray(result)
+        it = self.system
+        turning = np.exp(np.multiply.outer(it.rates_of_terms, t - self.start))
+        terms = self._terms * it.rates_of_terms**dt if dt else self._terms
+        return self._with_others((terms @ turning).real, t, dt)
+
+    def at_grid(self, step: float, count: int) -> FloatArray:
+        """z at the stops at the start and `count` equal steps on, shape ``(P, count + 1)``."""
+        z = (self._terms @ self.system.grid(step)[0][:, : count + 1]).real
+        return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
+
+    def at_stop(self, k: int, t: float) -> tuple[float, float]:
+        """z and its rate at one stop at one time."""
+        it = self.system
+        if not it.plain:
+            times = np.array([t])
+            return float(self.at_stops(times)[k, 0]), float(self.at_stops(times, 1)[k, 0])
+        z, rate = self._terms_and_rates[it.place_of[k]] @ np.exp(it.rates_of_terms * (t - self.start))
+        return float(z.real), float(rate.real)
+
+    def _with_others(self, z: FloatArray, t: FloatArray, dt: int) -> FloatArray:
+        """From the places to the stops, with what rigid-body and overdamped modes contribute, ``(P, m)``."""
+        it = self.system
+        if it.drift is not None:
+            z = z + it.places @ self._drift(t - self.start, dt)
+        if not it.all_oscillate:
+            z = z + it.places[:, ~it.oscillating] @ self._others(t, dt)
+        return np.asarray(z[it.place_of])
 
     def _others(self, t: FloatArray, dt: int) -> FloatArray:
         """Modes that do not oscillate, or hardly: overdamped, critical, rigid."""
@@ -109,23 +155,17 @@ class Flow:
         """Answer to the loads alone, chosen so that it is periodic, constant or a polynomial, ``(n, m)``."""
         it = self.system
         angle = it.driven[:, None] * t + it.phase[:, None]
-        waves = (amplitudes(it) @ ((1j * it.driven[:, None]) ** dt * np.exp(1j * angle))).imag
-        return np.asarray(waves + self._constant(t - self.start, dt))
-
-    def _constant(self, s: FloatArray, dt: int) -> FloatArray:
-        """Answer to the constant forces: an equilibrium, and for rigid-body modes a drift."""
-        it = self.system
-        result = np.zeros((it.omega.size, s.size))
+        waves = (it.amplitudes @ ((1j * it.driven[:, None]) ** dt * np.exp(1j * angle))).imag
         if dt == 0:
-            result += it.equilibrium[:, None]
-        rigid = it.omega == 0
-        if rigid.any():
-            drag = it.decay > 0
-            ramp = np.where(rigid & drag, it.constant / np.where(drag, 2 * it.decay, 1.0), 0.0)
-            fall = np.where(rigid & ~drag, it.constant, 0.0)
-            one, zero = np.ones_like(s), np.zeros_like(s)
-            result += np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt])
-        return result
+            waves += it.equilibrium[:, None]
+        return np.asarray(waves if it.drift is None else waves + self._drift(t - self.start, dt))
+
+    def _drift(self, s: FloatArray, dt: int) -> FloatArray:
+        """Answer of rigid-body modes to the constant forces, ``(n, m)``."""
+        assert self.system.drift is not None
+        ramp, fall = self.system.drift
+        one, zero = np.ones_like(s), np.zeros_like(s)
+        return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
 
     def integral(self, end: float) -> FloatArray:
         """Integral of q from the start to `end`, shape ``(n,)``, from the equation of motion integrated once.
@@ -158,26 +198,26 @@ class Flow:
         triple = np.cos(p0) * T**2 / (2 * w) + (np.cos(p1) - np.cos(p0)) / w**3 + np.sin(p0) * T / w**2
         return np.asarray(it.constant * T**3 / 6 + it.harmonic @ triple)
 
-    def curvature_bound(self) -> FloatArray:
-        """A bound on |z''| at every stop for all later times, shape ``(P,)``."""
+    def curvature_bound(self, step: float, count: int) -> FloatArray:
+        """Bounds on |z''| at every stop from each of `count` grid times on, shape ``(P, count)``."""
         it = self.system
-        x, y = (np.abs(part) for part in self.free)
-        # |q''| of a free damped oscillator never exceeds omega (omega |x| + (1 + 2 zeta)(|y| + a |x|)):
+        # the acceleration of Re(c exp(r s)) is at most |c| |r|^2 exp(Re(r) s)
+        strength = np.abs(self._terms) * it.squares_of_terms
+        bound = strength @ it.grid(step)[1][:, :count]
+        if it.drift is not None:
+            bound += (np.abs(it.places) @ np.abs(it.drift[1]))[:, None]
+        if not it.all_oscillate:
+            bound += self._others_bound()[:, None]
+        return np.asarray(bound[it.place_of])
+
+    def _others_bound(self) -> FloatArray:
+        """The share of the modes that do not oscillate, shape ``(p,)``."""
+        it, rest = self.system, ~self.system.oscillating
+        x, y = (np.abs(part[rest]) for part in self.free)
+        omega, a = it.omega[rest], it.decay[rest]
+        # |q''| of a free damped mode never exceeds (omega + 2 a) (|y| + omega |x|):
         # its energy falls, so |q'| <= |y| + omega |x| and omega |q| <= the same.
-        size = y + it.omega * x
-        free = it.omega * size + 2 * it.decay * size
-        forced = np.abs(amplitudes(it)) @ it.driven**2 + np.where((it.omega == 0), np.abs(it.constant), 0.0)
-        return np.asarray(np.abs(it.stops) @ (free + forced))
-
-
-@lru_cache(maxsize=64)
-def amplitudes(system: System) -> ComplexArray:
-    """Complex amplitudes P of the forced motion Im(P exp(i angle)), shape ``(n, H)``."""
-    a, w = system.decay[:, None], system.driven
-    omega = system.omega[:, None]
-    resonant = (a < _DETUNE * omega) & (np.abs(omega - w) < _DETUNE * omega)
-    omega = np.where(resonant, w * (1 + _DETUNE), omega)
-    return np.asarray(system.harmonic / (omega**2 - w**2 + 2j * a * w))
+        return np.asarray(np.abs(it.places[:, rest]) @ ((omega + 2 * a) * (y + omega * x)))
 
 
 def flow_matrix(system: System, s: float) -> FloatArray:

@@ -6,19 +6,21 @@ import math
 from dataclasses import dataclass, replace
 
 from fe_lapjoint.assembly import Assembly
+from fe_lapjoint.certificate import certificate, read_section
 from fe_lapjoint.march import Model, march
-from fe_lapjoint.mesh import mesh_nodes
+from fe_lapjoint.mesh import mesh_nodes, split_elements
 from fe_lapjoint.modes import ElementShapes
 from fe_lapjoint.motion import history_of
 from fe_lapjoint.start import initial_coordinates, initial_state
-from fe_lapjoint.steady import find_orbit
+from fe_lapjoint.steady import find
 from fe_lapjoint.system import eigenmodes
+from fe_lapjoint.turns import Point, Turns
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
+from lapjoint.steady import Section, SteadyState
 
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
@@ -35,14 +37,15 @@ class Solver:
     nodes : tuple of float, optional
         Nodes of a graded mesh, m, instead of `elements`.
     method : str
-        Method given to `solve_ivp`: "exact" (`fe_lapjoint.ExactPropagator`), "Radau", "BDF", "LSODA" or "DOP853".
+        "exact" (the flow that `fe_lapjoint.ExactPropagator` steps by), or a method of `solve_ivp`: "Radau", "BDF",
+        "LSODA" or "DOP853".
         The mesh's highest frequency rises with the square of `elements`; explicit steps and LSODA then crawl.
     rtol, atol : float
         Tolerances of the library methods.
     max_order : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
-        Most excitation periods marched in search of a steady state.
+        Most excitation periods marched in search of a steady state; about 440 more where an exponent is due.
 
     Raises
     ------
@@ -77,8 +80,11 @@ class Solver:
         return f"FE ({mesh}, {self.method})"
 
     def refined(self, factor: float) -> Solver:
-        """The same solver with `factor` times the elements."""
-        return replace(self, elements=math.ceil(self.elements * factor))
+        """The same solver with `factor` times the elements; each element of given nodes is split in as many."""
+        elements = math.ceil(self.elements * factor)
+        if self.nodes is None:
+            return replace(self, elements=elements)
+        return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
         """The lowest `count` modes of a contact state on the mesh; frequencies from above, of order 4.
@@ -112,7 +118,11 @@ class Solver:
     def steady_state(
         self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
     ) -> SteadyState:
-        """The periodic motion that the march from the initial state leads to; see `fe_lapjoint.steady`.
+        """The motion that the march from the initial state, or from `start`, leads to; see `fe_lapjoint.steady`.
+
+        A `start` serves every problem whose mesh has the same number of degrees of freedom: frequency, amplitude,
+        gaps, stiffnesses and damping may differ, and a stop is closed at first where it is pressed.  On another
+        mesh it is not used, and the march begins from the problem's initial state.
 
         Raises
         ------
@@ -125,31 +135,20 @@ class Solver:
         if self.method != "exact":
             raise InputError(f"method = {self.method!r}: a steady state needs the exact flow; allowed is 'exact'")
         model, state, y = self._start(problem)
-        orbit = find_orbit(
-            model,
-            state,
-            y,
-            omega,
-            tolerance=1e-9,
+        turns, first = Turns(model, omega), Point(state, y)
+        if start is not None and start.coordinates.shape == (2, y.size // 2):
+            first = turns.settled(read_section(model, start))
+        else:
+            start = None
+        found = find(
+            turns,
+            first,
+            near=start is not None,
             max_order=self.max_order,
             max_periods=self.max_periods,
             progress=progress,
         )
-        history = history_of(self.name, model, orbit.motion)
-        first = orbit.motion.pieces[0]
-        return SteadyState(
-            problem=problem,
-            solver=self.name,
-            outcome=periodic_outcome(history) if orbit.order else Outcome.UNDECIDED,
-            order=orbit.order,
-            symmetric=False,
-            residual=orbit.residual,
-            multipliers=orbit.multipliers,
-            exponent=None,
-            section=Section(first.state, first.y.reshape(2, -1)),
-            history=history,
-            impulses=steady_impulses(history, orbit.order or self.max_order),
-        )
+        return certificate(self.name, turns, found, self.max_order)
 
     def _assembly(self, problem: Problem) -> Assembly:
         return Assembly(problem, mesh_nodes(problem, self.elements, self.nodes))

@@ -1,132 +1,111 @@
-r"""Periodic motions of the finite element model: shooting with the exact monodromy matrix.
+"""The search for a steady state: march, try Newton's method ever less often, and measure how nearby motions part.
 
-A deviation dy from an orbit travels within a state by the linear flow, and at a switch at time T, where h is the
-gap function that vanishes and f- and f+ are the rates before and after,
-
-    dy+ = S dy- + (S f- - f+) dT,    dT = -(dh/dy- dy-) / h'
-
-with S the constant, lossless map between the modes of the two states.
+Newton's method starts long before the march has come near an orbit, but what it finds counts only if it is stable
+and the march is bound for it (`fe_lapjoint.newton.bound_for`): of several steady states the one is reported that
+the march from the given start leads to.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
-import numpy as np
-
-from fe_lapjoint.march import March, Model, Piece, march
-from fe_lapjoint.propagator import flow_matrix
-from lapjoint.contact import ContactState
-from lapjoint.problem import FloatArray
+from fe_lapjoint.exponent import Growth
+from fe_lapjoint.newton import Orbit, bound_for, least, newton
+from fe_lapjoint.turns import Point, Turns
 from lapjoint.solver import Progress
+from lapjoint.steady import Exponent
 
-_STEPS = 10  # of Newton's method; near an orbit the residual squares in each
-_NEAR = 1e-2  # relative residual from which on Newton is tried: among coexisting orbits, the one marched to
-_FIRST_STRETCH = 12  # periods marched before the first attempt
-
-
-@dataclass(frozen=True)
-class Shot:
-    """A start, the motion that follows over some periods, and the distance of its end from the start."""
-
-    state: ContactState
-    y: FloatArray
-    motion: March
-    residual: float
-    """Relative to the size of y, velocities over omega; infinite if the contact state has changed."""
+TOLERANCE = 1e-9  # relative residual of an orbit
+_FIRST = 8  # periods marched before Newton is first tried; then after twice as many
+_TRANSIENT = 160  # periods before deviations are followed
+_RETURN = 0.1  # relative distance after some turns at which a longer period is suspected
+_SUSPECTS = 2  # longer periods tried at a time
 
 
 @dataclass(frozen=True)
-class Orbit:
-    """What was found."""
+class Found:
+    """What a search ended with."""
 
-    order: int
-    """Excitation periods per period of the motion; 0 if none was found."""
-    residual: float
-    multipliers: FloatArray
-    motion: March
-
-
-def shoot(model: Model, state: ContactState, y: FloatArray, duration: float, omega: float) -> Shot:
-    """March over `duration` and compare the end with the start."""
-    motion = march(model, state, y, 0.0, duration)
-    if motion.state != state:
-        return Shot(state, y, motion, np.inf)
-    weight = np.repeat([1.0, 1.0 / omega], y.size // 2)
-    size = np.linalg.norm(weight * y) + np.finfo(float).tiny
-    return Shot(state, y, motion, float(np.linalg.norm(weight * (motion.y - y)) / size))
+    orbit: Orbit | None
+    last: Point
+    exponent: Exponent | None
+    exponential: bool
 
 
-def monodromy(model: Model, motion: March) -> FloatArray:
-    """d(end) / d(start) of a march by the exact method, shape ``(2 n, 2 n)``."""
-    product = np.eye(motion.pieces[0].y.size)
-    for piece, following in zip(motion.pieces, (*motion.pieces[1:], None), strict=True):
-        product = flow_matrix(model.system(piece.state), piece.end - piece.start) @ product
-        if following is not None and piece.switched >= 0:
-            product = _jump(model, piece, following) @ product
-    return product
+@dataclass
+class Search:
+    """A march under way, one point a turn."""
 
+    turns: Turns
+    max_order: int
+    max_periods: int
+    points: list[Point] = field(default_factory=list)
+    candidates: dict[int, tuple[Orbit, int]] = field(default_factory=dict)
+    """The stable orbits found, by their number of turns, and how many points had been passed then."""
 
-def _jump(model: Model, piece: Piece, following: Piece) -> FloatArray:
-    old, new = model.system(piece.state), model.system(following.state)
-    S = np.kron(np.eye(2), model.transfer(piece.state, following.state))
-    at, k = np.array([piece.end]), piece.switched
-    y = np.concatenate([piece.coordinates(at, order)[:, 0] for order in (0, 1)])
-    row = model.orientation(piece.state)[k] * old.stops[k]
-    rate = row @ y[row.size :]
-    change = S @ old.rates(piece.end, y) - new.rates(piece.end, following.y)
-    return np.asarray(S - np.outer(change / rate, np.concatenate([row, np.zeros(row.size)])))
-
-
-def newton(
-    model: Model, state: ContactState, y: FloatArray, order: int, omega: float, tolerance: float
-) -> Orbit | None:
-    """A stable orbit of `order` excitation periods near ``y``; None if there is none to be found from here."""
-    duration, allowed = order * 2 * np.pi / omega, _NEAR
-    for _ in range(_STEPS):
-        shot = shoot(model, state, y, duration, omega)
-        if shot.residual > allowed:
-            return None
-        matrix = monodromy(model, shot.motion)
-        if shot.residual <= tolerance:
-            sizes = np.sort(np.abs(np.linalg.eigvals(matrix)))[::-1]
-            return Orbit(order, shot.residual, sizes, shot.motion) if sizes[0] < 1 else None
-        allowed = 2 * max(shot.residual, 1e-6)
-        y = y + np.linalg.solve(np.eye(y.size) - matrix, shot.motion.y - y)
-    return None
-
-
-def least_period(model: Model, orbit: Orbit, omega: float, tolerance: float) -> Orbit:
-    """The orbit over the fewest excitation periods after which it repeats."""
-    start = orbit.motion.pieces[0]
-    divisors = (n for n in range(1, orbit.order) if orbit.order % n == 0)
-    shorter = (newton(model, start.state, start.y, n, omega, tolerance) for n in divisors)
-    return next((found for found in shorter if found is not None), orbit)
-
-
-def find_orbit(
-    model: Model,
-    state: ContactState,
-    y: FloatArray,
-    omega: float,
-    *,
-    tolerance: float,
-    max_order: int,
-    max_periods: int,
-    progress: Progress | None,
-) -> Orbit:
-    """March from the initial state for longer and longer, and try Newton's method after each stretch."""
-    period, marched, stretch = 2 * np.pi / omega, 0, _FIRST_STRETCH
-    while True:
-        motion = march(model, state, y, 0.0, stretch * period)
-        state, y, marched = motion.state, motion.y, marched + stretch
-        if progress is not None:
-            progress(marched, max_periods)
-        for order in range(1, max_order + 1):
-            orbit = newton(model, state, y, order, omega, tolerance)
+    def run(self, start: Point, first: int, progress: Progress | None) -> Found:
+        """Until an orbit is certain, or chaos is, or `max_periods` and an exponent's worth of periods are over."""
+        self.points = [start]
+        growth, per, trial = Growth(self.turns), self.turns.per_period, first
+        while True:
+            turned = self.turns.after(self.points[-1])
+            self.points.append(turned.end)
+            marched, part = divmod(len(self.points) - 1, per)
+            if marched >= min(_TRANSIENT, self.max_periods):
+                growth.add(turned)
+            orbit = self._arrived()
+            if orbit is None and part == 0:
+                if progress is not None and marched % 8 == 0:
+                    progress(min(marched, self.max_periods), self.max_periods)
+                judge = growth.enough and marched % 100 == 0
+                if marched >= trial or judge:
+                    trial = 2 * marched if marched >= trial else trial
+                    orbit = self._try_newton()
+                over = growth.enough and marched >= self.max_periods
+                if orbit is None and (over or (judge and not self.candidates and growth.unmistakable)):
+                    return Found(None, self.points[-1], growth.exponent, growth.exponential)
             if orbit is not None:
-                return least_period(model, orbit, omega, tolerance)
-        if marched >= max_periods:
-            last = shoot(model, state, y, max_order * period, omega)
-            return Orbit(0, last.residual, np.zeros(0), last.motion)
-        stretch = min(2 * stretch, max_periods - marched)
+                return Found(orbit, self.points[-1], None, False)
+
+    def _arrived(self) -> Orbit | None:
+        """The candidate that the march is bound for; each is looked at when the march comes by its phase."""
+        here = len(self.points) - 1
+        for n, (orbit, found_at) in self.candidates.items():
+            due = (here - found_at) % n == 0 and here >= 2 * n
+            if due and bound_for(self.turns, orbit, self.points[-1 - 2 * n :: n]):
+                return orbit
+        return None
+
+    def _try_newton(self) -> Orbit | None:
+        """From the present point; returns the orbit found if the march is bound for it."""
+        for count in self._counts():
+            orbit = newton(self.turns, self.points[-1], count, TOLERANCE)
+            if orbit is not None:
+                orbit = least(self.turns, orbit, TOLERANCE)
+                self.candidates[orbit.turns] = orbit, len(self.points) - 1
+                if self._arrived() is orbit:
+                    return orbit
+        return None
+
+    def _counts(self) -> Iterator[int]:
+        """Numbers of turns to try: the symmetric motion, the excitation's period, and what nearly repeated."""
+        per = self.turns.per_period
+        yield from range(1, per + 1)
+        here, suspects = self.points[-1], []
+        size = self.turns.size(here.y)
+        for n in range(per + 1, min(per * self.max_order, len(self.points) - 1) + 1):
+            if n % per and n > self.max_order:
+                continue  # symmetric, and of more periods than allowed
+            away = self.turns.size(self.turns.seen_from(here.state, self.points[-1 - n]) - here.y)
+            if away <= _RETURN * size:
+                suspects.append((away, n))
+        yield from (n for _, n in sorted(suspects)[:_SUSPECTS])
+
+
+def find(
+    turns: Turns, start: Point, *, near: bool, max_order: int, max_periods: int, progress: Progress | None
+) -> Found:
+    """The steady state that the march from `start` leads to; `near` says that it is likely to be near."""
+    first = _FIRST // 2 if near else _FIRST
+    return Search(turns, max_order, max_periods).run(start, min(first, max_periods), progress)

@@ -10,7 +10,7 @@ mode of the state has its ratio; under viscous damping C = (C / m) M.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -18,10 +18,13 @@ from scipy.linalg import cholesky, eigh, solve_triangular
 
 from fe_lapjoint.assembly import Assembly
 from lapjoint.contact import ContactState
-from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
+from lapjoint.problem import Beam, FloatArray, ModalDamping, Problem, SineLoad, StepLoad, Stop, Support, ViscousDamping
 
 ComplexArray = npt.NDArray[np.complex128]
+IndexArray = npt.NDArray[np.intp]
+SAMPLES = 48  # steps of the grid on which a flow is looked at
 _SOFT = 1e-3  # of EI / m L^4: a lowest omega^2 below needs a shift to be solved for safely
+_DETUNE = 1e-7  # an undamped mode met exactly by a load is moved by this fraction of its frequency
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +55,11 @@ class System:
         return np.asarray(self.omega > self.decay * (1 + 1e-6))
 
     @cached_property
+    def all_oscillate(self) -> bool:
+        """Whether every mode does."""
+        return bool(self.oscillating.all())
+
+    @cached_property
     def roots(self) -> ComplexArray:
         """-a + i sqrt(omega^2 - a^2) of the oscillating modes."""
         a, omega = self.decay[self.oscillating], self.omega[self.oscillating]
@@ -62,6 +70,79 @@ class System:
         """Modal displacements under the constant forces; 0 for rigid-body modes, shape ``(n,)``."""
         rigid = self.omega == 0
         return np.where(rigid, 0.0, self.constant / np.where(rigid, 1.0, self.omega) ** 2)
+
+    @cached_property
+    def amplitudes(self) -> ComplexArray:
+        """Complex amplitudes P of the forced motion Im(P exp(i angle)), shape ``(n, H)``."""
+        a, w, omega = self.decay[:, None], self.driven, self.omega[:, None]
+        resonant = (a < _DETUNE * omega) & (np.abs(omega - w) < _DETUNE * omega)
+        omega = np.where(resonant, w * (1 + _DETUNE), omega)
+        return np.asarray(self.harmonic / (omega**2 - w**2 + 2j * a * w))
+
+    @cached_property
+    def _distinct(self) -> tuple[FloatArray, IndexArray]:
+        rows, index = np.unique(self.stops, axis=0, return_inverse=True) if self.stops.size else (self.stops, None)
+        return rows, np.zeros(len(rows), dtype=np.intp) if index is None else np.asarray(index).ravel()
+
+    @property
+    def places(self) -> FloatArray:
+        """The distinct rows of `stops`: one for each position, shape ``(p, n)``."""
+        return self._distinct[0]
+
+    @property
+    def place_of(self) -> IndexArray:
+        """Which of the `places` each stop is at, shape ``(P,)``."""
+        return self._distinct[1]
+
+    @cached_property
+    def place_amplitudes(self) -> ComplexArray:
+        """The forced motion of the places, shape ``(p, H)``."""
+        return np.asarray(self.places @ self.amplitudes)
+
+    @cached_property
+    def place_modes(self) -> FloatArray:
+        """The oscillating modes at the places, shape ``(p, n)``."""
+        return np.asarray(self.places if self.all_oscillate else self.places[:, self.oscillating])
+
+    @cached_property
+    def place_equilibrium(self) -> ComplexArray:
+        """Where the constant forces hold the places, shape ``(p, 1)``."""
+        return np.asarray((self.places @ self.equilibrium)[:, None].astype(complex))
+
+    @cached_property
+    def rates_of_terms(self) -> ComplexArray:
+        """What the motion of a place is made of: exp(r t) for the oscillating modes, the loads and a constant."""
+        return np.concatenate([self.roots, 1j * self.driven, [0.0]])
+
+    @cached_property
+    def squares_of_terms(self) -> FloatArray:
+        """|r|^2 of `rates_of_terms`."""
+        return np.asarray(np.abs(self.rates_of_terms) ** 2)
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether these terms are all of it: no overdamped and no rigid-body modes."""
+        return self.all_oscillate and self.drift is None
+
+    @cached_property
+    def drift(self) -> tuple[FloatArray, FloatArray] | None:
+        """Speed and acceleration of rigid-body modes under constant forces, each ``(n,)``; None without such modes."""
+        rigid, drag = self.omega == 0, self.decay > 0
+        if not rigid.any():
+            return None
+        ramp = np.where(rigid & drag, self.constant / np.where(drag, 2 * self.decay, 1.0), 0.0)
+        return ramp, np.where(rigid & ~drag, self.constant, 0.0)
+
+    def grid(self, step: float) -> tuple[ComplexArray, FloatArray]:
+        """exp(r t) of `rates_of_terms` at t = 0, step, ... `SAMPLES` step, and moduli, kept for next time."""
+        if step not in self._grids:
+            turning = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
+            self._grids[step] = turning, np.abs(turning)
+        return self._grids[step]
+
+    @cached_property
+    def _grids(self) -> dict[float, tuple[ComplexArray, FloatArray]]:
+        return {}
 
     def rates(self, t: float, y: FloatArray) -> FloatArray:
         """d(q, q')/dt for ``y`` = (q, q') of shape ``(2 n,)``."""
@@ -83,18 +164,36 @@ class System:
 def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, FloatArray]:
     """All frequencies, ascending, and mass-normalised vectors of the mesh in a contact state.
 
+    They depend on the beam, its springs and the mesh alone, and are kept: other gaps, dampings and excitations, and
+    the states that mirror each other, share one solution, to the signs of its vectors.
+    """
+    problem = assembly.problem
+    springs = sorted((problem.stops[k].x, problem.stops[k].stiffness) for k in state.closed)
+    return _eigenmodes(problem.beam, problem.supports, tuple(springs), tuple(assembly.nodes.tolist()))
+
+
+@lru_cache(maxsize=64)
+def _eigenmodes(
+    beam: Beam, supports: tuple[Support, ...], springs: tuple[tuple[float, float], ...], nodes: tuple[float, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """The modes of a beam with springs (x, k) besides its supports.
+
     Two dense solutions are joined, because each is poor where the other is good: the inverted problem
     M v = mu (K + sigma M) v keeps the digits of the low modes, K v = omega^2 M v those of the high ones.  sigma is
     zero unless the beam can nearly move as a rigid body.  The joined basis is orthonormalised, so that a change of
     state loses nothing, and the frequencies are Rayleigh quotients.  Rigid-body modes are counted, not detected.
     """
-    M, springs = assembly.mass, assembly.springs(state)
+    stops = tuple(Stop(x=x, side="top", gap=0.0, stiffness=k) for x, k in springs)
+    assembly = Assembly(Problem(beam=beam, supports=supports, stops=stops), np.array(nodes))
+    state = ContactState(tuple(range(len(stops))))
+    M = assembly.mass
     vectors = _orthonormal(_joined(assembly, M, assembly.stiffness(state)), M)
-    square = np.sum((assembly.curvature @ vectors) ** 2, axis=0) + springs @ vectors**2
+    square = np.sum((assembly.curvature @ vectors) ** 2, axis=0) + assembly.springs(state) @ vectors**2
     order = np.argsort(square, kind="stable")
-    omega = np.sqrt(square[order])
+    omega, vectors = np.sqrt(square[order]), np.ascontiguousarray(vectors[:, order])
     omega[: assembly.rigid_modes(state)] = 0.0
-    return omega, np.ascontiguousarray(vectors[:, order])
+    omega.flags.writeable = vectors.flags.writeable = False
+    return omega, vectors
 
 
 def _joined(assembly: Assembly, M: FloatArray, K: FloatArray) -> FloatArray:

@@ -138,3 +138,13 @@ def test_modes_of_any_two_states_map_onto_each_other_without_loss(elements: int)
     old, new = (eigenmodes(assembly, state)[1] for state in (FREE, ContactState((0, 1))))
     transfer = new.T @ assembly.mass @ old
     assert transfer.T @ transfer == pytest.approx(np.eye(old.shape[1]), abs=1e-12)  # rounding
+
+
+def test_refining_splits_the_elements_of_given_nodes() -> None:
+    solver = fe_lapjoint.Solver(nodes=(0.0, 0.1, 0.5, 2.5))
+    assert solver.refined(2).nodes == pytest.approx((0.0, 0.05, 0.1, 0.3, 0.5, 1.5, 2.5))
+    assert solver.refined(1).nodes == solver.nodes
+    assert fe_lapjoint.Solver(elements=10).refined(1.5).elements == 15
+    problem = paper_joint()
+    coarse, fine = (s.modes(problem, FREE, 3).angular_frequencies for s in (solver, solver.refined(4)))
+    assert np.all(fine < coarse)

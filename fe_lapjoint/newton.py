@@ -1,0 +1,96 @@
+"""Newton's method for the fixed points of some turns, from near or far, and whether a march is bound for one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from fe_lapjoint.turns import Point, Turns
+from lapjoint.problem import FloatArray
+
+_STEPS = 14  # of Newton's method; near an orbit the residual squares in each
+_PATIENCE = 5  # steps in which the residual must halve
+_FARTHEST = 1.5  # relative residual from which on Newton is tried
+_FINEST = 1e-13  # relative residual not improved upon
+_MARGINAL = 1e-9  # multipliers nearer to the unit circle are on it as far as can be told
+_THERE = 1e-8  # relative distance within which a march has reached an orbit
+_LINEAR = 0.25  # or else: largest departure from the linearised map, over the step that this map makes
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A stable fixed point of `turns` turns."""
+
+    turns: int
+    point: Point
+    matrix: FloatArray
+    """Derivative of the map, in the modes of the point's state, shape ``(2 n, 2 n)``."""
+    moduli: FloatArray
+    """Moduli of its eigenvalues, descending, shape ``(2 n,)``."""
+    clearance: float = np.inf
+    """Distance to the nearest of the orbit's other points: of its mirror image, if it is not symmetric."""
+
+
+def newton(turns: Turns, point: Point, count: int, tolerance: float) -> Orbit | None:
+    """A stable fixed point of `count` turns, from `point`; None if there is none to be found from here."""
+    allowed, residuals = _FARTHEST, [np.inf] * _PATIENCE
+    for _ in range(_STEPS):
+        turned = turns.after(point, count)
+        change = turns.seen_from(point.state, turned.end) - point.y
+        residual = turns.size(change) / max(turns.size(point.y), np.finfo(float).tiny)
+        if not ((residual <= allowed and residual < residuals[-_PATIENCE] / 2) or residual <= tolerance):
+            return None
+        matrix = turns.matrix(point, turned)
+        if residual <= tolerance and (residual <= _FINEST or residual > residuals[-1] / 4):
+            return _stable(count, point, matrix)
+        allowed = 4 * max(residual, 1e-6)
+        residuals.append(residual)
+        try:
+            y = point.y + np.linalg.solve(np.eye(change.size) - matrix, change)
+        except np.linalg.LinAlgError:
+            return None
+        point = turns.settled(Point(point.state, y))
+    return None
+
+
+def _stable(count: int, point: Point, matrix: FloatArray) -> Orbit | None:
+    moduli = np.sort(np.abs(np.linalg.eigvals(matrix)))[::-1]
+    return Orbit(count, point, matrix, moduli) if moduli[0] < 1 - _MARGINAL else None
+
+
+def least(turns: Turns, orbit: Orbit, tolerance: float) -> Orbit:
+    """The orbit over the fewest turns after which it repeats, with its clearance."""
+    point, distances = orbit.point, [np.inf]
+    for count in range(1, orbit.turns):
+        point = turns.after(point).end
+        distance = turns.size(turns.seen_from(orbit.point.state, point) - orbit.point.y)
+        if orbit.turns % count == 0 and distance <= 1e-5 * turns.size(orbit.point.y):
+            found = newton(turns, orbit.point, count, tolerance)
+            if found is not None:
+                return replace(found, clearance=min(distances))
+        distances.append(distance)
+    return replace(orbit, clearance=min(distances))
+
+
+def bound_for(turns: Turns, orbit: Orbit, sections: Sequence[Point]) -> bool:
+    """Whether a march, of which `sections` are points `orbit.turns` turns apart, has come into the orbit's basin.
+
+    It has if its last steps went as the linearised map M says: if after - M before is small against (I - M) before,
+    the step that M makes.  At any other fixed point the two are equal, so that no neighbouring orbit passes.  And it
+    must be well nearer to this point of the orbit than to the others, which are fixed points as well.
+    """
+    away = [turns.seen_from(orbit.point.state, section) - orbit.point.y for section in sections]
+    if turns.size(away[-1]) <= _THERE * turns.size(orbit.point.y):
+        return True
+    if turns.size(away[-1]) > _LINEAR * orbit.clearance:
+        return False
+    steps = list(pairwise(away))[-2:]
+    return len(steps) == 2 and all(_as_linearised(turns, orbit, *step) for step in steps)
+
+
+def _as_linearised(turns: Turns, orbit: Orbit, before: FloatArray, after: FloatArray) -> bool:
+    mapped = orbit.matrix @ before
+    return turns.size(after - mapped) <= _LINEAR * turns.size(before - mapped)
