@@ -59,9 +59,9 @@ def run(level: Level, say: Say) -> CaseResult:
         "aperiodic",
         "Motions that never repeat",
         "With the paper's damping ratio of 0.08 every motion of the joint settles. With a fortieth of it, or with "
-        "viscous damping as light at high frequency, some are chaotic. No two solvers can follow such a motion for long, but "
-        "the rate at which nearby motions part, the largest Lyapunov exponent, is a property of the joint: both measure "
-        "it by carrying a small deviation through every flow and over every switch.",
+        "viscous damping as light at high frequency, some are chaotic. No two solvers can follow such a motion for "
+        "long, but the rate at which nearby motions part, the largest Lyapunov exponent, is a property of the joint: "
+        "both measure it by carrying a small deviation through every flow and over every switch.",
         checks=tuple(checks),
         criteria=tuple(criteria),
         tables=(
