@@ -55,7 +55,7 @@ def plot_curve(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ax.set_ylabel("impulse in a period [N s]", fontsize=8)
     _limit(ax, dataset[first].values)
     if dataset.sizes["stop"]:
-        anchor = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+        anchor: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
         ax.legend(**anchor, ncols=4, frameon=False, fontsize=7, handlelength=1.6, columnspacing=1.0)
     if second is not None:
         ax.text(0.99, 0.99, f"{dataset.sizes[second]} values of {_short(second)}", **_corner(ax), fontsize=6)
@@ -153,7 +153,7 @@ def _panel(ax: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, sec
 def _map(figure: Figure, ax: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str) -> None:
     values = impulse.mean("start") if "start" in impulse.dims else impulse
     mesh = ax.pcolormesh(
-        dataset[first].values, dataset[second].values, values.values.T, cmap="cividis", shading="nearest"
+        _edges(dataset[first].values), _edges(dataset[second].values), values.values.T, cmap="cividis", rasterized=True
     )
     figure.colorbar(mesh, ax=ax, pad=0.01).set_label("impulse [N s]", fontsize=7)
     ax.set_ylabel(_axis_label(dataset, second), fontsize=7)
@@ -171,13 +171,12 @@ def _certificate_strip(figure: Figure, ax: Axes, dataset: xr.Dataset, first: str
 
     codes = certificates(dataset).reshape(dataset.sizes[first], -1).T
     ax.pcolormesh(
-        dataset[first].values,
-        np.arange(len(codes)),
+        _edges(dataset[first].values),
+        np.arange(len(codes) + 1) - 0.5,
         codes,
         cmap=ListedColormap(list(OUTCOME_COLOURS.values())),
         vmin=-0.5,
         vmax=len(OUTCOME_COLOURS) - 0.5,
-        shading="nearest",
         rasterized=True,
     )
     ax.set_yticks([])
@@ -208,6 +207,14 @@ def _short(name: str) -> str:
     if not field or group not in ("stops", "supports"):
         return name.replace("_", " ")
     return f"{field.replace('_', ' ')} ({which} {group if which == 'all' else group[:-1]})"
+
+
+def _edges(values: Any) -> Any:
+    """The ends of the cells around ascending values, one more than these."""
+    if values.size == 1:
+        return values[0] + np.array([-0.5, 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middles, [1.5 * values[-1] - 0.5 * values[-2]]])
 
 
 def _limit(ax: Axes, x: Any) -> None:

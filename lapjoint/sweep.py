@@ -8,11 +8,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lapjoint.batch import batches, solve_batch
+from lapjoint.batch import after, batches, solve_batch
 from lapjoint.errors import InputError, Interrupted
 from lapjoint.grid import FREQUENCY, Axis, Grid
 from lapjoint.journal import Journal
@@ -187,21 +187,24 @@ def _work(
 
 
 def _send(plan: Plan, todo: list[Batch], workers: Workers, scheduler: str | None, deliver: Deliver) -> None:
-    """Send the batches to who does the work.
-
-    Where others do, the first batch is solved here before: what that compiles, they find compiled.
-    """
-    if scheduler is None and workers == 1:
-        work_here(plan, todo, deliver)
-        return
-    solved = solve_batch(plan, todo[0])
-    deliver(solved)
-    todo = [*([] if solved.left is None else [solved.left]), *todo[1:]]
+    """Send the batches to who does the work."""
     if scheduler is not None:
         from lapjoint.cluster import work_on_cluster
 
-        work_on_cluster(plan, todo, scheduler, deliver)
+        work_on_cluster(plan, _begun(plan, todo, deliver), scheduler, deliver)
     elif callable(workers):
-        work_mapped(plan, todo, workers, deliver)
-    elif todo:
-        work_in_processes(plan, todo, workers, deliver)
+        work_mapped(plan, _begun(plan, todo, deliver), workers, deliver)
+    elif workers > 1:
+        work_in_processes(plan, _begun(plan, todo, deliver), workers, deliver)
+    else:
+        work_here(plan, todo, deliver)
+
+
+def _begun(plan: Plan, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
+    """Solve the first cell here, and give what is left: what that compiles, the workers find compiled."""
+    solved = solve_batch(plan, todo[0].first())
+    deliver(solved)
+    left = after(todo[0], 1, solved.section)
+    if left is not None:
+        yield left
+    yield from todo[1:]

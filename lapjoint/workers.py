@@ -73,7 +73,10 @@ def given_up(batch: Batch, reason: str) -> Solved:
 
 def work_in_processes(plan: Plan, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
     """Solve all batches in processes, whose death is survived."""
-    crew = _Crew(plan, batches, workers, deliver)
+    waiting = deque(batches)
+    if not waiting:
+        return
+    crew = _Crew(plan, waiting, workers, deliver)
     try:
         crew.work()
     finally:
@@ -87,10 +90,9 @@ class _Crew:
     suspects then.  A suspect flies alone, one cell at a time, for longer than it can have flown before.
     """
 
-    def __init__(self, plan: Plan, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
-        self._plan, self._deliver = plan, deliver
-        self._waiting = deque(batches)
-        self._workers = max(1, min(workers, len(self._waiting)))
+    def __init__(self, plan: Plan, waiting: deque[Batch], workers: int, deliver: Deliver) -> None:
+        self._plan, self._waiting, self._deliver = plan, waiting, deliver
+        self._workers = min(workers, len(waiting))
         self._suspects: deque[Batch] = deque()
         self._cleared_at = 0.0
         self._flying: dict[Future[Solved], Batch] = {}
