@@ -61,7 +61,7 @@ def _work(client: Any, plan: Plan, batches: Iterable[Batch], deliver: Deliver) -
     from distributed import KilledWorker, as_completed
 
     flying: dict[Any, tuple[Batch, bool]] = {}
-    landing = as_completed()
+    landing = as_completed(loop=client.loop)
 
     def fly(batch: Batch, alone: bool = False) -> None:
         future = client.submit(solve_batch, plan, batch.first() if alone else batch, pure=False)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -205,29 +204,20 @@ def write_curve(dataset: xr.Dataset, path: str | Path, kept: str = "") -> None:
     content = io.BytesIO()
     encoding = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind != "O"}
     dataset.to_netcdf(content, engine="h5netcdf", encoding=encoding)
-    folder, temporary = Path(path).resolve().parent, None
+    temporary = Path(path).with_name(f".{Path(path).name}.part")  # one left by a crash is written over
     try:
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{Path(path).name}.", dir=folder)
-        with os.fdopen(descriptor, "wb") as file:
-            os.fchmod(descriptor, 0o666 & ~_umask())
+        with open(temporary, "wb") as file:
             file.write(content.getbuffer())
             file.flush()
-            os.fsync(descriptor)
+            os.fsync(file.fileno())
         os.replace(temporary, path)
     except BaseException as error:
-        if temporary is not None:
-            with suppress(OSError):
-                os.unlink(temporary)
+        with suppress(OSError):
+            temporary.unlink()
         if isinstance(error, OSError):
             tail = f"; {kept}" if kept else ""
             raise OutputError(f"{path}: cannot be written: {error.strerror or error}{tail}") from None
         raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def read_curve(path: str | Path) -> xr.Dataset:

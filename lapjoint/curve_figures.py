@@ -56,9 +56,18 @@ def plot_curve(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     _limit(ax, dataset[first].values)
     if dataset.sizes["stop"]:
         anchor: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
-        ax.legend(**anchor, ncols=4, frameon=False, fontsize=7, handlelength=1.6, columnspacing=1.0)
-    if second is not None:
-        ax.text(0.99, 0.99, f"{dataset.sizes[second]} values of {_short(second)}", **_corner(ax), fontsize=6)
+        values = [] if second is None else [f"{dataset.sizes[second]} values of {_short(second)}"]
+        note = ", ".join([*values, *_held(dataset)]) or None
+        ax.legend(
+            **anchor,
+            ncols=4,
+            frameon=False,
+            fontsize=7,
+            handlelength=1.6,
+            columnspacing=1.0,
+            title=note,
+            title_fontsize=7,
+        )
     ax.tick_params(labelsize=7)
     return restrained(ax)
 
@@ -78,11 +87,13 @@ def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
         if as_map:
             _map(figure, ax, dataset, impulse, first, second or "")
         else:
-            _panel(ax, dataset, impulse, first, second)
+            _panel(ax, dataset, impulse, first, second, legend=stop == 0)
         ax.set_title(str(dataset.stop_name.values[stop]), fontsize=8, loc="left", pad=2)
     _certificate_strip(figure, axes[-1], dataset, first, second)
     axes[-1].set_xlabel(_axis_label(dataset, first), fontsize=8)
     _limit(axes[-1], dataset[first].values)
+    if _held(dataset):
+        figure.suptitle(", ".join(_held(dataset)), fontsize=8)
     return axes
 
 
@@ -103,6 +114,15 @@ def _in_order(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.sortby(names).isel(dict.fromkeys(names[2:], 0))
 
 
+def _held(dataset: xr.Dataset) -> list[str]:
+    """The fields that are drawn at one value, with it."""
+    return [
+        f"{_short(str(name))} = {value.item():.4g} {_units(dataset, str(name))}".removesuffix(" -")
+        for name, value in dataset.coords.items()
+        if value.ndim == 0
+    ]
+
+
 def _fields(dataset: xr.Dataset) -> tuple[str, str | None]:
     """The names of the first and, where there is one, of the second swept field."""
     names = [str(name) for name in dataset.outcome.dims if name != "start"]
@@ -120,7 +140,7 @@ def _draw(ax: Axes, x: Any, y: Any, colour: Any, style: str, label: str | None) 
     """A line, or points where there are several starts, or one value only."""
     if y.ndim > 1 or x.size == 1:
         columns = y.reshape(x.size, -1)
-        ax.plot(np.repeat(x, columns.shape[1]), columns.ravel(), ".", color=colour, markersize=2.5, label=label, mew=0)
+        ax.plot(np.repeat(x, columns.shape[1]), columns.ravel(), ".", color=colour, markersize=3.5, label=label, mew=0)
     else:
         ax.plot(x, y, color=colour, linestyle=style, linewidth=0.9, label=label)
 
@@ -135,14 +155,14 @@ def _panels(stops: int, strip: float) -> tuple[Figure, tuple[Axes, ...]]:
     return figure, tuple(axes)
 
 
-def _panel(ax: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str | None) -> None:
+def _panel(ax: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str | None, legend: bool) -> None:
     lines = _lines(impulse, second)
     for i, line in enumerate(lines):
         label = None if second is None else f"{dataset[second].values[i]:.4g}"
         _draw(ax, dataset[first].values, line, COLOURS[i % len(COLOURS)], STYLES[i % len(STYLES)], label)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
     ax.set_ylabel("impulse [N s]", fontsize=8)
-    if second is not None:
+    if second is not None and legend:
         title = f"{_short(second)} [{_units(dataset, second)}]"
         ax.legend(
             title=title, title_fontsize=7, fontsize=7, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.05)
@@ -155,7 +175,9 @@ def _map(figure: Figure, ax: Axes, dataset: xr.Dataset, impulse: xr.DataArray, f
     mesh = ax.pcolormesh(
         _edges(dataset[first].values), _edges(dataset[second].values), values.values.T, cmap="cividis", rasterized=True
     )
-    figure.colorbar(mesh, ax=ax, pad=0.01).set_label("impulse [N s]", fontsize=7)
+    bar = figure.colorbar(mesh, ax=ax, pad=0.01)
+    bar.set_label("impulse [N s]", fontsize=7)
+    bar.ax.tick_params(labelsize=7)
     ax.set_ylabel(_axis_label(dataset, second), fontsize=7)
     ax.tick_params(labelsize=8)
 
@@ -179,16 +201,40 @@ def _certificate_strip(figure: Figure, ax: Axes, dataset: xr.Dataset, first: str
         vmax=len(OUTCOME_COLOURS) - 0.5,
         rasterized=True,
     )
-    ax.set_yticks([])
-    if len(codes) > 1:
-        ax.set_ylabel(_short(second) if second else "start", fontsize=7)
+    ax.set_title("what was established", fontsize=8, loc="left", pad=2)
     ax.tick_params(labelsize=8)
+    _strip_ticks(ax, dataset, second, len(codes))
     keys = list(OUTCOME_COLOURS)
     patches = [
         Patch(facecolor=OUTCOME_COLOURS[keys[i]], label=_LABELS.get(keys[i], keys[i]), edgecolor="0.5", linewidth=0.4)
         for i in np.unique(codes)
     ]
-    figure.legend(handles=patches, loc="outside lower center", ncols=len(patches), frameon=False, fontsize=8)
+    figure.legend(
+        handles=patches,
+        loc="outside lower center",
+        ncols=len(patches),
+        frameon=False,
+        fontsize=8,
+        handlelength=1.4,
+        columnspacing=1.2,
+    )
+
+
+def _strip_ticks(ax: Axes, dataset: xr.Dataset, second: str | None, rows: int) -> None:
+    """Say at the strip's side what its rows are: some values of the second field, or starts."""
+    if second is None:
+        ax.set_yticks([])
+        if rows > 1:
+            ax.set_ylabel("start", fontsize=7)
+        return
+    number = dataset.sizes[second]
+    each = rows // number  # starts
+    shown = np.arange(number) if number <= MOST_LINES else np.linspace(0, number - 1, 5).round().astype(int)
+    ax.set_yticks(
+        shown * each + (each - 1) / 2, [f"{value:.3g}" for value in dataset[second].values[shown]], fontsize=6
+    )
+    if number > MOST_LINES:
+        ax.set_ylabel(_axis_label(dataset, second), fontsize=7)
 
 
 def _axis_label(dataset: xr.Dataset, name: str) -> str:
@@ -220,7 +266,3 @@ def _edges(values: Any) -> Any:
 def _limit(ax: Axes, x: Any) -> None:
     if x.size > 1 and np.all(np.isfinite(x)):
         ax.set_xlim(float(x.min()), float(x.max()))
-
-
-def _corner(ax: Axes) -> dict[str, Any]:
-    return {"transform": ax.transAxes, "ha": "right", "va": "top", "color": "0.3"}

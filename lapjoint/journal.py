@@ -87,6 +87,8 @@ class Journal:
 
     def kept(self) -> str:
         """What a person is told when the sweep stops here."""
+        if not self.points:
+            return f"none of {self.plan.size} points was done"
         return f"{len(self.points)} of {self.plan.size} points are kept in {self.path}; the same command resumes"
 
     def _read(self, force: bool) -> None:
