@@ -184,7 +184,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
     }
 
 
-def write_curve(dataset: xr.Dataset, path: str | Path, kept: str = "") -> None:
+def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset as NetCDF, all of it or nothing: what was there before stays until the new file is whole.
 
     Parameters
@@ -193,8 +193,6 @@ def write_curve(dataset: xr.Dataset, path: str | Path, kept: str = "") -> None:
         The dataset.
     path : path
         The file.
-    kept : str
-        What the message adds when the disk is full.
 
     Raises
     ------
@@ -215,8 +213,7 @@ def write_curve(dataset: xr.Dataset, path: str | Path, kept: str = "") -> None:
         with suppress(OSError):
             temporary.unlink()
         if isinstance(error, OSError):
-            tail = f"; {kept}" if kept else ""
-            raise OutputError(f"{path}: cannot be written: {error.strerror or error}{tail}") from None
+            raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
         raise
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -86,22 +87,29 @@ class Journal:
         self.close()
 
     def kept(self) -> str:
-        """What a person is told when the sweep stops here."""
+        """What a person is told when the sweep stops here: what is in the file, wherever the interrupt came."""
+        self._load(force=False)
         if not self.points:
             return f"none of {self.plan.size} points was done"
         return f"{len(self.points)} of {self.plan.size} points are kept in {self.path}; the same command resumes"
 
     def _read(self, force: bool) -> None:
         """Read what is there, and cut off what cannot be read."""
-        good = 0
-        for number, raw in enumerate(self._file.readall().splitlines(keepends=True)):
-            if not (self._taken(raw) if number else self._mine(raw, force)):
-                break
-            good += len(raw)
+        good = self._load(force)
         self._file.seek(good)
         self._file.truncate()
         if good == 0:
             self._write({"journal": FORMAT, "fingerprint": self.plan.fingerprint, **self.plan.identity})
+
+    def _load(self, force: bool) -> int:
+        """Take the points in the file; returns the number of bytes that are good."""
+        good = 0
+        self._file.seek(0)
+        for number, raw in enumerate(self._file.readall().splitlines(keepends=True)):
+            if not (self._taken(raw) if number else self._mine(raw, force)):
+                break
+            good += len(raw)
+        return good
 
     def _mine(self, raw: bytes, force: bool) -> bool:
         """Whether a first line is this sweep's; what is not may be thrown away only when told."""
@@ -138,13 +146,16 @@ class Journal:
         self.sections[cells[-1]] = line.get("section")
 
     def _write(self, line: dict[str, Any]) -> None:
+        end = self._file.tell()
         try:
             left = json.dumps(line, separators=(",", ":")).encode() + b"\n"
             while left:
                 left = left[self._file.write(left) :]
             os.fsync(self._file.fileno())
         except OSError as error:
-            raise OutputError(f"{self.path}: cannot be written: {error.strerror or error}; {self.kept()}") from None
+            with suppress(OSError):
+                self._file.truncate(end)
+            raise OutputError(f"{self.path}: cannot be written: {error.strerror or error}") from None
 
 
 def _parsed(raw: bytes) -> dict[str, Any] | None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.batch import after, batches, solve_batch
-from lapjoint.errors import InputError, Interrupted
+from lapjoint.errors import InputError, Interrupted, OutputError
 from lapjoint.grid import FREQUENCY, Axis, Grid
 from lapjoint.journal import Journal
 from lapjoint.plan import Plan, Start
@@ -122,8 +122,10 @@ def run(
     journal = Journal(plan, out, force=force)
     try:
         _work(plan, journal.points, journal, workers, scheduler, progress)
-        write_curve(dataset_of(plan, journal.points), out, journal.kept())
+        write_curve(dataset_of(plan, journal.points), out)
         journal.remove()
+    except OutputError as error:
+        raise OutputError(f"{error}; {journal.kept()}") from None
     except KeyboardInterrupt:
         raise Interrupted(f"interrupted: {journal.kept()}") from None
     finally:

@@ -119,18 +119,21 @@ class _Crew:
                 self._fly(self._suspects.popleft(), alone=True)
             return
         while self._waiting and len(self._flying) < self._workers + 1:
-            self._fly(self._waiting.popleft())
+            if not self._fly(self._waiting.popleft()):
+                break
 
-    def _fly(self, batch: Batch, alone: bool = False) -> None:
+    def _fly(self, batch: Batch, alone: bool = False) -> bool:
+        """Whether the pool took a batch; it does not once it is broken."""
         try:
             with _interrupts_held():
                 future = self._pool.submit(solve_batch, self._plan, batch.first() if alone else batch)
-        except BrokenProcessPool:  # it broke since the last look at it
+        except BrokenProcessPool:
             self._waiting.appendleft(batch)
             if not self._flying:
                 self._renew()
-        else:
-            self._flying[future] = batch
+            return False
+        self._flying[future] = batch
+        return True
 
     def _land(self, landed: Iterable[Future[Solved]]) -> list[Batch]:
         """Deliver what has come back; returns the batches that were lost."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -189,6 +190,23 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(counting: Path) -> No
     curve = sweep(JOINT, [FREQUENCIES], workers=2, **counted(dies_at=130.0))
     np.testing.assert_array_equal(curve.angular_frequency[curve.outcome == -1], [130.0])
     assert str(curve.message.sel(angular_frequency=130.0).item()).startswith("the process that solved it died")
+
+
+def test_workers_killed_while_they_wait_are_replaced(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each time points come back, all workers are killed before the next are sent."""
+    monkeypatch.setattr("lapjoint.batch.BATCH_SECONDS", 0.0)
+    killed = 0
+
+    def kill_all(done: float, total: float) -> None:
+        nonlocal killed
+        for child in multiprocessing.active_children() if killed < 6 and done > 1 else []:
+            child.kill()
+            killed += 1
+        time.sleep(0.05 if done < 20 else 0.0)  # the pool may notice before the next batch is sent, or not
+
+    curve = sweep(JOINT, [FREQUENCIES], workers=2, progress=kill_all, **counted())
+    assert killed >= 6
+    xr.testing.assert_identical(curve, sweep(JOINT, [FREQUENCIES], **counted()))
 
 
 def test_a_point_where_the_solver_gives_up_is_kept_and_the_sweep_goes_on(counting: Path) -> None:
