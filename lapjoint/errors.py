@@ -10,3 +10,11 @@ class InputError(ValueError):
 
 class SolverError(RuntimeError):
     """The solver could not do what was asked; the message says where it stopped and why."""
+
+
+class OutputError(RuntimeError):
+    """What was computed could not be written (a full disk); the message says what is kept."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C in work that can be resumed; the message says what is kept."""

@@ -82,7 +82,7 @@ def plot_motion(history: History, axes: Axes | None = None, *, samples: int = 20
     ax.set_xlim(history.start, history.end)
     ax.set_title(f"{history.problem.title or 'Motion'}\n{history.solver}", fontsize=9, loc="left")
     ax.legend(frameon=False, ncols=4, fontsize=8, loc="upper right", bbox_to_anchor=(1.0, 1.12))
-    return _restrained(ax)
+    return restrained(ax)
 
 
 def _draw_contacts(ax: Axes, history: History, positions: list[float]) -> None:
@@ -126,10 +126,11 @@ def plot_mode_shapes(problem: Problem, modes: Modes, axes: Axes | None = None, *
     ax.set_xlim(0.0, problem.beam.length)
     ax.set_title(f"Modes of the state: {modes.state.name(problem)}", fontsize=9)
     ax.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    return _restrained(ax)
+    return restrained(ax)
 
 
-def _restrained(ax: Axes) -> Axes:
+def restrained(ax: Axes) -> Axes:
+    """The axes without the frame's top and right, and with small tick labels."""
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
     ax.tick_params(labelsize=8)

@@ -21,10 +21,25 @@ def override(tables: dict[str, Any], assignment: str) -> None:
         If the assignment cannot be read, or names an element that is not there.
     """
     path, equals, value = assignment.partition("=")
-    keys = [key for key in re.split(r"[.\[\]]+", path.strip()) if key]
-    if not equals or not keys:
+    if not equals or not path_keys(path):
         raise InputError(f"--set {assignment}: must be key=value, as in base_motion.angular_frequency=820")
-    _assign(tables, keys, toml_value(value), assignment)
+    assign(tables, path, toml_value(value), f"--set {assignment}")
+
+
+def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
+    """Set the value at a path of a problem's tables, in place; `source` begins the messages.
+
+    Raises
+    ------
+    InputError
+        If the path names an element that is not there.
+    """
+    _assign(tables, path_keys(path), value, source)
+
+
+def path_keys(path: str) -> list[str]:
+    """The keys of a path, ``stops[0].gap`` as ``stops``, ``0``, ``gap``."""
+    return [key for key in re.split(r"[.\[\]]+", path.strip()) if key]
 
 
 def toml_value(text: str) -> Any:
@@ -36,24 +51,24 @@ def toml_value(text: str) -> Any:
     return tables["value"] if set(tables) == {"value"} else text.strip()
 
 
-def _assign(here: Any, keys: list[str], value: Any, assignment: str) -> None:
+def _assign(here: Any, keys: list[str], value: Any, source: str) -> None:
     key, rest = keys[0], keys[1:]
     if isinstance(here, dict):
         if rest:
-            _assign(here.setdefault(key, {}), rest, value, assignment)
+            _assign(here.setdefault(key, {}), rest, value, source)
         else:
             here[key] = value
     elif isinstance(here, list):
-        for index in _indices(here, key, assignment):
+        for index in _indices(here, key, source):
             if rest:
-                _assign(here[index], rest, value, assignment)
+                _assign(here[index], rest, value, source)
             else:
                 here[index] = value
     else:
-        raise InputError(f"--set {assignment}: {key!r} is below a single value, and cannot be set")
+        raise InputError(f"{source}: {key!r} is below a single value, and cannot be set")
 
 
-def _indices(items: list[Any], key: str, assignment: str) -> list[int]:
+def _indices(items: list[Any], key: str, source: str) -> list[int]:
     if key == "*":
         return list(range(len(items)))
     if key.isdecimal() and int(key) < len(items):
@@ -61,8 +76,8 @@ def _indices(items: list[Any], key: str, assignment: str) -> list[int]:
     named = [i for i, item in enumerate(items) if isinstance(item, dict) and item.get("name") == key]
     if not named:
         raise InputError(
-            f"--set {assignment}: there is no element {key!r}; allowed are 0 to {len(items) - 1}, a name, or *"
+            f"{source}: there is no element {key!r}; allowed are 0 to {len(items) - 1}, a name, or *"
             if items
-            else f"--set {assignment}: there is no element {key!r}; the list is empty"
+            else f"{source}: there is no element {key!r}; the list is empty"
         )
     return named

@@ -15,11 +15,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Exponent, Outcome, paper_joint, read_problem
+from lapjoint import FREE, ContactState, Exponent, Outcome, SteadyState, paper_joint, read_problem
 from lapjoint.errors import SolverError
 from lapjoint.files import commented_example, from_toml, to_toml
 from validation.cli import main
-from validation.progress import lines_of_progress
+from validation.progress import duration_text, lines_of_progress, lines_with_time_left
 
 PAPER = "preset:paper"
 FEW = ("--modes", "8")  # the least that is quick; no accuracy is asked of these tests
@@ -142,6 +142,7 @@ def assert_refused(result: Result, message: str) -> None:
 
 
 SIMULATE = ("simulate", PAPER, "--duration", "0.01")
+NOWHERE = ("sweep", PAPER, "--modes", "4")
 BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("no such file", ("modes", "missing.toml"), "missing.toml: cannot be read: No such file"),
     ("a directory", ("modes", "."), "cannot be read"),
@@ -191,6 +192,34 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("init nowhere", ("init", "no/such/file.toml"), "cannot be written"),
     ("unknown case", ("validate", "--case", "magic"), "magic"),
     ("no such file to validate", ("validate", "missing.toml"), "missing.toml: cannot be read"),
+    ("nothing swept", (*NOWHERE, "--out", "c.nc"), "nothing is swept; give --from and --to, or --over"),
+    ("half a range", (*NOWHERE, "--out", "c.nc", "--from", "1"), "--to: is missing"),
+    (
+        "a range backwards",
+        (*NOWHERE, "--out", "c.nc", "--from", "2", "--to", "1"),
+        "--to 1: must be at least --from, 2",
+    ),
+    ("no step", (*NOWHERE, "--out", "c.nc", "--from", "1", "--to", "2", "--step", "0"), "--step 0: must be positive"),
+    (
+        "too fine",
+        (*NOWHERE, "--out", "c.nc", "--from", "1", "--to", "2", "--step", "1e-9"),
+        "--step 1e-09: makes 1e+09",
+    ),
+    ("negative frequency", (*NOWHERE, "--out", "c.nc", "--from", "-1", "--to", "2"), "--from -1: must be positive"),
+    ("sweep as a picture", (*NOWHERE, "--out", "c.png", "--from", "1", "--to", "2"), "must end in .nc"),
+    ("sweep nowhere", (*NOWHERE, "--out", "no/c.nc", "--from", "1", "--to", "2"), "there is no such directory"),
+    ("over nothing", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio"), "--over damping.ratio: must be PATH="),
+    ("over text", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=a,b"), "must be FROM:TO:COUNT or numbers"),
+    ("over no count", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=0:1:0"), "a count from 1 to"),
+    ("over what is not there", (*NOWHERE, "--out", "c.nc", "--over", "stops.P9.gap=1e-3"), "no element 'P9'"),
+    ("a bad point", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=0.1,-1"), "damping.ratio = -1: damping.ratio"),
+    (
+        "no scheduler",
+        (*NOWHERE, "--out", "c.nc", "--from", "1", "--to", "2", "--scheduler", "x://y"),
+        "scheduler = 'x://y'",
+    ),
+    ("no curve", ("plot", "missing.nc", "-o", "a.png"), "missing.nc: cannot be read: No such file"),
+    ("a curve as a table", ("plot", "missing.nc", "-o", "a.csv"), "must end in .png, .svg, .pdf"),
     ("unknown command", ("solve",), "No such command"),
 ]
 
@@ -288,3 +317,84 @@ def test_progress_off_a_terminal_is_a_line_for_every_tenth() -> None:
 def test_a_written_problem_is_a_problem(tmp_path: Path) -> None:
     run_well("init", tmp_path / "a.toml")
     assert read_problem(tmp_path / "a.toml") == from_toml(commented_example())
+
+
+SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--modes", "4", "--out", "curve.nc")
+
+
+def test_sweep_writes_a_dataset_and_plot_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from lapjoint.curve import read_curve
+
+    monkeypatch.chdir(tmp_path)
+    printed = run_well(*SWEEP, "--over", "stops.*.gap=1e-3:2e-3:2")
+    assert printed.splitlines()[0] == "Wrote curve.nc"
+    assert printed.splitlines()[1].startswith("6 points: ")
+    curve = read_curve("curve.nc")
+    assert curve.angular_frequency.values.tolist() == [500.0, 510.0, 520.0]
+    assert curve.stops_all_gap.values.tolist() == [1e-3, 2e-3]
+    exact = Solver(n_modes=4).steady_state(paper_joint(angular_frequency=510.0, gap=2e-3))
+    np.testing.assert_array_equal(curve.impulse[1, 1], exact.impulses)
+    assert run_well(*SWEEP, "--over", "stops.*.gap=1e-3:2e-3:2").startswith("curve.nc: holds this sweep already")
+    assert run_well("plot", "curve.nc") == "Wrote curve.pdf\n"
+    assert run_well("plot", "curve.nc", "--wide", "-o", "wide.svg") == "Wrote wide.svg\n"
+    assert_refused(run(*SWEEP), "curve.nc: is the result of another sweep; choose another --out, or overwrite it")
+    run_well(*SWEEP, "--force")
+
+
+def test_a_sweep_needs_no_frequencies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from lapjoint.curve import read_curve
+
+    monkeypatch.chdir(tmp_path)
+    run_well("sweep", PAPER, "--over", "damping.ratio=0.1,0.08", "--start", "up", "--modes", "4", "--out", "curve.nc")
+    assert read_curve("curve.nc").damping_ratio.values.tolist() == [0.1, 0.08]
+
+
+def test_a_sweep_with_points_that_failed_ends_with_status_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def gives_up(*_: object, **__: object) -> None:
+        raise SolverError("stopped at t = 0.1 s")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Solver, "steady_state", gives_up)
+    result = run(*SWEEP)
+    assert result.exit_code == 1
+    assert result.stdout.splitlines() == ["Wrote curve.nc", "3 points: 3 failed", *["failed: stopped at t = 0.1 s"] * 3]
+
+
+@pytest.mark.parametrize("done", [0, 2])
+def test_ctrl_c_in_a_sweep_says_how_to_resume(done: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, asked = Solver(n_modes=4).steady_state(paper_joint()), 0
+
+    def interrupted(*_: object, **__: object) -> SteadyState:
+        nonlocal asked
+        asked += 1
+        if asked > done:
+            raise KeyboardInterrupt
+        return found
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("lapjoint.batch.BATCH_SECONDS", 0.0)
+    monkeypatch.setattr(Solver, "steady_state", interrupted)
+    result = run(*SWEEP)
+    assert result.exit_code == 130
+    kept = "2 of 3 points are kept in curve.nc.journal; the same command resumes"
+    assert result.stderr.splitlines()[-1] == f"lapjoint: interrupted: {kept if done else 'none of 3 points was done'}"
+
+
+def test_progress_of_a_sweep_says_how_much_time_is_left() -> None:
+    now = 0.0
+
+    @click.command()
+    def work() -> None:
+        nonlocal now
+        progress = lines_with_time_left("sweep", lambda: now)
+        for done in (2000, 2500, 4000, 4010, 5000):
+            progress(done, 5000)
+            now += 600.0
+
+    assert CliRunner().invoke(work).stderr.splitlines() == [
+        "sweep: goes on from 2000 of 5000",
+        "sweep: 50 %, 2500 of 5000, 50 min left",
+        "sweep: 80 %, 4000 of 5000, 10 min left",
+        "sweep: 100 %, 5000 of 5000",
+    ]
+    assert [duration_text(seconds) for seconds in (40.4, 700.0, 12000.0)] == ["40 s", "12 min", "3 h 20 min"]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from lapjoint import ContactState, Problem, contact_states, files, paper_joint, paper_state_number, sdnl104
 from lapjoint.contact import is_paper_joint
 from lapjoint.errors import InputError
+from lapjoint.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.override import override, toml_value
 from lapjoint.solver import Solver, make_solver
 
@@ -45,6 +49,11 @@ def problem_file(source: str, overrides: tuple[str, ...], output: str) -> Path:
 
 def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
     """The solver with this name, with the numerical options given."""
+    return make_solver(solver_name, **options_from(n_modes, elements, options))
+
+
+def options_from(n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> dict[str, Any]:
+    """The numerical options given."""
     chosen: dict[str, Any] = {}
     for option in options:
         key, equals, value = option.partition("=")
@@ -54,7 +63,51 @@ def solver_from(solver_name: str, n_modes: int | None, elements: int | None, opt
     for key, number in (("n_modes", n_modes), ("elements", elements)):
         if number is not None:
             chosen[key] = number
-    return make_solver(solver_name, **chosen)
+    return chosen
+
+
+def axes_from(first: float | None, last: float | None, step: float, fields: tuple[str, ...]) -> tuple[Axis, ...]:
+    """The axes of a sweep: the excitation frequency if it is given, then the other fields in their order."""
+    if (first is None) != (last is None):
+        raise InputError(f"--{'to' if last is None else 'from'}: is missing; give both --from and --to, or neither")
+    if first is None and not fields:
+        raise InputError("sweep: nothing is swept; give --from and --to, or --over")
+    axes = [axis_from(field) for field in fields]
+    if first is None or last is None:
+        return tuple(axes)
+    return (Axis(FREQUENCY, frequencies(first, last, step)), *axes)
+
+
+def frequencies(first: float, last: float, step: float) -> tuple[float, ...]:
+    """Frequencies from `first` to `last`, both included where the step allows."""
+    for option, value in (("--from", first), ("--to", last), ("--step", step)):
+        if not 0 < value < float("inf"):
+            raise InputError(f"{option} {value:g}: must be positive and finite, in rad/s")
+    if last < first:
+        raise InputError(f"--to {last:g}: must be at least --from, {first:g} rad/s")
+    steps = (last - first) / step * (1 + 1e-12) + 1e-9
+    if steps >= MOST_POINTS:
+        raise InputError(f"--step {step:g}: makes {steps:.3g} points; at most {MOST_POINTS} are allowed")
+    return tuple(first + i * step for i in range(int(steps) + 1))
+
+
+def axis_from(text: str) -> Axis:
+    """An axis from ``PATH=FROM:TO:COUNT`` or ``PATH=a,b,c``."""
+    path, equals, values = text.partition("=")
+    if not equals or not path.strip():
+        raise InputError(f"--over {text}: must be PATH=FROM:TO:COUNT or PATH=a,b,c, as in stops.*.gap=1e-3:3e-3:5")
+    try:
+        if ":" not in values:
+            return Axis(path, tuple(float(value) for value in values.split(",")))
+        low, high, number = values.split(":")
+        first, last, count = float(low), float(high), int(number)
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"--over {text}: must be FROM:TO:COUNT or numbers with commas between them") from None
+    if not 1 <= count <= MOST_POINTS or not math.isfinite(last - first):
+        raise InputError(f"--over {text}: must have finite ends, and a count from 1 to {MOST_POINTS}")
+    return Axis(path, tuple(np.linspace(first, last, count).tolist()))
 
 
 def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:

@@ -33,13 +33,13 @@ class Lapjoint(click.Group):
             return super().invoke(ctx)
         except (click.ClickException, click.Abort, click.exceptions.Exit):
             raise
-        except KeyboardInterrupt:
-            click.echo("lapjoint: interrupted", err=True)
+        except KeyboardInterrupt as interrupt:
+            click.echo(f"lapjoint: {str(interrupt) or 'interrupted'}", err=True)
             ctx.exit(130)
         except (ValueError, RuntimeError, MemoryError) as error:
-            from lapjoint.errors import InputError, SolverError
+            from lapjoint.errors import InputError, OutputError, SolverError
 
-            if not isinstance(error, InputError | SolverError | MemoryError):
+            if not isinstance(error, InputError | OutputError | SolverError | MemoryError):
                 raise
             click.echo(f"lapjoint: {error or 'out of memory'}", err=True)
             ctx.exit(2 if isinstance(error, InputError) else 1)
@@ -209,6 +209,96 @@ def steady(
     if json_path:
         shown.write_json(json_path, shown.steady_state_summary(found))
     click.get_current_context().exit(1 if found.outcome is Outcome.UNDECIDED else 0)
+
+
+@main.command()
+@problem_options
+@solver_options
+@click.option("--from", "first", type=float, help="First excitation frequency, rad/s.")
+@click.option("--to", "last", type=float, help="Last excitation frequency, rad/s.")
+@click.option("--step", type=float, default=1.0, show_default=True, help="Step between them, rad/s.")
+@click.option(
+    "--over",
+    "fields",
+    multiple=True,
+    metavar="PATH=VALUES",
+    help="Change another number of the problem too, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    "damping.ratio=0.02,0.08; repeatable: all combinations.",
+)
+@click.option("--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option(
+    "--start",
+    type=click.Choice(["rest", "up", "down", "random"]),
+    default="rest",
+    show_default=True,
+    help="Where each motion starts: from the problem's initial state; from where the one before it settled, along "
+    "the first axis upwards or downwards; from random states.",
+)
+@click.option("--starts", type=int, default=1, show_default=True, help="Starts at each point; further ones are random.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random states.")
+@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
+@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
+@click.option("--force", is_flag=True, help="Throw away another sweep that is in FILE.")
+def sweep(
+    problem: str,
+    overrides: tuple[str, ...],
+    solver_name: str,
+    n_modes: int | None,
+    elements: int | None,
+    options: tuple[str, ...],
+    first: float | None,
+    last: float | None,
+    step: float,
+    fields: tuple[str, ...],
+    out: str,
+    start: Literal["rest", "up", "down", "random"],
+    starts: int,
+    seed: int,
+    workers: int,
+    scheduler: str | None,
+    force: bool,
+) -> None:
+    """Find the steady state of PROBLEM at every point of a grid: excitation frequencies, or any of its numbers.
+
+    Interrupted in any way, the same command resumes.
+    """
+    from lapjoint.sweep import Grid, Plan, run, stored
+    from validation import chosen, shown
+    from validation.progress import shown_points
+
+    chosen.check_file("--out", out, ".nc")
+    axes = chosen.axes_from(first, last, step, fields)
+    this = chosen.problem_from(problem, overrides)
+    numerics = chosen.options_from(n_modes, elements, options)
+    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed)
+    there = stored(plan, out, force=force)
+    if there is None:
+        with shown_points("sweep") as progress:
+            found = run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+        click.echo(f"Wrote {out}")
+    else:
+        found = there
+        click.echo(f"{out}: holds this sweep already, finished")
+    shown.print_curve(found)
+    click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
+
+
+@main.command()
+@click.argument("curve")
+@click.option("-o", "--output", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
+@click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
+def plot(curve: str, figure: str | None, wide: bool) -> None:
+    """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
+    from lapjoint.curve import read_curve
+    from lapjoint.curve_figures import plot_curve, plot_curve_wide
+    from lapjoint.figures import save
+    from validation import chosen
+
+    path = figure or str(Path(curve).with_suffix(".pdf"))
+    chosen.check_file("--output", path, *FIGURES)
+    dataset = read_curve(curve)
+    save(plot_curve_wide(dataset)[0] if wide else plot_curve(dataset), path)
+    click.echo(f"Wrote {path}")
 
 
 @main.command()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,7 +11,11 @@ from lapjoint import ContactState, History, Modes, Problem, SteadyState, paper_s
 from lapjoint.contact import is_paper_joint
 from lapjoint.files import write_text
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 ROWS_SHOWN = 20
+FAILURES_SHOWN = 5
 
 
 def print_modes(problem: Problem, solver: str, answers: list[Modes]) -> None:
@@ -111,3 +115,16 @@ def write_json(path: str, content: Any) -> None:
         return None if isinstance(value, float) and not abs(value) < float("inf") else value
 
     write_text(path, json.dumps(finite(content), indent=2, allow_nan=False) + "\n")
+
+
+def print_curve(curve: xr.Dataset) -> None:
+    """Print how many points of a sweep ended how, and why the solver gave up at the first ones."""
+    outcome = curve.outcome.values
+    names = zip(curve.outcome.attrs["flag_values"], curve.outcome.attrs["flag_meanings"].split(), strict=True)
+    counts = [(name.replace("_", " "), int((outcome == code).sum())) for code, name in names]
+    click.echo(f"{outcome.size} points: " + ", ".join(f"{count} {name}" for name, count in counts if count))
+    messages = [str(text) for text in curve.message.values.flat if text]
+    for text in messages[:FAILURES_SHOWN]:
+        click.echo(f"failed: {text}")
+    if len(messages) > FAILURES_SHOWN:
+        click.echo(f"... and {len(messages) - FAILURES_SHOWN} more, in the variable message")
