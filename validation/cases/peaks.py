@@ -17,7 +17,7 @@ from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
 from validation.cases.steady import IMPULSE_ORDER
 from validation.quantity import Check, Criterion, Estimate
-from validation.uncertainty import refined_estimate
+from validation.uncertainty import refined_estimate, refined_vector
 
 NEAR = {515.0: 15.0, 820.0: 15.0, 2950.0: 40.0}
 """The paper's peak frequencies, and how far around each the peak is looked for, rad/s."""
@@ -66,9 +66,12 @@ def top(omega: FloatArray, impulse: FloatArray) -> tuple[float, float]:
 def peak(near: float, at: float, solvers: Sequence[Solver], ratio: float, order: float) -> Peak:
     """A peak by solvers of rising resolution."""
     omega = at + SPACING * NEAR[near] / 2
-    tops = [top(omega, np.array([tip_impulse(solver, w) for w in omega])) for solver in solvers]
+    curves = np.array([[tip_impulse(solver, w) for w in omega] for solver in solvers])
+    tops = np.array([top(omega, curve) for curve in curves])
     what = solvers[-1].name
-    return Peak(*(refined_estimate([t[i] for t in tops], ratio, order, what, floor=1e-8) for i in (0, 1)))
+    # The height shares the error of the impulses that it comes from.
+    heights = refined_vector(np.column_stack([tops[:, 1], curves]), ratio, order, what, floor=1e-8)
+    return Peak(refined_estimate(tops[:, 0].tolist(), ratio, order, what, floor=1e-8), heights[0])
 
 
 def solve_peak(near: float, level: Level) -> tuple[float, Peak, Peak]:
