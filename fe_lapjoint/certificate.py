@@ -6,11 +6,13 @@ import math
 
 import numpy as np
 
-from fe_lapjoint.march import March, Model, march
+from fe_lapjoint.march import March, march
+from fe_lapjoint.model import Model
 from fe_lapjoint.motion import history_of
 from fe_lapjoint.newton import Orbit
 from fe_lapjoint.steady import Found
 from fe_lapjoint.turns import Point, Turns
+from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray
 from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
 
@@ -25,7 +27,7 @@ def section(model: Model, point: Point) -> Section:
 def read_section(model: Model, given: Section) -> Point:
     """The point that `section` was made from, in the modes of the same stops on this model's mesh."""
     known = [k for k in given.state.closed if k < len(model.problem.stops)]
-    state = type(given.state)(tuple(known))
+    state = ContactState(tuple(known))
     return Point(state, (given.coordinates @ model.assembly.mass @ model.system(state).vectors).ravel())
 
 

@@ -9,77 +9,25 @@ in that motion; there the state is changed, the modal coordinates are mapped, an
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.events import Switch, first_switch
+from fe_lapjoint.gaps import Coordinates, FlowGaps, SolutionGaps
+from fe_lapjoint.model import Model
 from fe_lapjoint.propagator import Flow
-from fe_lapjoint.system import SAMPLES, System, build_system
+from fe_lapjoint.system import SAMPLES
 from lapjoint.contact import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray
 from lapjoint.solution import Contact
 from lapjoint.solver import Progress
 
 _GAUSS = np.polynomial.legendre.leggauss(10)
 WINDOWS_PER_PERIOD = 3
-
-
-@dataclass
-class Model:
-    """A problem on a mesh; contact states are built when first needed, and kept."""
-
-    problem: Problem
-    assembly: Assembly
-    method: str
-    rtol: float
-    atol: float
-    _systems: dict[ContactState, System] = field(default_factory=dict)
-    _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
-    _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        stops = self.problem.stops
-        self.sign = np.array([stop.sign for stop in stops], dtype=float)
-        self.gap = np.array([stop.gap for stop in stops], dtype=float)
-        self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
-
-    def system(self, state: ContactState) -> System:
-        """One contact state."""
-        if state not in self._systems:
-            self._systems[state] = build_system(self.assembly, state)
-        return self._systems[state]
-
-    def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
-        """Modal coordinates of `new` from those of `old`: Phi_new^T M Phi_old, orthogonal."""
-        if (old, new) not in self._maps:
-            a, b = self.system(old).vectors, self.system(new).vectors
-            self._maps[old, new] = b.T @ self.assembly.mass @ a
-        return self._maps[old, new]
-
-    def orientation(self, state: ContactState) -> FloatArray:
-        """+1 or -1 for each stop, so that ``orientation * z - offset`` rises through 0 at its next switch."""
-        return self._signs(state)[0]
-
-    def offset(self, state: ContactState) -> FloatArray:
-        """The gap of each stop, with the sign that belongs to `orientation`."""
-        return self._signs(state)[1]
-
-    def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
-        if state not in self._gaps:
-            closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
-            turn = np.where(closed, -1.0, 1.0)
-            self._gaps[state] = turn * self.sign, turn * self.gap
-        return self._gaps[state]
-
-
-Coordinates = Callable[[FloatArray, int], FloatArray]
-"""Modal displacements (order 0), velocities (1) or accelerations (2) at times ``(m,)``: ``(n, m)``."""
 
 
 @dataclass(frozen=True)
@@ -116,49 +64,6 @@ def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatA
         return np.asarray(values[:n] if order == 0 else values[n:])
 
     return coordinates
-
-
-@dataclass(frozen=True)
-class FlowGaps:
-    """The gap functions of an exact flow; see `fe_lapjoint.events.Gaps`."""
-
-    flow: Flow
-    orientation: FloatArray
-    offset: FloatArray
-
-    def __call__(self, t: FloatArray) -> FloatArray:
-        """All at the times ``(m,)``."""
-        return np.asarray(self.orientation[:, None] * self.flow.at_stops(t) - self.offset[:, None])
-
-    def at(self, k: int, t: float) -> tuple[float, float]:
-        """One and its rate."""
-        z, rate = self.flow.at_stop(k, t)
-        return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
-
-
-@dataclass(frozen=True)
-class SolutionGaps:
-    """The gap functions of a library method's dense output."""
-
-    stops: FloatArray
-    coordinates: Coordinates
-    orientation: FloatArray
-    offset: FloatArray
-
-    def __call__(self, t: FloatArray) -> FloatArray:
-        """All at the times ``(m,)``."""
-        z = self.stops @ self.coordinates(t, 0)
-        return np.asarray(self.orientation[:, None] * z - self.offset[:, None])
-
-    def at(self, k: int, t: float) -> tuple[float, float]:
-        """One and its rate."""
-        z, rate = (float(self.stops[k] @ self.coordinates(np.array([t]), order)[:, 0]) for order in (0, 1))
-        return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
-
-    def curvature(self, start: float, end: float) -> FloatArray:
-        """Twice the largest sampled |z''| at the stops over a window: no bound, but all there is."""
-        sampled = np.abs(self.stops @ self.coordinates(np.linspace(start, end, 200), 2))
-        return np.asarray(2 * sampled.max(axis=1, initial=0.0))
 
 
 @dataclass(frozen=True)

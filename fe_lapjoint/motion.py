@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_lapjoint.march import March, Model, Piece
+from fe_lapjoint.march import March, Piece
+from fe_lapjoint.model import Model
 from lapjoint.problem import FloatArray
 from lapjoint.solution import History
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.certificate import certificate, read_section
-from fe_lapjoint.march import Model, march
+from fe_lapjoint.march import march
 from fe_lapjoint.mesh import mesh_nodes, split_elements
+from fe_lapjoint.model import Model
 from fe_lapjoint.modes import ElementShapes
 from fe_lapjoint.motion import history_of
 from fe_lapjoint.start import initial_coordinates, initial_state

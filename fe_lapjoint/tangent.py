@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fe_lapjoint.march import March, Model, Piece
+from fe_lapjoint.march import March, Piece
+from fe_lapjoint.model import Model
 from fe_lapjoint.propagator import free_response
 from fe_lapjoint.system import System
 from lapjoint.problem import FloatArray

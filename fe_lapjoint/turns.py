@@ -16,7 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
-from fe_lapjoint.march import March, Model, march
+from fe_lapjoint.march import March, march
+from fe_lapjoint.model import Model
 from fe_lapjoint.tangent import carried
 from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray, Problem, StepLoad
