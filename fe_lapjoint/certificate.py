@@ -43,7 +43,7 @@ def certificate(name: str, turns: Turns, found: Found, max_order: int) -> Steady
     return SteadyState(
         problem=model.problem,
         solver=name,
-        outcome=periodic_outcome(history) if orbit else Outcome.APERIODIC if found.exponential else Outcome.UNDECIDED,
+        outcome=periodic_outcome(history) if orbit else _unrepeated(found),
         order=order,
         symmetric=orbit is not None and is_symmetric(turns, order, motion),
         residual=turns.size(end - point.y) / max(turns.size(point.y), np.finfo(float).tiny),
@@ -53,6 +53,12 @@ def certificate(name: str, turns: Turns, found: Found, max_order: int) -> Steady
         history=history,
         impulses=steady_impulses(history, periods),
     )
+
+
+def _unrepeated(found: Found) -> Outcome:
+    if found.exponential:
+        return Outcome.APERIODIC
+    return Outcome.QUASIPERIODIC if found.quasiperiodic else Outcome.UNDECIDED
 
 
 def order_of(turns: Turns, orbit: Orbit) -> int:

@@ -48,11 +48,12 @@ class Growth:
 
     @property
     def exponent(self) -> Exponent:
-        """Its mean rate and standard error."""
-        time = STRETCH * 2 * math.pi / self.turns.omega
-        rates = np.array(self.logs) / time
+        """Its mean rate, and the standard error of the mean over `LEAST_STRETCHES` parts of equal length."""
+        each = len(self.logs) // LEAST_STRETCHES
+        logs = np.array(self.logs[-each * LEAST_STRETCHES :]).reshape(LEAST_STRETCHES, each)
+        rates = logs.mean(axis=1) / (STRETCH * 2 * math.pi / self.turns.omega)
         spread = float(np.std(rates, ddof=1) / math.sqrt(rates.size))
-        return Exponent(value=float(np.mean(rates)), spread=spread, periods=STRETCH * rates.size)
+        return Exponent(value=float(np.mean(rates)), spread=spread, periods=STRETCH * logs.size)
 
     @property
     def exponential(self) -> bool:

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from fe_lapjoint.system import ComplexArray
 from fe_lapjoint.turns import Point, Turns
 from lapjoint.problem import FloatArray
 
@@ -16,26 +17,43 @@ _PATIENCE = 5  # steps in which the residual must halve
 _FARTHEST = 1.5  # relative residual from which on Newton is tried
 _FINEST = 1e-13  # relative residual not improved upon
 _MARGINAL = 1e-9  # multipliers nearer to the unit circle are on it as far as can be told
+_TURNING = 1e-6  # of the modulus: an imaginary part above tells a complex pair
 _THERE = 1e-8  # relative distance within which a march has reached an orbit
 _LINEAR = 0.25  # or else: largest departure from the linearised map, over the step that this map makes
 
 
 @dataclass(frozen=True)
 class Orbit:
-    """A stable fixed point of `turns` turns."""
+    """A fixed point of `turns` turns."""
 
     turns: int
     point: Point
     matrix: FloatArray
     """Derivative of the map, in the modes of the point's state, shape ``(2 n, 2 n)``."""
-    moduli: FloatArray
-    """Moduli of its eigenvalues, descending, shape ``(2 n,)``."""
+    multipliers: ComplexArray
+    """Its eigenvalues, largest modulus first, shape ``(2 n,)``."""
     clearance: float = np.inf
     """Distance to the nearest of the orbit's other points: of its mirror image, if it is not symmetric."""
 
+    @property
+    def moduli(self) -> FloatArray:
+        """Moduli of the multipliers, descending."""
+        return np.abs(self.multipliers)
+
+    @property
+    def stable(self) -> bool:
+        """Whether all multipliers are within the unit circle, for certain."""
+        return bool(self.moduli[0] < 1 - _MARGINAL)
+
+    @property
+    def spirals_out(self) -> bool:
+        """Whether the leading multipliers are a complex pair outside the unit circle."""
+        leading = self.multipliers[0]
+        return bool(abs(leading) > 1 + _MARGINAL and abs(leading.imag) > _TURNING * abs(leading))
+
 
 def newton(turns: Turns, point: Point, count: int, tolerance: float) -> Orbit | None:
-    """A stable fixed point of `count` turns, from `point`; None if there is none to be found from here."""
+    """A fixed point of `count` turns, from `point`; None if there is none to be found from here."""
     allowed, residuals = _FARTHEST, [np.inf] * _PATIENCE
     for _ in range(_STEPS):
         turned = turns.after(point, count)
@@ -45,7 +63,8 @@ def newton(turns: Turns, point: Point, count: int, tolerance: float) -> Orbit | 
             return None
         matrix = turns.matrix(point, turned)
         if residual <= tolerance and (residual <= _FINEST or residual > residuals[-1] / 4):
-            return _stable(count, point, matrix)
+            multipliers = np.linalg.eigvals(matrix).astype(complex)
+            return Orbit(count, point, matrix, multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
         allowed = 4 * max(residual, 1e-6)
         residuals.append(residual)
         try:
@@ -56,11 +75,6 @@ def newton(turns: Turns, point: Point, count: int, tolerance: float) -> Orbit | 
     return None
 
 
-def _stable(count: int, point: Point, matrix: FloatArray) -> Orbit | None:
-    moduli = np.sort(np.abs(np.linalg.eigvals(matrix)))[::-1]
-    return Orbit(count, point, matrix, moduli) if moduli[0] < 1 - _MARGINAL else None
-
-
 def least(turns: Turns, orbit: Orbit, tolerance: float) -> Orbit:
     """The orbit over the fewest turns after which it repeats, with its clearance."""
     point, distances = orbit.point, [np.inf]
@@ -69,7 +83,7 @@ def least(turns: Turns, orbit: Orbit, tolerance: float) -> Orbit:
         distance = turns.size(turns.seen_from(orbit.point.state, point) - orbit.point.y)
         if orbit.turns % count == 0 and distance <= 1e-5 * turns.size(orbit.point.y):
             found = newton(turns, orbit.point, count, tolerance)
-            if found is not None:
+            if found is not None and found.stable:
                 return replace(found, clearance=min(distances))
         distances.append(distance)
     return replace(orbit, clearance=min(distances))

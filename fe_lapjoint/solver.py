@@ -1,24 +1,16 @@
-"""The finite element solver: numerical options, and the three questions that it answers."""
+"""The finite element solver: numerical options, and the three questions that it answers.
+
+The modules that answer them bring scikit-fem and scipy along; they are imported when the first question is asked.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
 
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.certificate import certificate, read_section
-from fe_lapjoint.march import march
-from fe_lapjoint.mesh import mesh_nodes, split_elements
-from fe_lapjoint.model import Model
-from fe_lapjoint.modes import ElementShapes
-from fe_lapjoint.motion import history_of
-from fe_lapjoint.start import initial_coordinates, initial_state
-from fe_lapjoint.steady import find
-from fe_lapjoint.system import eigenmodes
-from fe_lapjoint.turns import Point, Turns
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
 from lapjoint.steady import Section, SteadyState
@@ -85,6 +77,8 @@ class Solver:
         elements = math.ceil(self.elements * factor)
         if self.nodes is None:
             return replace(self, elements=elements)
+        from fe_lapjoint.mesh import split_elements
+
         return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
@@ -95,11 +89,9 @@ class Solver:
         InputError
             If `count` exceeds the number of degrees of freedom.
         """
-        assembly = self._assembly(problem)
-        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= assembly.free.size:
-            raise InputError(f"count = {count!r}: allowed are 1 to {assembly.free.size}, the modes of this mesh")
-        omega, vectors = eigenmodes(assembly, state)
-        return Modes(state, omega[:count], ElementShapes(assembly, vectors[:, :count]))
+        from fe_lapjoint import answers
+
+        return answers.modes(self, problem, state, count)
 
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
         """The motion from the initial state over `duration` seconds.
@@ -113,8 +105,9 @@ class Solver:
         """
         if not (math.isfinite(duration) and duration > 0):
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
-        model, state, y = self._start(problem)
-        return history_of(self.name, model, march(model, state, y, 0.0, float(duration), progress=progress))
+        from fe_lapjoint import answers
+
+        return answers.simulate(self, problem, float(duration), progress)
 
     def steady_state(
         self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
@@ -130,32 +123,10 @@ class Solver:
         InputError
             If the excitation has no single frequency, or `method` is not "exact".
         """
-        omega = problem.excitation_frequency
-        if omega is None:
+        if problem.excitation_frequency is None:
             raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
         if self.method != "exact":
             raise InputError(f"method = {self.method!r}: a steady state needs the exact flow; allowed is 'exact'")
-        model, state, y = self._start(problem)
-        turns, first = Turns(model, omega), Point(state, y)
-        if start is not None and start.coordinates.shape == (2, y.size // 2):
-            first = turns.settled(read_section(model, start))
-        else:
-            start = None
-        found = find(
-            turns,
-            first,
-            near=start is not None,
-            max_order=self.max_order,
-            max_periods=self.max_periods,
-            progress=progress,
-        )
-        return certificate(self.name, turns, found, self.max_order)
+        from fe_lapjoint import answers
 
-    def _assembly(self, problem: Problem) -> Assembly:
-        return Assembly(problem, mesh_nodes(problem, self.elements, self.nodes))
-
-    def _start(self, problem: Problem) -> tuple[Model, ContactState, FloatArray]:
-        assembly = self._assembly(problem)
-        model = Model(problem, assembly, self.method, self.rtol, self.atol)
-        state = initial_state(assembly)
-        return model, state, initial_coordinates(assembly, model.system(state))
+        return answers.steady_state(self, problem, start, progress)

@@ -7,12 +7,14 @@ the march from the given start leads to.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from fe_lapjoint.exponent import Growth
 from fe_lapjoint.newton import Orbit, bound_for, least, newton
 from fe_lapjoint.turns import Point, Turns
+from lapjoint.contact import FREE
 from lapjoint.solver import Progress
 from lapjoint.steady import Exponent
 
@@ -31,6 +33,7 @@ class Found:
     last: Point
     exponent: Exponent | None
     exponential: bool
+    quasiperiodic: bool = False
 
 
 @dataclass
@@ -43,6 +46,8 @@ class Search:
     points: list[Point] = field(default_factory=list)
     candidates: dict[int, tuple[Orbit, int]] = field(default_factory=dict)
     """The stable orbits found, by their number of turns, and how many points had been passed then."""
+    circled: bool = False
+    """Whether an unstable orbit that nearby motions leave in spirals has been found."""
 
     def run(self, start: Point, first: int, progress: Progress | None) -> Found:
         """Until an orbit is certain, or chaos is, or `max_periods` and an exponent's worth of periods are over."""
@@ -64,9 +69,15 @@ class Search:
                     orbit = self._try_newton()
                 over = growth.enough and marched >= self.max_periods
                 if orbit is None and (over or (judge and not self.candidates and growth.unmistakable)):
-                    return Found(None, self.points[-1], growth.exponent, growth.exponential)
+                    return Found(None, self.points[-1], growth.exponent, growth.exponential, self._quasi(growth))
             if orbit is not None:
                 return Found(orbit, self.points[-1], None, False)
+
+    def _quasi(self, growth: Growth) -> bool:
+        """Whether the march circles an unstable orbit, and deviations neither grow nor shrink."""
+        decay = self.turns.model.system(FREE).decay
+        slowest = float(decay[decay > 0].min(initial=math.inf))
+        return self.circled and growth.exponent.vanishes(slowest)
 
     def _arrived(self) -> Orbit | None:
         """The candidate that the march is bound for; each is looked at when the march comes by its phase."""
@@ -81,7 +92,8 @@ class Search:
         """From the present point; returns the orbit found if the march is bound for it."""
         for count in self._counts():
             orbit = newton(self.turns, self.points[-1], count, TOLERANCE)
-            if orbit is not None:
+            self.circled |= orbit is not None and orbit.spirals_out
+            if orbit is not None and orbit.stable:
                 orbit = least(self.turns, orbit, TOLERANCE)
                 self.candidates[orbit.turns] = orbit, len(self.points) - 1
                 if self._arrived() is orbit:

@@ -25,6 +25,7 @@ OUTCOME_COLOURS = {
     "periodic": "#56B4E9",
     "periodic_n": "#0072B2",
     "chattering": "#009E73",
+    "quasiperiodic": "#CC79A7",
     "aperiodic": "#D55E00",
     "undecided": "#F0E442",
     "failed": "#000000",

@@ -43,7 +43,8 @@ def test_a_package_imports_only_what_lies_below_it(package: str) -> None:
 
 @pytest.mark.parametrize(("one", "other"), [("analytic", "fe_lapjoint"), ("fe_lapjoint", "analytic")])
 def test_a_solver_runs_without_the_other_being_loaded(one: str, other: str) -> None:
-    code = f"import sys, {one}; {one}.Solver(); sys.exit('{other}' in sys.modules)"
+    question = "from lapjoint import FREE, paper_joint; solver.modes(paper_joint(), FREE, 2)"
+    code = f"import sys, {one}; solver = {one}.Solver(); {question}; sys.exit('{other}' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 
 
@@ -54,5 +55,13 @@ def test_help_loads_nothing_heavy() -> None:
         "heavy = {'numpy', 'scipy', 'matplotlib', 'pyvista', 'skfem', 'numba'} & set(sys.modules); "
         "sys.exit(', '.join(heavy) or 0)"
     )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, f"loaded: {done.stderr}"
+
+
+@pytest.mark.parametrize("module", ["lapjoint", "lapjoint.sweep", "analytic", "fe_lapjoint"])
+def test_a_library_is_imported_without_what_only_its_answers_need(module: str) -> None:
+    heavy = "{'scipy', 'numba', 'skfem', 'matplotlib', 'xarray', 'meshio'} & set(sys.modules)"
+    code = f"import sys, {module}; sys.exit(', '.join({heavy}) or 0)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, f"loaded: {done.stderr}"

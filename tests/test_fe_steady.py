@@ -167,3 +167,11 @@ def test_a_stop_on_a_fixed_point_is_never_touched() -> None:
         supports=(*problem.supports, Support(x=2.5, translational=math.inf), Support(x=1.25, translational=math.inf))
     )
     assert fe_lapjoint.Solver(elements=8).steady_state(held).outcome is Outcome.NO_CONTACT
+
+
+def test_a_motion_that_circles_an_unstable_orbit_is_certified_quasiperiodic() -> None:
+    problem = paper_joint(angular_frequency=1100.0, damping_ratio=0.01)
+    steady = fe_lapjoint.Solver(elements=8).steady_state(problem)
+    assert steady.outcome is Outcome.QUASIPERIODIC
+    assert steady.exponent is not None
+    assert abs(steady.exponent.value) <= 4 * steady.exponent.spread

@@ -1,0 +1,65 @@
+"""From a problem and a solver's options to modes, to a motion, and to the motion that remains."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fe_lapjoint.assembly import Assembly
+from fe_lapjoint.certificate import certificate, read_section
+from fe_lapjoint.march import march
+from fe_lapjoint.mesh import mesh_nodes
+from fe_lapjoint.model import Model
+from fe_lapjoint.modes import ElementShapes
+from fe_lapjoint.motion import history_of
+from fe_lapjoint.start import initial_coordinates, initial_state
+from fe_lapjoint.steady import find
+from fe_lapjoint.system import eigenmodes
+from fe_lapjoint.turns import Point, Turns
+from lapjoint.contact import ContactState
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.solution import History, Modes
+from lapjoint.solver import Progress
+from lapjoint.steady import Section, SteadyState
+
+if TYPE_CHECKING:
+    from fe_lapjoint.solver import Solver
+
+
+def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> Modes:
+    """The lowest modes of a contact state."""
+    assembly = _assembly(solver, problem)
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= assembly.free.size:
+        raise InputError(f"count = {count!r}: allowed are 1 to {assembly.free.size}, the modes of this mesh")
+    omega, vectors = eigenmodes(assembly, state)
+    return Modes(state, omega[:count], ElementShapes(assembly, vectors[:, :count]))
+
+
+def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
+    """The motion from the initial state."""
+    model, begin = _begin(solver, problem)
+    motion = march(model, begin.state, begin.y, 0.0, duration, progress=progress)
+    return history_of(solver.name, model, motion)
+
+
+def steady_state(solver: Solver, problem: Problem, start: Section | None, progress: Progress | None) -> SteadyState:
+    """The motion that remains; the excitation of `problem` has one frequency."""
+    assert problem.excitation_frequency is not None
+    model, begin = _begin(solver, problem)
+    turns = Turns(model, problem.excitation_frequency)
+    near = start is not None and start.coordinates.shape == (2, begin.y.size // 2)
+    if start is not None and near:
+        begin = turns.settled(read_section(model, start))
+    found = find(turns, begin, near=near, max_order=solver.max_order, max_periods=solver.max_periods, progress=progress)
+    return certificate(solver.name, turns, found, solver.max_order)
+
+
+def _assembly(solver: Solver, problem: Problem) -> Assembly:
+    return Assembly(problem, mesh_nodes(problem, solver.elements, solver.nodes))
+
+
+def _begin(solver: Solver, problem: Problem) -> tuple[Model, Point]:
+    assembly = _assembly(solver, problem)
+    model = Model(problem, assembly, solver.method, solver.rtol, solver.atol)
+    state = initial_state(assembly)
+    return model, Point(state, initial_coordinates(assembly, model.system(state)))
