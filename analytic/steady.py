@@ -169,7 +169,7 @@ def _orbit_from(maps: Map, now: Coordinates, search: Search) -> Orbit | None:
             return _least(maps, orbit, search.tolerance)
     for i in np.flatnonzero(maps.returns(now, 2 * search.max_order) <= _NEAR):
         orbit = _newton(maps, now, int(i) + 1, search.tolerance, _NEAR)
-        if orbit is not None:
+        if orbit is not None and orbit.order <= search.max_order:
             return _least(maps, orbit, search.tolerance)
     return None
 

@@ -100,6 +100,26 @@ def test_the_default_number_of_modes_holds_its_tolerance(omega: float) -> None:
     np.testing.assert_allclose(default, many, rtol=3e-5)  # the criterion holds within a factor of 3
 
 
+@pytest.mark.parametrize(
+    "omegas",
+    [
+        pytest.param(np.linspace(7.0, 4983.0, 12), id="12 frequencies"),
+        pytest.param(np.arange(5.0, 5001.0, 5.0), id="1000 frequencies", marks=pytest.mark.slow),
+    ],
+)
+def test_doubling_the_default_number_of_modes_changes_the_curve_by_less_than_a_thousandth(omegas: np.ndarray) -> None:
+    curves = []
+    for factor in (1, 2):
+        curve = []
+        for omega in omegas:
+            problem = paper_joint(angular_frequency=float(omega))
+            count = factor * max(analytic.Solver().mode_counts(problem))
+            curve.append(analytic.Solver(n_modes=count).steady_state(problem).impulses)
+        curves.append(np.array(curve))
+    change = np.abs(curves[1] - curves[0]).max(axis=0)
+    assert np.all(change < 1e-3 * np.abs(curves[1]).max(axis=0))
+
+
 def test_a_gap_that_is_never_reached_gives_no_contact() -> None:
     steady = analytic.Solver().steady_state(paper_joint(gap=1.0))
     assert steady.outcome is Outcome.NO_CONTACT

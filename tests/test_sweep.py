@@ -18,7 +18,7 @@ import xarray as xr
 from counting_solver import asked, installed
 
 import lapjoint.batch
-from lapjoint import Problem, SampledShape, SineLoad, paper_joint
+from lapjoint import BaseMotion, Problem, SampledShape, SineLoad, paper_joint
 from lapjoint.errors import InputError, Interrupted, SolverError
 from lapjoint.grid import MOST_POINTS, UNITS, Grid
 from lapjoint.journal import journal_path
@@ -236,6 +236,23 @@ def test_each_motion_starts_from_the_one_before_it(start: Any, counting: Path) -
         chain.append((omega, past))
         past = past if omega == 102.0 else omega / 3 + (past or 0.0) / 7
     assert asked(counting / "log") == chain * 2
+
+
+def test_a_hardening_resonance_is_another_on_the_way_up_than_on_the_way_down() -> None:
+    # A base motion so small that the free resonance at 41 rad/s just reaches the stops: past it, the contact that
+    # came with the rising frequency lasts, and without it the joint stays free.
+    joint = paper_joint(damping_ratio=0.02).replace(
+        base_motion=BaseMotion(amplitude=1.5e-4, angular_frequency=50.0),
+    )
+    axis = Axis(FREQUENCY, [42.0, 44.0, 46.0, 49.0, 52.0, 53.0, 70.0])
+    up, down = (sweep(joint, [axis], options={"n_modes": 10}, start=start) for start in ("up", "down"))
+    names = up.outcome.attrs["flag_meanings"].split()
+    last = dict(angular_frequency=53.0)
+    assert names[int(up.outcome.sel(last)) + 1] == "periodic"
+    assert names[int(down.outcome.sel(last)) + 1] == "no_contact"
+    np.testing.assert_allclose(
+        up.impulse.sel(angular_frequency=42.0), down.impulse.sel(angular_frequency=42.0), rtol=1e-6
+    )
 
 
 def test_random_starts_depend_on_the_seed_alone(counting: Path) -> None:
