@@ -37,20 +37,20 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
 
 def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
     """The motion from the initial state."""
-    model, begin = _begin(solver, problem)
-    motion = march(model, begin.state, begin.y, 0.0, duration, progress=progress)
+    model, first = begin(solver, problem)
+    motion = march(model, first.state, first.y, 0.0, duration, progress=progress)
     return history_of(solver.name, model, motion)
 
 
 def steady_state(solver: Solver, problem: Problem, start: Section | None, progress: Progress | None) -> SteadyState:
     """The motion that remains; the excitation of `problem` has one frequency."""
     assert problem.excitation_frequency is not None
-    model, begin = _begin(solver, problem)
+    model, first = begin(solver, problem)
     turns = Turns(model, problem.excitation_frequency)
-    near = start is not None and start.coordinates.shape == (2, begin.y.size // 2)
+    near = start is not None and start.coordinates.shape == (2, first.y.size // 2)
     if start is not None and near:
-        begin = turns.settled(read_section(model, start))
-    found = find(turns, begin, near=near, max_order=solver.max_order, max_periods=solver.max_periods, progress=progress)
+        first = turns.settled(read_section(model, start))
+    found = find(turns, first, near=near, max_order=solver.max_order, max_periods=solver.max_periods, progress=progress)
     return certificate(solver.name, turns, found, solver.max_order)
 
 
@@ -58,7 +58,8 @@ def _assembly(solver: Solver, problem: Problem) -> Assembly:
     return Assembly(problem, mesh_nodes(problem, solver.elements, solver.nodes))
 
 
-def _begin(solver: Solver, problem: Problem) -> tuple[Model, Point]:
+def begin(solver: Solver, problem: Problem) -> tuple[Model, Point]:
+    """The model of a problem, and its initial state."""
     assembly = _assembly(solver, problem)
     model = Model(problem, assembly, solver.method, solver.rtol, solver.atol)
     state = initial_state(assembly)

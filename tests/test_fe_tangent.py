@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import fe_lapjoint
+from fe_lapjoint.answers import begin
 from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.certificate import read_section
 from fe_lapjoint.exponent import STRETCH, Growth
@@ -73,12 +74,10 @@ def test_the_exponent_on_an_orbit_is_that_of_its_largest_multiplier() -> None:
 def test_nearby_chaotic_motions_part_as_the_tangent_says() -> None:
     """The ratio of two motions' distance before and after against the tangent vector that links them."""
     problem = paper_joint(angular_frequency=380.0, damping_ratio=0.02)
-    model = model_of(problem, 2)
+    model, first = begin(fe_lapjoint.Solver(elements=2), problem)
     turns = Turns(model, 380.0)
-    solver = fe_lapjoint.Solver(elements=2)
-    model, state, y = solver._start(problem)
-    point = turns.after(Point(state, y), 40).end
-    step = 1e-8 * np.random.default_rng(1).normal(size=y.size) * np.abs(point.y).max()
+    point = turns.after(first, 40).end
+    step = 1e-8 * np.random.default_rng(1).normal(size=first.y.size) * np.abs(point.y).max()
     for _ in range(6):
         turned = turns.after(point)
         near = turns.after(Point(point.state, point.y + step)).end
