@@ -148,7 +148,7 @@ def sentence(results: Sequence[CaseResult]) -> str:
     if named:
         verb = "differs for a reason that is" if named == 1 else "differ for reasons that are"
         return f"Nothing disagrees: {total - named} of {total} comparisons agree, and {named} {verb} named."
-    return f"All {total} comparisons agree."
+    return "The one comparison agrees." if total == 1 else f"All {total} comparisons agree."
 
 
 def significant(value: float, uncertainty: float) -> str:
