@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import io
 import re
 from collections.abc import Callable
@@ -36,4 +37,4 @@ def draw(title: str, paint: Callable[[Axes], None], *, width: float = 7.0, heigh
     tag = re.sub(r"\W+", "-", title.lower())
     svg = re.sub(r'id="([^"]+)"', rf'id="{tag}-\1"', svg)
     svg = re.sub(r'(href="#|url\(#)([^")]+)', rf"\1{tag}-\2", svg)
-    return Drawing(title, svg.replace("<svg ", f'<svg role="img" aria-label="{title}" ', 1))
+    return Drawing(title, svg.replace("<svg ", f'<svg role="img" aria-label="{html.escape(title)}" ', 1))

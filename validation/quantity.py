@@ -24,6 +24,10 @@ class Kind(Enum):
     REGRESSION = "regression"
 
 
+STATED = "stated as a whole"
+"""Source of an uncertainty that is not broken down."""
+
+
 class Verdict(Enum):
     """What a comparison came to."""
 
@@ -40,6 +44,14 @@ class Estimate:
     uncertainty: float
     how: str
     kind: Kind = Kind.COMPUTED
+    parts: tuple[tuple[str, float], ...] = ()
+    """What contributes to the uncertainty, and how much of it: the amounts add up; empty: not broken down."""
+
+    @property
+    def contributions(self) -> tuple[tuple[str, float], ...]:
+        """The parts; an uncertainty that is not broken down is one part, named by the kind of the number."""
+        whole = STATED if self.kind is Kind.COMPUTED else f"reference: {self.kind.value}"
+        return self.parts or ((whole, self.uncertainty),)
 
 
 @dataclass(frozen=True)
@@ -85,6 +97,12 @@ class Check:
         if self.difference == 0:
             return 0.0
         return abs(self.difference) / self.allowed if self.allowed else math.inf
+
+    @property
+    def reference(self) -> Kind:
+        """Kind of reference: that of the number that was not computed here; else one method checks the other."""
+        given = [e.kind for e in (self.b, self.a) if e.kind is not Kind.COMPUTED]
+        return given[0] if given else Kind.CROSS_METHOD
 
     @property
     def line(self) -> str:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +25,7 @@ SAFETY_WITHOUT_ORDER = 3.0
 """Factor when the order is not shown: two refinements only, no monotone convergence, or an unexpected order."""
 FLOOR = 1e-12
 """Relative round-off floor: smaller changes say nothing about convergence."""
+ROUNDING = "rounding"
 
 
 def observed_order(coarse: float, medium: float, fine: float, ratio: float) -> float:
@@ -45,7 +47,12 @@ def factor_of_safety(P: float) -> float:
 
 
 def refined_estimate(
-    values: Sequence[float], ratio: float, expected_order: float, what: str, floor: float = FLOOR
+    values: Sequence[float],
+    ratio: float,
+    expected_order: float,
+    what: str,
+    floor: float = FLOOR,
+    floor_source: str = ROUNDING,
 ) -> Estimate:
     """The finest of two or three values at refinement `ratio`, and its uncertainty.
 
@@ -61,6 +68,8 @@ def refined_estimate(
         What was refined, for the report.
     floor : float
         Relative accuracy below which values cannot be distinguished.
+    floor_source : str
+        What limits that accuracy, for the uncertainty budget.
 
     Raises
     ------
@@ -71,28 +80,40 @@ def refined_estimate(
         raise ValueError(f"two or three values are needed, not {len(values)}")
     medium, fine = values[-2], values[-1]
     smallest = floor * abs(fine)
+
+    def estimate(error: float, how: str) -> Estimate:
+        parts = ((_refined(what), error), (floor_source, smallest))
+        return Estimate(fine, error + smallest, f"{what}, {how}", parts=parts)
+
     if len(values) == 2:
         error = abs(fine - medium) / (ratio**expected_order - 1)
-        how = f"{what}, two refinements, order {expected_order:g} assumed"
-        return Estimate(fine, SAFETY_WITHOUT_ORDER * error + smallest, how)
+        return estimate(SAFETY_WITHOUT_ORDER * error, f"two refinements, order {expected_order:g} assumed")
     if max(abs(values[0] - medium), abs(medium - fine)) <= smallest:
-        return Estimate(fine, smallest, f"{what}, converged to the floor of {floor:g}")
+        return estimate(0.0, f"converged to the floor of {floor:g}")
     order = observed_order(values[0], medium, fine, ratio)
     if math.isnan(order) or order < expected_order - 1 or order > expected_order + 1:
         # The worst of the changes, at first order: no asymptotic range is shown.
         error = max(abs(values[0] - medium) / (ratio**expected_order - 1), abs(medium - fine)) / (ratio - 1)
         shown = "none" if math.isnan(order) else f"{order:.2f}"
-        return Estimate(
-            fine, SAFETY_WITHOUT_ORDER * error + smallest, f"{what}, observed order {shown}, not asymptotic"
-        )
+        return estimate(SAFETY_WITHOUT_ORDER * error, f"observed order {shown}, not asymptotic")
     error = abs(fine - medium) / (ratio**order - 1)
-    return Estimate(
-        fine, factor_of_safety(order / expected_order) * error + smallest, f"{what}, observed order {order:.2f}"
-    )
+    return estimate(factor_of_safety(order / expected_order) * error, f"observed order {order:.2f}")
+
+
+def _refined(what: str) -> str:
+    """Name of what was refined, for the uncertainty budget."""
+    if "element" in what:
+        return "mesh"
+    return "modes" if "mode" in what else "refinement"
 
 
 def refined_vector(
-    values: FloatArray, ratio: float, expected_order: float, what: str, floor: float = FLOOR
+    values: FloatArray,
+    ratio: float,
+    expected_order: float,
+    what: str,
+    floor: float = FLOOR,
+    floor_source: str = ROUNDING,
 ) -> tuple[Estimate, ...]:
     """Several numbers of one solution, ``(3 levels, n)`` from coarse to fine: one uncertainty for all of them.
 
@@ -103,6 +124,6 @@ def refined_vector(
     size = float(np.abs(values[-1]).max(initial=0.0))
     # A sequence with these changes, rising to the largest number
     norm = refined_estimate(
-        [size - changes[1] - changes[0], size - changes[1], size], ratio, expected_order, what, floor
+        [size - changes[1] - changes[0], size - changes[1], size], ratio, expected_order, what, floor, floor_source
     )
-    return tuple(Estimate(float(value), norm.uncertainty, norm.how) for value in values[-1])
+    return tuple(replace(norm, value=float(value)) for value in values[-1])

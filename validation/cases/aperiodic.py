@@ -49,7 +49,8 @@ def run(level: Level, say: Say) -> CaseResult:
                     assert steady.exponent is not None
                     value, spread, periods = steady.exponent.value, steady.exponent.spread, steady.exponent.periods
                     how = f"{steady.solver}, over {periods} periods"
-                    estimates.append(Estimate(value, COVERAGE * spread, how))
+                    parts = (("finite time", COVERAGE * spread),)
+                    estimates.append(Estimate(value, COVERAGE * spread, how, parts=parts))
                     rows.append((label, steady.solver, f"{value:.3g}", f"{spread:.2g}", periods))
                 checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", estimates[0], estimates[1]))
         except KeyboardInterrupt:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import analytic
 import fe_lapjoint
@@ -43,7 +44,8 @@ def contact_estimates(
     for field in ("start", "end", "impulse"):
         estimate = refined_estimate([getattr(c, field) for c in same], ratio, order, what)
         floor = EVENT_FLOOR if field != "impulse" else 0.0
-        found[field] = Estimate(estimate.value, estimate.uncertainty + floor, estimate.how)
+        parts = (*estimate.parts, ("event times", floor))
+        found[field] = replace(estimate, uncertainty=estimate.uncertainty + floor, parts=parts)
     return found
 
 

@@ -13,7 +13,7 @@ from validation.cases.steady import compare_steady
 from validation.cases.transient import WITNESS_TOLERANCE, contact_table, motion_drawing
 from validation.invariants import witness
 from validation.quantity import Check, Estimate
-from validation.uncertainty import refined_estimate
+from validation.uncertainty import ROUNDING, refined_estimate
 
 MODES = 6
 MOST_STATES = 32
@@ -28,7 +28,8 @@ def frequencies(problem: Problem, level: Level, say: Say) -> CaseResult:
         exact = analytic.Solver().modes(problem, state, MODES).angular_frequencies
         found = [fe_lapjoint.Solver(elements=n).modes(problem, state, MODES).angular_frequencies for n in meshes]
         for i in range(MODES):
-            a = Estimate(float(exact[i]), 1e-12 * float(exact[i]), "roots bracketed by their count, to rounding")
+            u = 1e-12 * float(exact[i])
+            a = Estimate(float(exact[i]), u, "roots bracketed by their count, to rounding", parts=((ROUNDING, u),))
             b = refined_estimate([float(f[i]) for f in found], 2.0, FE_ORDER, f"{meshes[-1]} elements", 1e-8)
             checks.append(Check(f"{state.name(problem)}: omega_{i + 1}", "rad/s", a, b))
             rows.append((state.name(problem), i + 1, a.value, b.value, f"{checks[-1].relative:.1e}"))

@@ -15,7 +15,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
-from validation.cases.steady import IMPULSE_ORDER
+from validation.cases.steady import IMPULSE_ORDER, ORBIT
 from validation.quantity import Check, Criterion, Estimate
 from validation.uncertainty import refined_estimate, refined_vector
 
@@ -70,8 +70,9 @@ def peak(near: float, at: float, solvers: Sequence[Solver], ratio: float, order:
     tops = np.array([top(omega, curve) for curve in curves])
     what = solvers[-1].name
     # The height shares the error of the impulses that it comes from.
-    heights = refined_vector(np.column_stack([tops[:, 1], curves]), ratio, order, what, floor=1e-8)
-    return Peak(refined_estimate(tops[:, 0].tolist(), ratio, order, what, floor=1e-8), heights[0])
+    heights = refined_vector(np.column_stack([tops[:, 1], curves]), ratio, order, what, floor=1e-8, floor_source=ORBIT)
+    places = refined_estimate(tops[:, 0].tolist(), ratio, order, what, floor=1e-8, floor_source=ORBIT)
+    return Peak(places, heights[0])
 
 
 def solve_peak(near: float, level: Level) -> tuple[float, Peak, Peak]:

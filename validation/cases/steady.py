@@ -26,6 +26,9 @@ MORE = (*FEWER, 1800.0, 2500.0, 3250.0, 4500.0)
 IMPULSE_ORDER = 6.0
 """Order of the analytic impulses in the number of modes (tests/test_analytic_steady.py)."""
 
+ORBIT = "Newton's residual, event times"
+"""What limits a steady impulse once modes or mesh no longer do."""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -75,7 +78,7 @@ def compare_steady(problem: Problem, finest: int) -> Point:
 def _estimates(levels: list[SteadyState], ratio: float, order: float) -> tuple[Estimate, ...]:
     impulses = np.array([steady.impulses for steady in levels])
     # Newton stops at 1e-9 of the motion, and an impulse is a few percent of what the motion could give.
-    return refined_vector(impulses, ratio, order, levels[-1].solver, floor=1e-8)
+    return refined_vector(impulses, ratio, order, levels[-1].solver, floor=1e-8, floor_source=ORBIT)
 
 
 def run(level: Level, say: Say) -> CaseResult:

@@ -11,7 +11,7 @@ from lapjoint.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from lapjoint.problem import FloatArray, Problem
 from validation.case import CaseResult, Level, Say, Table, table
 from validation.quantity import Check, Estimate, Kind
-from validation.uncertainty import refined_estimate
+from validation.uncertainty import ROUNDING, refined_estimate
 
 MODES = 8
 STIFFNESSES = (5.0, 1200.0, 5000.0)
@@ -67,7 +67,9 @@ def run(level: Level, say: Say) -> CaseResult:
             others = analytic.Solver().modes(heavier, state, MODES).angular_frequencies
             for i in range(MODES):
                 fe = refined_estimate([float(f[i]) for f in by_mesh], 2.0, 4.0, f"{meshes[-1]} elements", 1e-9)
-                a = Estimate(float(exact[i]), 1e-13 * float(exact[i]), "roots bracketed by their count, to rounding")
+                u = 1e-13 * float(exact[i])
+                how = "roots bracketed by their count, to rounding"
+                a = Estimate(float(exact[i]), u, how, parts=((ROUNDING, u),))
                 checks.append(Check(f"k* = {k_star:g}, state {label}, omega_{i + 1}", "rad/s", a, fe))
                 given = paper[i] if i < len(paper) else ""
                 if given:

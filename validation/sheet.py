@@ -1,0 +1,108 @@
+"""Tables of a report as files, for spreadsheets (CSV) and for programs (JSON)."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+Cell = str | float | None
+FOLDER = "tables"
+_INDEX = "index.json"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table with a name for its files."""
+
+    name: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+    @property
+    def files(self) -> tuple[str, str]:
+        """Names of its CSV and JSON files."""
+        return f"{self.name}.csv", f"{self.name}.json"
+
+    @property
+    def numeric(self) -> tuple[bool, ...]:
+        """Which columns hold nothing but numbers."""
+        return tuple(all(_is_number(row[i]) for row in self.rows) for i in range(len(self.columns)))
+
+    def csv(self) -> str:
+        """Header and rows; numbers that are not finite as inf and nan."""
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerows([self.columns, *self.rows])
+        return out.getvalue()
+
+    def json(self) -> str:
+        """Title, columns and rows; numbers that are not finite as null."""
+        rows = [[_finite(cell) for cell in row] for row in self.rows]
+        data = {"title": self.title, "columns": self.columns, "rows": rows}
+        return json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def slug(text: str, longest: int = 48) -> str:
+    """A name for files and anchors: lower-case letters, digits and hyphens, never empty."""
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    return re.sub(r"[^a-z0-9]+", "-", plain.lower())[:longest].strip("-") or "x"
+
+
+def distinct(names: Sequence[str]) -> list[str]:
+    """The slugs of the names, numbered where they meet."""
+    found: list[str] = []
+    for name in names:
+        base, tag, count = slug(name), slug(name), 1
+        while tag in found:
+            count += 1
+            tag = f"{base}-{count}"
+        found.append(tag)
+    return found
+
+
+def write_sheets(sheets: Sequence[Sheet], output: Path) -> None:
+    """Write all sheets into the folder `tables`, and remove those that an earlier report left there."""
+    folder = output / FOLDER
+    folder.mkdir(exist_ok=True)
+    for name in _left_behind(folder):
+        (folder / name).unlink(missing_ok=True)
+    for sheet in sheets:
+        for name, text in zip(sheet.files, (sheet.csv(), sheet.json()), strict=True):
+            replace_file(folder / name, text)
+    index = [{"title": sheet.title, "files": sheet.files} for sheet in sheets]
+    replace_file(folder / _INDEX, json.dumps(index, indent=1) + "\n")
+
+
+def replace_file(path: Path, text: str) -> None:
+    """Write a file in one move."""
+    draft = path.with_suffix(path.suffix + ".part")
+    draft.write_text(text, encoding="utf-8")
+    os.replace(draft, path)
+
+
+def _left_behind(folder: Path) -> list[str]:
+    try:
+        index = json.loads((folder / _INDEX).read_text(encoding="utf-8"))
+        names = [str(name) for entry in index for name in entry["files"]]
+    except (OSError, ValueError, TypeError, KeyError):
+        return []
+    return [name for name in names if re.fullmatch(r"[a-z0-9-]+\.(csv|json)", name)]
+
+
+def _finite(cell: Cell) -> Cell:
+    return None if isinstance(cell, float) and not math.isfinite(cell) else cell
+
+
+def _is_number(cell: Cell) -> bool:
+    if not isinstance(cell, str):
+        return True
+    return bool(re.fullmatch(r"\s*([-+]?\d[\d.,eE+-]*( *(±|\+-) *\d[\d.eE+-]*)?|nan|inf|-)?\s*%?", cell))
