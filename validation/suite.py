@@ -28,6 +28,8 @@ _MODULES = {
     "steady": "steady",
     "peaks": "peaks",
     "aperiodic": "aperiodic",
+    "mode-map": "mode_map",
+    "sensitivity": "sensitivity",
     "ledger": "ledger",
 }
 _COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}

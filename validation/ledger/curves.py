@@ -111,5 +111,6 @@ def figure_4(level: Level, say: Say) -> Figure4:
 
 
 def at(solver: str, frequencies: tuple[float, ...]) -> Curve:
-    """Steady states at a few frequencies."""
-    return Curve(sweep(paper_joint(), [Axis(FREQUENCY, frequencies)], solver=solver, workers=WORKERS))
+    """Steady states at a few frequencies; those that are quick to find by this process alone."""
+    workers = WORKERS if solver == PUBLISHED else 1
+    return Curve(sweep(paper_joint(), [Axis(FREQUENCY, frequencies)], solver=solver, workers=workers))
