@@ -53,7 +53,7 @@ class Solver:
         for field in ("n_modes", "free_modes", "contact_modes"):
             value = getattr(self, field)
             if value is not None:
-                _check_count(field, value)
+                check_count(field, value)
         if not 1e-9 <= self.tolerance <= 1e-1:
             raise InputError(f"tolerance = {self.tolerance!r}: allowed are 1e-9 to 0.1")
         for field in ("max_order", "max_periods"):
@@ -111,7 +111,7 @@ class Solver:
         InputError
             If `count` is not between 1 and 500.
         """
-        _check_count("count", count)
+        check_count("count", count)
         from analytic.modes import exact_modes
 
         found = exact_modes(problem, state, count)
@@ -159,6 +159,7 @@ class Solver:
         return answers.steady_state(problem, self.name, self.mode_counts(problem), effort, start, progress)
 
 
-def _check_count(field: str, value: object) -> None:
+def check_count(field: str, value: object) -> None:
+    """Raise an error unless `value` is a number of modes that can be had."""
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_MODES:
         raise InputError(f"{field} = {value!r}: the analytic solver takes an integer from 1 to {MOST_MODES}")

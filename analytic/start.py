@@ -16,7 +16,7 @@ from lapjoint.contact import ContactState
 from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
 from lapjoint.steady import Section
 
-_TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed
+TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed
 _POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
 
 
@@ -71,7 +71,7 @@ def resumed(joint: Joint, section: Section) -> Coordinates:
         tuple(
             k
             for k, stop in enumerate(joint.problem.stops)
-            if stop.sign * z[k] > stop.gap or (k in section.state and stop.sign * z[k] > stop.gap * (1 - _TOUCHING))
+            if stop.sign * z[k] > stop.gap or (k in section.state and stop.sign * z[k] > stop.gap * (1 - TOUCHING))
         )
     )
     if closed == section.state:

@@ -11,8 +11,10 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.plan import Plan
 from lapjoint.workers import Deliver, given_up
 
+REACHED = 15.0
+"""Time that a scheduler has to answer, s."""
 PATIENCE = 60.0
-"""Time that a scheduler has to answer, and to have its first worker, s."""
+"""Time that a scheduler has to have its first worker, s."""
 
 
 def work_on_cluster(plan: Plan, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
@@ -46,7 +48,7 @@ def connected(scheduler: str) -> Any:
             f"scheduler = {scheduler!r}: needs the package distributed; install it with pip install 'lapjoint[cluster]'"
         ) from None
     try:
-        client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        client = Client(scheduler, timeout=REACHED, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(f"scheduler = {scheduler!r}: cannot be reached: {error}") from None
     try:

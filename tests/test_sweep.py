@@ -352,6 +352,7 @@ def test_bad_input_is_refused_before_any_work(
     given: dict[str, Any], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("lapjoint.cluster.PATIENCE", 0.5)
+    monkeypatch.setattr("lapjoint.cluster.REACHED", 0.5)
     with pytest.raises(InputError) as error:
         swept(**({"axes": [(FREQUENCY, [515.0])], "options": FEW, "out": tmp_path / "curve.nc"} | given))
     assert message in str(error.value)

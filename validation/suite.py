@@ -28,6 +28,7 @@ _MODULES = {
     "steady": "steady",
     "peaks": "peaks",
     "aperiodic": "aperiodic",
+    "ledger": "ledger",
 }
 _COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}
 _MOST_LINES = 12

@@ -1,0 +1,139 @@
+r"""The scheme as the paper publishes it, with its few modes: to tell findings from artefacts of truncation.
+
+What the paper writes.  In each contact state z(x, t) = G(x) + sum Phi_i(x) eta_i(t) (20), with G the whole deflected
+shape at the last switch (21), eta_i = 0 there (40), and the velocity carried over by inner products (44).  The modal
+equations (26) hold the load (27) and the force of G, -EI integral of Phi_i G'''' (30).  Eight modes are used in the
+free state and five in every other.
+
+Which force G exerts.  G is a sum of modes Phi_j of the states met, and between the nodes EI Phi_j'''' = m omega_j^2
+Phi_j, so (30) is -sum_j omega_j^2 S_ij g_j with S_ij = integral of m Phi_i Phi_j.  By parts, with Phi_i a mode of the
+present state,
+
+    EI integral of Phi_i G''''  =  omega_i^2 (Phi_i, G) - sum over closed stops of Phi_i(x_s) k (sign gap)_s
+
+because the stop forces that the Phi_j carry, k Phi_j(x_s) g_j over all contacts so far, add up to k (G(x_s) - sign gap)
+at a closed stop and to 0 at an open one: a contact begins and ends where z(x_s) is the gap.  So (30) needs no
+separate force of the gaps, and in q_i = eta_i + (Phi_i, G), the content of the whole shape,
+
+    q_i'' + 2 zeta omega_i q_i' + omega_i^2 q_i = F_i(t) + sum over closed stops of Phi_i(x_s) k (sign gap)_s
+
+is the equation that `analytic.kernel` solves in closed form.  The published scheme and the present solver differ in
+nothing but R = G - sum Phi_i (Phi_i, G), the part of G outside the span of the state's modes: the paper leaves it where
+it is until the next switch, `analytic.residual` lets it follow its equilibrium.  Both converge to the same motion.
+
+What is corrected: the off-diagonal entries of (29) are C* omega, not C* omega^2; (44) is a sum over the modes of the old
+state.  What is assumed, where the text is silent: the damping ratio of Table 6 holds for every mode of every state
+and acts on eta'; the motion starts at rest at z = 0 with y = Y sin(omega t); impacts and rebounds are found exactly
+rather than by sampling and bisection to 2.2e-11 s; and a motion has settled when `analytic.published_steady` says so.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from analytic.solver import Solver, check_count
+from lapjoint.contact import ContactState
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.solution import History, Modes
+from lapjoint.solver import Progress
+from lapjoint.steady import Section, SteadyState
+
+
+@dataclass(frozen=True)
+class PublishedScheme:
+    """The scheme of equations (19)-(49), truncated as in the paper.
+
+    Parameters
+    ----------
+    free_modes, contact_modes : int
+        Modes in the free state, and in every other.
+    tolerance : float
+        To what fraction impulses and displacements must repeat for a motion to have settled.
+    max_order : int
+        Longest periodic motion looked for, in excitation periods.
+    max_periods : int
+        Most excitation periods marched before a motion is given up and its next 1000 periods are averaged.
+    patience : int
+        Most impacts before that.
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    free_modes: int = 8
+    contact_modes: int = 5
+    tolerance: float = 1e-6
+    max_order: int = 8
+    max_periods: int = 4000
+    patience: int = 4000
+
+    def __post_init__(self) -> None:
+        check_count("free_modes", self.free_modes)
+        check_count("contact_modes", self.contact_modes)
+        if not 1e-9 <= self.tolerance <= 1e-1:
+            raise InputError(f"tolerance = {self.tolerance!r}: allowed are 1e-9 to 0.1")
+        for field in ("max_order", "max_periods", "patience"):
+            value = getattr(self, field)
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise InputError(f"{field} = {value!r}: must be an integer of at least 1")
+
+    @property
+    def name(self) -> str:
+        """Name and options in a line."""
+        return f"analytic as published (free modes {self.free_modes}, contact modes {self.contact_modes})"
+
+    def refined(self, factor: float) -> PublishedScheme:
+        """The same scheme with its numbers of modes multiplied by `factor`."""
+        free, contact = (math.ceil(count * factor) for count in (self.free_modes, self.contact_modes))
+        return replace(self, free_modes=free, contact_modes=contact)
+
+    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+        """The lowest `count` modes of a contact state, exact to rounding."""
+        return Solver().modes(problem, state, count)
+
+    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+        """The motion from the initial state over `duration` seconds.
+
+        Raises
+        ------
+        InputError
+            If `duration` is not positive and finite.
+        SolverError
+            If the march cannot go on.
+        """
+        if not (math.isfinite(duration) and duration > 0):
+            raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
+        from analytic.published_field import history_of
+        from analytic.published_march import PublishedJoint, march
+        from analytic.published_start import started
+
+        joint = PublishedJoint(problem, self.free_modes, self.contact_modes)
+        return history_of(
+            problem, self.name, march(joint, *started(joint, None), 0.0, float(duration), progress=progress)
+        )
+
+    def steady_state(
+        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+    ) -> SteadyState:
+        """The motion that remains when the march from the initial state, or from `start`, has settled.
+
+        It is marched, never solved for; see `analytic.published_steady`.
+
+        Raises
+        ------
+        InputError
+            If the excitation has no single frequency.
+        SolverError
+            If the march cannot go on.
+        """
+        if problem.excitation_frequency is None:
+            raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
+        from analytic import published_steady
+
+        effort = published_steady.Search(self.tolerance, self.max_order, self.max_periods, self.patience)
+        counts = self.free_modes, self.contact_modes
+        return published_steady.steady_state(problem, self.name, counts, effort, start, progress)

@@ -1,0 +1,151 @@
+"""When a motion by the published scheme counts as settled, and the certificate that says so.
+
+The paper runs each motion "through steady state"; one that "appears transient after many thousands of impacts" is
+called aperiodic, and its next 1000 cycles are taken.  The text does not say when a motion has settled.  Here it has
+once the penetration times of all stops (the impulses over the stiffnesses) and the displacements at the stops at the
+end of the cycle repeat those 1, 2, ... `max_order` cycles before to `tolerance`, cycle by cycle for `_REPEATS` repeats,
+and from the first of these to the last.  Otherwise, after `patience` impacts or `max_periods` cycles, the next 1000
+cycles are averaged and the motion is UNDECIDED.
+
+No Newton here: a frozen shape that stops growing may take any value, so fixed points fill a continuum and only the
+march tells which of them a motion from rest comes to.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic import kernel
+from analytic.published_field import history_of
+from analytic.published_kernel import SETTLED, UNSETTLED, Carried, settle
+from analytic.published_march import MOST_SWITCHES, PublishedJoint, PublishedMarch, march, raise_if_stuck
+from analytic.published_start import packed, started
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.solution import History
+from lapjoint.solver import Progress
+from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
+
+_REPEATS = 20
+_CYCLES_AVERAGED = 1000
+_CHUNK = 500  # cycles between two looks at the number of impacts
+_SYMMETRIC = 1e-4  # of the largest displacement: what a motion may miss its mirror image by
+_SAMPLES = 64
+
+
+@dataclass(frozen=True)
+class Search:
+    """How long to wait for a motion to settle."""
+
+    tolerance: float
+    max_order: int
+    max_periods: int
+    patience: int
+    """Impacts after which a motion is given up."""
+
+
+@dataclass(frozen=True)
+class Settling:
+    """A motion marched cycle by cycle."""
+
+    order: int
+    """Excitation periods after which it repeats; 0 if it did not settle."""
+    rows: FloatArray
+    """Penetration times of the stops over each cycle, m s, and displacements at its end, m, ``(cycles, P + U)``."""
+    impacts: int
+    slot: int
+    carried: Carried
+    """At the end of the last cycle."""
+
+
+def settling(
+    joint: PublishedJoint, slot: int, carried: Carried, period: float, search: Search, progress: Progress | None = None
+) -> Settling:
+    """March from given coordinates until the motion has settled, or for as long as `search` allows.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
+    P, most = len(joint.problem.stops), search.max_periods
+    rows = np.zeros((most + _CYCLES_AVERAGED, P + joint.tables.constant.shape[1]))
+    agree, count, log = np.zeros(search.max_order, dtype=np.int64), np.zeros(2, dtype=np.int64), kernel.new_log(0, 1, P)
+    carried.last_switch[:], carried.total[:] = 0.0, 0.0
+    t, pending, limit, last = 0.0, kernel.NO_SWITCH, min(_CHUNK, most), False
+    while True:
+        fixed = (period, carried, log, rows[:limit], agree, count, _REPEATS, search.tolerance, MOST_SWITCHES)
+        status, slot, t, pending, order = settle(joint.frozen_tables, joint.cross, slot, t, pending, *fixed)
+        raise_if_stuck(joint, status, slot, t)
+        if status == kernel.MISSING_STATE:
+            carried = joint.meet(slot, pending, carried)
+            continue
+        if progress is not None:
+            progress(min(limit, most), most)
+        if status == SETTLED or (status == UNSETTLED and last):
+            return Settling(order, rows[: count[0]], int(count[1]) // 2, slot, carried)
+        last = limit >= most or count[1] // 2 >= search.patience
+        limit = int(count[0]) + _CYCLES_AVERAGED if last else min(limit + _CHUNK, most)
+
+
+def steady_state(
+    problem: Problem,
+    name: str,
+    counts: tuple[int, int],
+    search: Search,
+    start: Section | None,
+    progress: Progress | None,
+) -> SteadyState:
+    """The motion that remains; the excitation of `problem` has one frequency."""
+    assert problem.excitation_frequency is not None
+    period, joint = 2 * math.pi / problem.excitation_frequency, PublishedJoint(problem, *counts)
+    found = settling(joint, *started(joint, start), period, search, progress)
+    section = packed(joint, found.slot, found.carried)
+    periods = found.order or search.max_order
+    motion = march(joint, *started(joint, section), 0.0, periods * period)
+    history = history_of(problem, name, motion)
+    if found.order:
+        impulses, outcome = steady_impulses(history, found.order), periodic_outcome(history)
+    else:
+        impulses, outcome = _mean_impulses(problem, found.rows), Outcome.UNDECIDED
+    return SteadyState(
+        problem=problem,
+        solver=name,
+        outcome=outcome,
+        order=found.order,
+        symmetric=found.order % 2 == 1 and is_symmetric(history),
+        residual=_residual(motion, periods * period),
+        multipliers=np.zeros(0),
+        exponent=None,
+        section=section,
+        history=history,
+        impulses=impulses,
+    )
+
+
+def _mean_impulses(problem: Problem, rows: FloatArray) -> FloatArray:
+    """Mean impulse of each stop over one cycle of the last ones, N s, shape ``(P,)``."""
+    stiffness = np.array([stop.sign * stop.stiffness for stop in problem.stops])
+    return np.asarray(stiffness * rows[-_CYCLES_AVERAGED:, : stiffness.size].mean(axis=0))
+
+
+def is_symmetric(history: History) -> bool:
+    """Whether z(x, t + T/2) = -z(x, t) at the stops, T the length of the history."""
+    half = (history.end - history.start) / 2
+    t = history.start + half * np.arange(_SAMPLES) / _SAMPLES
+    x = np.array(sorted({stop.x for stop in history.problem.stops} or {history.problem.beam.length}))
+    z, later = history.displacement(x, t), history.displacement(x, t + half)
+    return bool(np.abs(z + later).max() <= _SYMMETRIC * np.abs(z).max())
+
+
+def _residual(motion: PublishedMarch, period: float) -> float:
+    """How far the modes' coordinates are from where they started, relatively; infinite in another state."""
+    first, end = motion.segments[0], motion.end
+    if first.state != end.state:
+        return math.inf
+    scale = period / (2 * math.pi)
+    size = float(np.linalg.norm(first.q) + scale * np.linalg.norm(first.v))
+    apart = float(np.linalg.norm(end.q - first.q) + scale * np.linalg.norm(end.v - first.v))
+    return apart / (size + 1e-300)

@@ -1,0 +1,89 @@
+"""The ledger: each number and claim of the paper, recomputed by both solvers and by its own scheme, with a ruling."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from validation.case import CaseResult, Level, Say
+from validation.drawing import COLOURS, draw
+from validation.ledger.curves import TIP_BOTTOM, TIP_TOP, Figure4, figure_4
+from validation.ledger.entry import Entry, Ruling, ledger_table, summary
+from validation.ledger.modal import modal_entries
+from validation.ledger.numerics import numerical_entries
+from validation.ledger.peak_claims import peak_entries
+from validation.ledger.window_claims import window_entries
+from validation.quantity import Criterion
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """Recompute everything, and rule."""
+    modal = modal_entries()
+    say(f"{len(modal)} claims on frequencies and shapes")
+    curves = figure_4(level, say)
+    figure = [*peak_entries(curves, level, say), *window_entries(curves)]
+    numbers = numerical_entries()
+    entries = [*modal, *figure, *numbers]
+    return CaseResult(
+        "ledger",
+        "The paper on trial",
+        "Each number, table and claim of Rahmani and Ervin (2014) beside what both solvers give, and where it bears on "
+        "the claim beside what the paper's own scheme gives with its own eight free and five contact modes. A printed "
+        "number is confirmed if the computed one rounds to it, or lies within the reading of a curve; a misprint if "
+        "the paper contradicts itself or arithmetic; overturned if both solvers, converged, say otherwise.",
+        criteria=tuple(decided(entries)),
+        tables=(
+            ledger_table("Figure 4 and Section 3", figure),
+            ledger_table("Frequencies and mode shapes", modal),
+            ledger_table("Numerics", numbers),
+        ),
+        drawings=(
+            draw(
+                "Figure 4 as published, converged, and by finite elements",
+                lambda axes: _paint(axes, curves),
+                width=9.0,
+                height=4.6,
+            ),
+        ),
+        notes=(summary(entries),),
+    )
+
+
+def decided(entries: list[Entry]) -> list[Criterion]:
+    """Every claim has its ruling; the number of each is a fact, not a requirement."""
+    ruled = sum(isinstance(entry.ruling, Ruling) and bool(entry.why) for entry in entries)
+    return [Criterion("claims with a ruling and its reason", "1", ruled, len(entries), len(entries), "none left out")]
+
+
+def _paint(axes: Axes, curves: Figure4) -> None:
+    for stop, label in ((TIP_BOTTOM, "P2"), (TIP_TOP, "P4")):
+        first = stop == TIP_BOTTOM
+        axes.plot(
+            curves.published.omega,
+            curves.published.impulse[:, stop] / 1e4,
+            color=COLOURS["paper"],
+            lw=0.7,
+            label="scheme as published, 8 and 5 modes" if first else None,
+        )
+        axes.plot(
+            curves.converged.omega,
+            curves.converged.impulse[:, stop] / 1e4,
+            color=COLOURS["analytic"],
+            lw=1.3,
+            label="converged, analytic" if first else None,
+        )
+        axes.plot(
+            curves.fe.omega,
+            curves.fe.impulse[:, stop] / 1e4,
+            ".",
+            color=COLOURS["fe"],
+            ms=3.5,
+            label="converged, finite elements" if first else None,
+        )
+        axes.annotate(label, (4990, 0.75 if stop == TIP_TOP else -0.85), ha="right")
+    axes.axhline(1.5, color="0.6", lw=0.6, ls=":")
+    axes.axhline(-1.5, color="0.6", lw=0.6, ls=":", label="axis of Figure 4")
+    axes.set(xlabel="excitation frequency (rad/s)", ylabel="impulse (10⁴ N s)", xlim=(0, 5000))
+    axes.legend(fontsize=8, ncols=2, loc="upper left")

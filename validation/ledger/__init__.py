@@ -1,0 +1,1 @@
+"""The paper on trial: each number and claim of Rahmani and Ervin (2014) beside what is computed here."""
