@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 from collections import Counter
 from html.parser import HTMLParser
@@ -12,9 +13,10 @@ from pathlib import Path
 import pytest
 from report_sample import HOSTILE, checks, everything
 
+import validation.page
 from validation.budget import shares
 from validation.case import CaseResult
-from validation.page import sentence, significant
+from validation.page import sentence, short, significant
 from validation.quantity import Check, Estimate, Kind
 from validation.report import write_reports
 from validation.sheet import distinct, slug
@@ -192,7 +194,32 @@ def test_numbers_have_the_digits_that_their_uncertainty_leaves() -> None:
     assert significant(0.0, 1.0) == "0.00000000"
 
 
+def test_short_numbers_are_read_at_a_glance() -> None:
+    shown = [short(value) for value in (100.0, 55.3, 0.0123, -1e-9, 2e7, 0.0, math.inf, -math.inf, math.nan)]
+    assert shown == ["100", "55", "0.012", "-1e-09", "2e+07", "0", "∞", "-∞", "nan"]
+    assert [short(value, 4) for value in (3.9982, 511.685, 12345.6)] == ["3.998", "511.7", "12346"]
+
+
 def test_names_become_files_safely() -> None:
     assert slug("../Ä <b>") == "a-b"
     assert slug("€") == "x"
     assert distinct(["a", "A", "a!"]) == ["a", "a-2", "a-3"]
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance as WCAG 2 defines it."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    r, g, b = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts)
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+
+@pytest.mark.parametrize("scheme", [0, 1], ids=["light", "dark"])
+def test_text_stands_out_from_what_is_behind_it(scheme: int) -> None:
+    css = (Path(validation.page.__file__).parent / "templates" / "report.css").read_text()
+    found = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", re.findall(r":root \{[^}]*\}", css)[scheme]))
+    pairs = [(ink, paper) for ink in ("ink", "faint", "link") for paper in found if paper in ("paper", "band")]
+    pairs += [(ink, f"{v}-bg") for v in ("agree", "disagree", "explained") for ink in (v, "ink", "faint", "link")]
+    pairs += [(v, "paper") for v in ("agree", "disagree", "explained")]
+    for ink, paper in pairs:
+        dark, light = sorted((luminance(found[ink]), luminance(found[paper])))
+        assert (light + 0.05) / (dark + 0.05) >= 4.5, (ink, paper)

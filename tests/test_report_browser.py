@@ -41,11 +41,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return output
 
 
-def browse(profile: Path, page: Path, *options: str) -> str:
+def browse(profile: Path, page: Path, *options: str, fragment: str = "") -> str:
     """What the browser prints for a page, in a profile of its own and without a network."""
     assert BROWSER is not None
     command = [BROWSER, *QUIET, f"--user-data-dir={profile}", "--host-resolver-rules=MAP * ~NOTFOUND", *options]
-    done = subprocess.run([*command, page.as_uri()], capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run([*command, page.as_uri() + fragment], capture_output=True, text=True, timeout=120, check=True)
     return done.stdout
 
 
@@ -79,6 +79,16 @@ def test_a_phone_scrolls_tables_but_never_the_page(folder: Path, tmp_path: Path)
     assert found, page[-300:]
     assert int(found[1]) <= 360
     assert int(found[2]) > 0  # or nothing was measured
+
+
+def test_a_link_to_a_row_opens_the_table_that_holds_it(folder: Path, tmp_path: Path) -> None:
+    row = re.findall(r'id="([\w-]+-check-\d+)"', (folder / "report.html").read_text(encoding="utf-8"))[-2]
+    for target, expected in ((f"#{row}", " open"), ("", "")):
+        page = browse(tmp_path, folder / "report.html", "--dump-dom", fragment=target)
+        before = page[: page.index(f'id="{row}"')]
+        attributes = re.findall(r"<details([^>]*)>", before)[-1]
+        assert attributes.startswith(expected)
+        assert bool(attributes) == bool(expected)
 
 
 def test_light_and_dark_differ(folder: Path, tmp_path: Path) -> None:

@@ -160,9 +160,13 @@ def significant(value: float, uncertainty: float) -> str:
     return text.rstrip(".")
 
 
-def short(value: float) -> str:
-    """A number to two digits."""
-    return "∞" if value == math.inf else "-∞" if value == -math.inf else f"{value:.2g}"
+def short(value: float, digits: int = 2) -> str:
+    """A number to two digits or so; whole ones below 100000 are written out."""
+    if math.isinf(value):
+        return "∞" if value > 0 else "-∞"
+    if math.isfinite(value) and 10 ** (digits - 1) <= abs(value) < 1e5:
+        return f"{value:.0f}"
+    return f"{value:.{digits}g}"
 
 
 def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str, Any]) -> str:
