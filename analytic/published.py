@@ -21,8 +21,8 @@ is the equation that `analytic.kernel` solves in closed form.  The published sch
 nothing but R = G - sum Phi_i (Phi_i, G), the part of G outside the span of the state's modes: the paper leaves it where
 it is until the next switch, `analytic.residual` lets it follow its equilibrium.  Both converge to the same motion.
 
-What is corrected: the off-diagonal entries of (29) are C* omega, not C* omega^2; (44) is a sum over the modes of the old
-state.  What is assumed, where the text is silent: the damping ratio of Table 6 holds for every mode of every state
+What is corrected: the off-diagonal entries of (29) are C* omega, not C* omega^2; (44) is a sum over the modes of the
+old state.  What is assumed, where the text is silent: the damping ratio of Table 6 holds for every mode of every state
 and acts on eta'; the motion starts at rest at z = 0 with y = Y sin(omega t); impacts and rebounds are found exactly
 rather than by sampling and bisection to 2.2e-11 s; and a motion has settled when `analytic.published_steady` says so.
 

@@ -21,10 +21,10 @@ from analytic.kernel import (
     NO_SWITCH,
     STUCK,
     TOO_MANY,
-    turn_exactly,
     follow,
     start_terms,
     state_from_terms,
+    turn_exactly,
 )
 
 SETTLED, UNSETTLED = 10, 11

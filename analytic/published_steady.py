@@ -78,7 +78,18 @@ def settling(
     carried.last_switch[:], carried.total[:] = 0.0, 0.0
     t, pending, limit, last = 0.0, kernel.NO_SWITCH, min(_CHUNK, most), False
     while True:
-        fixed = (period, carried, log, rows[:limit], agree, count, _REPEATS, search.tolerance, search.shortest, MOST_SWITCHES)
+        fixed = (
+            period,
+            carried,
+            log,
+            rows[:limit],
+            agree,
+            count,
+            _REPEATS,
+            search.tolerance,
+            search.shortest,
+            MOST_SWITCHES,
+        )
         status, slot, t, pending, order = settle(joint.frozen_tables, joint.cross, slot, t, pending, *fixed)
         raise_if_stuck(joint, status, slot, t)
         if status == kernel.MISSING_STATE:

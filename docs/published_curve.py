@@ -14,7 +14,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import analytic
-from lapjoint import Outcome, SolverError, paper_joint
+from lapjoint import Outcome, paper_joint
+from lapjoint.errors import SolverError
 from lapjoint.presets import PAPER_DENSITY
 
 if TYPE_CHECKING:
