@@ -25,6 +25,7 @@ BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
 TIP = (0, 2)  # P2 and P4, the stops whose impulses Figure 4 shows
 PEAKS = ((400, 700), (750, 950), (2600, 3400))  # rad/s: where to look for the three peaks of the paper
 DIFFERENT = 0.02  # of the larger one: impulses of the tip stops that do not agree
+UNEVEN = 0.02  # of their sum: difference of the impulses of P2 and P4
 Answer = tuple[float, float, float, float, int, bool]  # impulses of P2 to P5, N s; order; symmetric
 
 
@@ -60,7 +61,6 @@ def main() -> None:
     scheme = analytic.PublishedScheme(*given.modes, tolerance=given.tolerance)
     published = curve(partial(answer, ask=scheme, density=given.density), frequencies)
     certified = curve(partial(answer, ask=analytic.Solver(), density=given.density), frequencies)
-    np.savez(given.out.with_suffix(".npz"), frequencies=frequencies, published=published, certified=certified)
     draw(frequencies, published, certified, given.out)
     for name, found in (("published", published), ("certified", certified)):
         print_summary(name, frequencies, found)
@@ -89,16 +89,18 @@ def panel(axes: Axes, frequencies: np.ndarray, found: np.ndarray, name: str) -> 
 
 
 def print_summary(name: str, frequencies: np.ndarray, found: np.ndarray) -> None:
-    """Peaks, their ratios, and how many motions are not settled or not symmetric."""
+    """Peaks of even motions, their ratios, and how many motions are not settled or not symmetric."""
     size = np.abs(found[:, TIP]).mean(axis=1)
+    uneven = np.abs(np.abs(found[:, 0]) - np.abs(found[:, 2])) > UNEVEN * 2 * size
     heights = []
     for lo, hi in PEAKS:
-        here = np.flatnonzero((frequencies >= lo) & (frequencies <= hi))
+        here = np.flatnonzero((frequencies >= lo) & (frequencies <= hi) & ~uneven)
         top = here[np.nanargmax(size[here])]
         heights.append(size[top])
         print(f"{name}: peak at {frequencies[top]:g} rad/s, {size[top]:.0f} N s (mean of P2 and P4)")
     print(f"{name}: ratios {heights[1] / heights[0]:.3f} and {heights[2] / heights[1]:.3f}")
-    uneven = np.abs(np.abs(found[:, 0]) - np.abs(found[:, 2])) > DIFFERENT * 2 * size
+    silent = [(found[:, k] == 0) & (found[:, TIP[0] + TIP[1] - k] != 0) for k in TIP]
+    print(f"{name}: only P2 silent at {windows(frequencies, silent[0])}; only P4 at {windows(frequencies, silent[1])}")
     for what, which in (("not settled", found[:, 4] == 0), ("no answer", found[:, 4] < 0), ("uneven", uneven)):
         print(f"{name}: {what} at {which.sum()} frequencies: {windows(frequencies, which)}")
 

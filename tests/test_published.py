@@ -193,3 +193,31 @@ def test_quiet_and_viscous_joints() -> None:
     viscous = paper_joint().replace(damping=ViscousDamping(coefficient=2000.0))
     history = scheme.simulate(viscous, 2 * PERIOD)
     assert ContactState((2, 3)) in history.states
+
+
+def test_the_frozen_shape_grows_where_the_published_curve_is_an_artefact() -> None:
+    def share(omega: float, cycles: int) -> float:
+        period = 2 * math.pi / omega
+        history = analytic.PublishedScheme().simulate(paper_joint(angular_frequency=omega), cycles * period)
+        left = frozen_part(history)
+        return float(left.displacement[left.time > (cycles - 5) * period].mean())
+
+    assert share(515.0, 300) < share(515.0, 50) < 3e-3
+    assert share(1000.0, 300) > 1.5 * share(1000.0, 50) > 0.1
+    assert share(2060.0, 600) > 10 * share(2060.0, 50) > 0.1
+
+
+@pytest.mark.parametrize("omega", [1000.0, 2060.0, 2950.0])
+def test_eight_modes_in_every_state_are_enough_to_lose_the_artefacts(omega: float) -> None:
+    problem = paper_joint(angular_frequency=omega)
+    found = analytic.PublishedScheme(8, 8).steady_state(problem).impulses
+    np.testing.assert_allclose(found, analytic.Solver().steady_state(problem).impulses, rtol=0.03)
+
+
+def test_the_curve_steps_just_below_1000() -> None:
+    before, after = (
+        analytic.PublishedScheme().steady_state(paper_joint(angular_frequency=omega)).impulses
+        for omega in (998.0, 999.0)
+    )
+    assert before[2] == pytest.approx(-before[0], rel=0.01)
+    assert abs(after[2] + after[0]) > 0.15 * after[2]
