@@ -257,7 +257,7 @@ def _turn_by_series(tables: Any, slot: int, tau: float, fastest: float, term: An
 
 
 @njit(cache=True)
-def _turn_exactly(tables: Any, slot: int, tau: float, term: Any, theta: Any) -> None:
+def turn_exactly(tables: Any, slot: int, tau: float, term: Any, theta: Any) -> None:
     """Turn terms and phases by any `tau`."""
     for t in range(tables.terms[slot]):
         term[t] *= np.exp(tables.root[slot, t] * tau)
@@ -325,7 +325,7 @@ def _lowest_between(
     for _ in range(60):
         work_theta[:] = start_theta
         work_term[:] = start_term
-        _turn_exactly(tables, slot, s, work_term, work_theta)
+        turn_exactly(tables, slot, s, work_term, work_theta)
         _sum_all(tables, slot, s, work_theta, work_term, drift, out)
         h = orientation * out[u, 0] + tables.gap[k]
         h1, h2 = orientation * out[u, 1], orientation * out[u, 2]
@@ -438,7 +438,7 @@ def follow(
         s_previous = s
         step += 1
         if which == NO_SWITCH:
-            _turn_exactly(tables, slot, tau, term, theta)
+            turn_exactly(tables, slot, tau, term, theta)
             s = horizon
             if not depth:
                 break

@@ -24,6 +24,7 @@ from analytic.kernel import (
     follow,
     start_terms,
     state_from_terms,
+    turn_exactly,
 )
 
 SETTLED, UNSETTLED = 10, 11
@@ -88,9 +89,13 @@ def march(
     pending: int,
     log: Any,
     depth: bool,
+    shortest: float,
     most: int,
 ) -> tuple[int, int, float, int, int, int]:
-    """March from `t` to `end`; arguments and results as those of `analytic.kernel.march`."""
+    """March from `t` to `end`; arguments and results as those of `analytic.kernel.march`.
+
+    No state lasts less than `shortest`, s: see `analytic.published` on switches that follow each other at once.
+    """
     room, H, n_most, stops = log.slot.size, tables.omega.size, carried.q.size, carried.total.size
     logged, switches = 0, 0
     theta = np.zeros(H, dtype=np.complex128)
@@ -120,6 +125,10 @@ def march(
         s, which, rate, _ = follow(tables, slot, end - t, fresh, depth, theta, term, poly, deepest, area)
         if which == -2:
             return STUCK, slot, t + s, NO_SWITCH, logged, switches
+        wait = min(shortest, end - t) - s
+        if which != NO_SWITCH and wait > 0:
+            turn_exactly(tables, slot, wait, term, theta)
+            s += wait
         state_from_terms(tables, slot, theta, s, term, poly, carried.q, carried.v)
         t = end if which == NO_SWITCH else t + s
         for k in range(stops):
@@ -152,6 +161,7 @@ def settle(
     count: Any,
     repeats: int,
     tolerance: float,
+    shortest: float,
     most: int,
 ) -> tuple[int, int, float, int, int]:
     """March cycle by cycle until the impulses and the displacements at the stops repeat, or `rows` is full.
@@ -164,7 +174,7 @@ def settle(
     stops = carried.total.size
     while count[0] < rows.shape[0]:
         status, slot, t, pending, _, switches = march(
-            tables, cross, slot, t, period, carried, pending, log, False, most
+            tables, cross, slot, t, period, carried, pending, log, False, shortest, most
         )
         count[1] += switches
         if status != DONE:

@@ -115,9 +115,12 @@ def march(
     end: float,
     *,
     depth: bool = True,
+    shortest: float,
     progress: Progress | None = None,
 ) -> PublishedMarch:
-    """March from `start` to `end`, with every segment logged; `carried` is left at the end.
+    """March from `start` to `end`, with every segment logged; `carried` is used up.
+
+    No state lasts less than `shortest`, s.
 
     Raises
     ------
@@ -130,7 +133,7 @@ def march(
     t, pending, left, status = start, kernel.NO_SWITCH, MOST_SWITCHES, kernel.MISSING_STATE
     while status != kernel.DONE:
         status, slot, t, pending, logged, switches = published_kernel.march(
-            joint.frozen_tables, joint.cross, slot, t, end, carried, pending, log, depth, left
+            joint.frozen_tables, joint.cross, slot, t, end, carried, pending, log, depth, shortest, left
         )
         left -= switches
         full.append(kernel.Log(*(part[:logged].copy() for part in log)))

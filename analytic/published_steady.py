@@ -44,6 +44,8 @@ class Search:
     max_periods: int
     patience: int
     """Impacts after which a motion is given up."""
+    shortest: float
+    """Least time spent in a state, s."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,18 @@ def settling(
     carried.last_switch[:], carried.total[:] = 0.0, 0.0
     t, pending, limit, last = 0.0, kernel.NO_SWITCH, min(_CHUNK, most), False
     while True:
-        fixed = (period, carried, log, rows[:limit], agree, count, _REPEATS, search.tolerance, MOST_SWITCHES)
+        fixed = (
+            period,
+            carried,
+            log,
+            rows[:limit],
+            agree,
+            count,
+            _REPEATS,
+            search.tolerance,
+            search.shortest,
+            MOST_SWITCHES,
+        )
         status, slot, t, pending, order = settle(joint.frozen_tables, joint.cross, slot, t, pending, *fixed)
         raise_if_stuck(joint, status, slot, t)
         if status == kernel.MISSING_STATE:
@@ -104,7 +117,7 @@ def steady_state(
     found = settling(joint, *started(joint, start), period, search, progress)
     section = packed(joint, found.slot, found.carried)
     periods = found.order or search.max_order
-    motion = march(joint, *started(joint, section), 0.0, periods * period)
+    motion = march(joint, *started(joint, section), 0.0, periods * period, shortest=search.shortest)
     history = history_of(problem, name, motion)
     if found.order:
         impulses, outcome = steady_impulses(history, found.order), periodic_outcome(history)

@@ -1,0 +1,107 @@
+r"""What each switch of the published scheme leaves behind: the measure of its truncation.
+
+At a switch to a state with the modes Phi_i the displacement z splits into sum Phi_i (Phi_i, z), which moves on, and R,
+which stands still; of the velocity the part outside the span is gone for good.  In the inner product (f, g) =
+integral of m f g and in the energy of state B,
+
+    a(f, g) = integral of EI f'' g'' + support springs + sum over the closed stops of B of k f(x_s) g(x_s),
+
+the two parts are orthogonal, a(Phi_i, R) = omega_i^2 (Phi_i, R) = 0, so energies add up.  All products are closed
+form: for a mode Phi_j of state A, a_A(Phi_j, g) = omega_j^2 (Phi_j, g).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.published_field import PublishedField
+from analytic.published_march import PublishedJoint, PublishedMarch
+from lapjoint.problem import FloatArray
+from lapjoint.solution import History
+
+
+@dataclass(frozen=True)
+class FrozenPart:
+    """One entry per switch, each of shape ``(switches,)``."""
+
+    time: FloatArray
+    """s."""
+    displacement: FloatArray
+    """Norm of the frozen shape R after the switch, over that of the whole displacement."""
+    displacement_added: FloatArray
+    """Norm of the change of R by this switch, over that of the whole displacement."""
+    energy: FloatArray
+    """Energy a(R, R) / 2 of the frozen shape, over that of the whole displacement."""
+    kinetic: FloatArray
+    """Kinetic energy outside the span of the next modes, lost, over that before the switch."""
+    kinetic_lost: FloatArray
+    """The same, J, added up from the first switch on."""
+
+
+def frozen_part(history: History) -> FrozenPart:
+    """What is left behind at each switch of a motion by `analytic.PublishedScheme`.
+
+    Raises
+    ------
+    TypeError
+        If the history is another solver's.
+    """
+    if not isinstance(history.field, PublishedField):
+        raise TypeError(f"frozen_part takes a history of analytic.PublishedScheme, not of {history.solver}")
+    motion = history.field.motion
+    joint, log = motion.joint, motion.log
+    assert isinstance(joint, PublishedJoint)
+    products = _products(joint)
+    rest, whole = _flat(motion.rest), _flat(_whole(motion))
+    after, change = rest[1:], np.diff(rest, axis=0)
+    size = _norms(whole[1:], products)
+    before, behind = 0.5 * (log.v_end[:-1] ** 2).sum(axis=1), 0.5 * (log.v[1:] ** 2).sum(axis=1)
+    return FrozenPart(
+        time=log.start[1:].copy(),
+        displacement=_norms(after, products) / size,
+        displacement_added=_norms(change, products) / size,
+        energy=_energies(joint, log.slot[1:], after) / _energies(joint, log.slot[1:], whole[1:]),
+        kinetic=(before - behind) / before,
+        kinetic_lost=np.cumsum(before - behind),
+    )
+
+
+def _whole(motion: PublishedMarch) -> FloatArray:
+    """Coefficients of the whole displacement at the start of each segment, shape ``(M, S, N)``."""
+    whole, log = motion.rest.copy(), motion.log
+    whole[np.arange(log.slot.size), log.slot] += log.q
+    return whole
+
+
+def _flat(coefficients: FloatArray) -> FloatArray:
+    return coefficients.reshape(coefficients.shape[0], -1)
+
+
+def _products(joint: PublishedJoint) -> FloatArray:
+    """(Phi_i, Phi_j) of all modes of all states, shape ``(S N, S N)``."""
+    states, _, size, _ = joint.cross.shape
+    return np.asarray(joint.cross.transpose(0, 2, 1, 3).reshape(states * size, states * size))
+
+
+def _norms(coefficients: FloatArray, products: FloatArray) -> FloatArray:
+    """sqrt((f, f)), kg^1/2 m, shape ``(M,)``."""
+    squares = np.einsum("mi,ij,mj->m", coefficients, products, coefficients)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
+
+
+def _energies(joint: PublishedJoint, slots: FloatArray, coefficients: FloatArray) -> FloatArray:
+    """a(f, f) / 2 in the states of `slots`, J, shape ``(M,)``."""
+    states, size = joint.cross.shape[0], joint.cross.shape[2]
+    models = [joint.model(joint.state_in(slot)) for slot in range(states)]
+    omega, stops = np.zeros((states, size)), np.zeros((states, size, len(joint.problem.stops)))
+    for slot, model in enumerate(models):
+        omega[slot, : model.size], stops[slot, : model.size] = model.modes.omega, model.at_stops.T
+    closed = joint.tables.closed[:states] * np.array([stop.stiffness for stop in joint.problem.stops])
+    at_stops = stops.reshape(states * size, -1)
+    springs = (stops * closed[:, None, :]).reshape(states * size, -1) @ at_stops.T
+    bending = omega.reshape(-1, 1) ** 2 * _products(joint) - springs
+    values = coefficients @ at_stops
+    stored = np.einsum("mi,ij,mj->m", coefficients, bending, coefficients)
+    return np.asarray(0.5 * (stored + (closed[slots] * values**2).sum(axis=1)))
