@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "textbook": "textbook",
     "table4": "table4",
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",
     "sdnl104": "sdnl104",
+    "one-mode": "one_mode",
     "grazing": "grazing",
     "transient": "transient",
     "steady": "steady",
