@@ -191,6 +191,8 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("JSON on a directory", ("steady", PAPER, "--json", "."), "it is a directory"),
     ("init nowhere", ("init", "no/such/file.toml"), "cannot be written"),
     ("unknown case", ("validate", "--case", "magic"), "magic"),
+    ("no such peer", ("validate", "--peers", "magic"), "--peers magic: solver = 'magic' is not installed"),
+    ("a case without its peers", ("validate", "--case", "peers"), "--peers opensees"),
     ("no such file to validate", ("validate", "missing.toml"), "missing.toml: cannot be read"),
     ("nothing swept", (*NOWHERE, "--out", "c.nc"), "nothing is swept; give --from and --to, or --over"),
     ("half a range", (*NOWHERE, "--out", "c.nc", "--from", "1"), "--to: is missing"),
@@ -280,15 +282,17 @@ def test_validate_passes_on_what_is_asked_and_the_verdict(
 ) -> None:
     asked: list[object] = []
 
-    def suite_main(path: Path, cases: tuple[str, ...], level: str, output: Path, console: object) -> int:
-        asked.extend([read_problem(path), cases, level, output])
+    def suite_main(
+        path: Path, cases: tuple[str, ...], level: str, output: Path, console: object, peers: tuple[str, ...]
+    ) -> int:
+        asked.extend([read_problem(path), cases, level, output, peers])
         return status
 
     monkeypatch.setattr("validation.suite.main", suite_main)
-    options = ("--case", "a", "--case", "b", "--quick", "-o", tmp_path / "out")
+    options = ("--case", "a", "--case", "b", "--quick", "-o", tmp_path / "out", *("--peers", "x") * 2)
     result = run("validate", PAPER, "--set", "base_motion.angular_frequency=820", *options)
     assert result.exit_code == status
-    assert asked == [paper_joint(angular_frequency=820.0), ("a", "b"), "quick", tmp_path / "out"]
+    assert asked == [paper_joint(angular_frequency=820.0), ("a", "b"), "quick", tmp_path / "out", ("x",)]
 
 
 def test_validate_lists_its_cases() -> None:

@@ -339,6 +339,13 @@ def export(
 @click.argument("problem", required=False)
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable.")
 @click.option("--case", "cases", multiple=True, metavar="NAME", help="Run this case only; repeatable.")
+@click.option(
+    "--peers",
+    "peers",
+    multiple=True,
+    metavar="NAME",
+    help="Compare with this solver too, as opensees; repeatable: adds the case peers.",
+)
 @click.option("--quick", "level", flag_value="quick", help="Less refinement.")
 @click.option("--full", "level", flag_value="full", help="More refinement.")
 @click.option("-o", "--output", default="report", show_default=True, metavar="DIR", help="Where the report goes.")
@@ -347,6 +354,7 @@ def validate(
     problem: str | None,
     overrides: tuple[str, ...],
     cases: tuple[str, ...],
+    peers: tuple[str, ...],
     level: Literal["quick", "full"] | None,
     output: str,
     list_cases: bool,
@@ -364,7 +372,8 @@ def validate(
         return
     chosen.check_directory(output)
     path = None if problem is None else chosen.problem_file(problem, overrides, output)
-    click.get_current_context().exit(suite.main(path, cases, level or "standard", Path(output), rich.console.Console()))
+    named, console = tuple(dict.fromkeys(peers)), rich.console.Console()
+    click.get_current_context().exit(suite.main(path, cases, level or "standard", Path(output), console, named))
 
 
 def find_motion(problem: Problem, solver: Solver, duration: float) -> History:

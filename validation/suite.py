@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "textbook": "textbook",
     "table4": "table4",
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",
     "sdnl104": "sdnl104",
+    "one-mode": "one_mode",
     "grazing": "grazing",
     "transient": "transient",
     "steady": "steady",
@@ -32,6 +34,7 @@ _MODULES = {
     "sensitivity": "sensitivity",
     "ledger": "ledger",
 }
+PEERS = "peers"  # the case that other solvers make
 _COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}
 _MOST_LINES = 12
 
@@ -41,7 +44,14 @@ def case_names() -> tuple[str, ...]:
     return tuple(_MODULES)
 
 
-def main(problem_path: Path | None, cases: tuple[str, ...], level: Level, output: Path, console: Console) -> int:
+def main(
+    problem_path: Path | None,
+    cases: tuple[str, ...],
+    level: Level,
+    output: Path,
+    console: Console,
+    peers: tuple[str, ...] = (),
+) -> int:
     """Run the suite, or compare the solvers on one problem file, and write the reports.
 
     Parameters
@@ -56,6 +66,8 @@ def main(problem_path: Path | None, cases: tuple[str, ...], level: Level, output
         Directory for ``report.json`` and ``report.html``.
     console : rich.console.Console
         Where progress and verdicts go.
+    peers : tuple of str
+        Further solvers to compare with, by their entry-point names.
 
     Returns
     -------
@@ -65,11 +77,18 @@ def main(problem_path: Path | None, cases: tuple[str, ...], level: Level, output
     Raises
     ------
     InputError
-        For an unknown case, a bad problem file, or an output that cannot be written.
+        For an unknown case, a bad problem file, a peer that does not answer, or an output that cannot be written.
     """
     from validation.report import write_reports
 
-    runs = _chosen(cases) if problem_path is None else _own(problem_path, cases)
+    others = tuple(name for name in cases if name != PEERS)
+    if len(others) < len(cases) and not peers:
+        raise InputError(f"case = {PEERS!r}: name the solvers to compare with, as in --peers opensees")
+    runs: dict[str, Run] = {}
+    if others or not cases:
+        runs = _chosen(others) if problem_path is None else _own(problem_path, others)
+    if peers:
+        runs[PEERS] = _peers(problem_path, peers)
     output = _writable(output)
     results, begin = [], time.perf_counter()
     for name, run in runs.items():
@@ -117,6 +136,15 @@ def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
     if unknown:
         raise InputError(f"case = {unknown[0]!r}: this problem has {', '.join(runs)}")
     return {name: run for name, run in runs.items() if not cases or name in cases}
+
+
+def _peers(path: Path | None, names: tuple[str, ...]) -> Run:
+    from lapjoint.files import read_problem
+    from validation.cases import peers
+
+    problem = None if path is None else read_problem(path)
+    peers.check_peers(names)
+    return lambda level, say: peers.run(problem, names, level, say)
 
 
 def _writable(output: Path) -> Path:

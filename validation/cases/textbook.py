@@ -1,0 +1,109 @@
+"""Frequency parameters of single-span beams against textbook tables and the equations that they solve."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import analytic
+import fe_lapjoint
+from lapjoint import FREE, Beam, Problem
+from lapjoint.solver import Solver
+from validation.case import CaseResult, Level, Say, table
+from validation.cases.motions import FE_ORDER
+from validation.cases.textbook_equations import BEAMS, ROOTS, Textbook, roots
+from validation.quantity import Check, Estimate, Kind
+from validation.uncertainty import refined_estimate
+
+DATA = Path(__file__).with_name("textbook.toml")
+EXACT = 4e-15  # relative: some roundings of either root finder
+ROUNDING_OF_EIGENVALUES = 1e-9  # relative: what the finite element eigenvalues cannot show
+
+
+@dataclass(frozen=True)
+class Printed:
+    """One row of a textbook's table."""
+
+    beam: str
+    source: str
+    via: str
+    """Where the digits were read."""
+    values: tuple[str, ...]
+    misprints: dict[str, str] = field(default_factory=dict)
+    """Why a printed value is known to be wrong, by its number from 1."""
+
+    def estimate(self, i: int) -> Estimate:
+        """The `i`-th value (from 0), to half a unit of its last digit."""
+        digits = len(self.values[i].partition(".")[2])
+        how = f"{self.source}, {self.via}; half a unit of the last digit"
+        return Estimate(float(self.values[i]), 0.5 * 10.0**-digits, how, Kind.PUBLISHED)
+
+
+def printed() -> tuple[Printed, ...]:
+    """All rows of the data file."""
+    rows = tomllib.loads(DATA.read_text())["printed"]
+    return tuple(Printed(**{**row, "values": tuple(row["values"])}) for row in rows)
+
+
+def parameters(solver: Solver, beam: Textbook) -> tuple[float, ...]:
+    """The lowest elastic beta L of a beam of unit length, stiffness and mass."""
+    problem = Problem(beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0), supports=beam.supports)
+    found = solver.modes(problem, FREE, ROOTS + beam.rigid).angular_frequencies
+    return tuple(math.sqrt(omega) for omega in found[beam.rigid :])
+
+
+def computed(beam: Textbook, meshes: tuple[int, ...]) -> dict[str, tuple[Estimate, ...]]:
+    """Both solvers' beta L with their uncertainty."""
+    exact = parameters(analytic.Solver(), beam)
+    fe = list(zip(*(parameters(fe_lapjoint.Solver(elements=n), beam) for n in meshes), strict=True))
+    how, what = "roots bracketed by their count, to rounding", f"{meshes[-1]} elements"
+    return {
+        "analytic": tuple(Estimate(b, EXACT * b, how) for b in exact),
+        "FE": tuple(refined_estimate(b, 2.0, FE_ORDER, what, ROUNDING_OF_EIGENVALUES) for b in fe),
+    }
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """All beams, by both solvers."""
+    meshes = (24, 48, 96) if level == "full" else (16, 32, 64)
+    checks, rows = [], []
+    for name, beam in BEAMS.items():
+        say(name)
+        answers = computed(beam, meshes)
+        for i, root in enumerate(roots(beam.equation)):
+            reference = Estimate(root, EXACT * root, f"{beam.formula}, by brentq to rounding", Kind.ANALYTICAL)
+            for solver, found in answers.items():
+                checks.append(Check(f"{name}, b_{i + 1}: {solver} against the equation", "1", found[i], reference))
+            rows.append((name, i + 1, f"{root:.12f}", *(f"{found[i].value:.12f}" for found in answers.values())))
+        for row in printed():
+            if row.beam == name:
+                checks += _against_print(row, answers)
+    return CaseResult(
+        "textbook",
+        "Single-span beams of the textbooks",
+        "Frequency parameters b = beta L of uniform beams on every pair of clamped, pinned, sliding and free ends that "
+        "textbooks list, and on translational and torsional springs at root, mid-span and tip. Each is compared with "
+        "the root of the textbook's characteristic equation, solved apart from both solvers, and where a table was "
+        "found with the printed digits, of which half a unit of the last one is granted. Rigid-body modes are left "
+        "out.",
+        checks=tuple(checks),
+        tables=(table("Frequency parameters b", ("beam", "mode", "equation", "analytic", "FE"), rows),),
+        notes=tuple(f"{name}: {beam.formula}" for name, beam in BEAMS.items()),
+    )
+
+
+def _against_print(row: Printed, answers: dict[str, tuple[Estimate, ...]]) -> list[Check]:
+    book = row.source.split(",")[0].split(" (")[0]
+    return [
+        Check(
+            f"{row.beam}, b_{i + 1}: {solver} against {book}",
+            "1",
+            found[i],
+            row.estimate(i),
+            explanation=row.misprints.get(str(i + 1), ""),
+        )
+        for i in range(len(row.values))
+        for solver, found in answers.items()
+    ]

@@ -1,0 +1,146 @@
+"""OpenSees as a third solver: numerical options, and the three questions that it answers.
+
+OpenSees knows neither gaps, nor contacts, nor this package: it marches the beam at a fixed step with Newmark's method,
+and contacts are read off what it recorded.  It has global state and may abort its process, so it always runs in
+another one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from lapjoint.contact import ContactState
+from lapjoint.errors import InputError
+from lapjoint.problem import AtRest, ModalDamping, Problem
+from lapjoint.solution import History, Modes
+from lapjoint.solver import Progress
+from lapjoint.steady import Section, SteadyState
+
+MOST_ELEMENTS = 400
+MOST_STEPS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Solver:
+    """OpenSees: elasticBeamColumn with consistent mass, gap springs, Newmark's average acceleration at a fixed step.
+
+    Parameters
+    ----------
+    elements : int
+        About how many elements over the beam; every support and stop gets a node besides.
+    dt : float
+        Time step, s; shortened a little so that the duration, or the excitation period, is a multiple of it.
+    repeats : float
+        A steady state is reached when displacements, velocities and impulses come back to this fraction of their size.
+    max_order : int
+        Longest periodic motion looked for, in excitation periods.
+    max_periods : int
+        Most excitation periods marched in search of a steady state.
+
+    Raises
+    ------
+    InputError
+        If an option is out of its range.
+    """
+
+    elements: int = 40
+    dt: float = 4e-6
+    repeats: float = 1e-6
+    max_order: int = 8
+    max_periods: int = 500
+
+    def __post_init__(self) -> None:
+        for field, most in (("elements", MOST_ELEMENTS), ("max_order", 100), ("max_periods", 10**5)):
+            value = getattr(self, field)
+            if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
+                raise InputError(f"{field} = {value!r}: must be an integer from 1 to {most}")
+        for field in ("dt", "repeats"):
+            value = getattr(self, field)
+            if not 0 < value < 1:
+                raise InputError(f"{field} = {value!r}: must lie between 0 and 1")
+
+    @property
+    def name(self) -> str:
+        """Name and options in a line."""
+        return f"OpenSees ({self.elements} elements, dt = {self.dt:g} s)"
+
+    def refined(self, factor: float) -> Solver:
+        """The same solver with `factor` times the elements and a step shorter by `factor`."""
+        return replace(self, elements=max(1, math.ceil(self.elements * factor)), dt=self.dt / factor)
+
+    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+        """The lowest `count` modes of a contact state by OpenSees' dense eigensolver.
+
+        Raises
+        ------
+        InputError
+            If `count` exceeds the number of degrees of freedom, or OpenSees is not installed.
+        SolverError
+            If OpenSees fails.
+        """
+        from validation.peers import opensees_answers
+
+        return opensees_answers.modes(self, problem, state, count)
+
+    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+        """The motion from rest over `duration` seconds.
+
+        Raises
+        ------
+        InputError
+            If OpenSees cannot express the problem, would need too many steps, or is not installed.
+        SolverError
+            If OpenSees fails.
+        """
+        if not (math.isfinite(duration) and duration > 0):
+            raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
+        check_problem(problem)
+        if duration / self.dt > MOST_STEPS:
+            raise InputError(f"dt = {self.dt!r}: {duration:g} s would take more than {MOST_STEPS} steps")
+        from validation.peers import opensees_answers
+
+        return opensees_answers.simulate(self, problem, float(duration), progress)
+
+    def steady_state(
+        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+    ) -> SteadyState:
+        """The motion that a march from rest settles to: the first that comes back to itself; see `repeats`.
+
+        Nothing is certified: there are no Floquet multipliers and no exponent.  `start` is not used.
+
+        Raises
+        ------
+        InputError
+            If OpenSees cannot express the problem or is not installed, or the excitation has no single frequency.
+        SolverError
+            If OpenSees fails.
+        """
+        if problem.excitation_frequency is None:
+            raise InputError("steady state: base_motion must have an amplitude and an angular_frequency")
+        check_problem(problem)
+        if 2 * math.pi / problem.excitation_frequency / self.dt > MOST_STEPS:
+            raise InputError(f"dt = {self.dt!r}: an excitation period would take more than {MOST_STEPS} steps")
+        from validation.peers import opensees_answers
+
+        return opensees_answers.steady_state(self, problem, progress)
+
+
+def check_problem(problem: Problem) -> None:
+    """Refuse what OpenSees cannot express, or starts wrongly: it begins with zero acceleration.
+
+    Raises
+    ------
+    InputError
+        With the one part that does not fit.
+    """
+    if isinstance(problem.damping, ModalDamping):
+        raise InputError('damping.kind = "modal": OpenSees has it for one state only; allowed are "viscous" and "none"')
+    if problem.point_loads:
+        raise InputError("point_loads: the OpenSees solver knows base motion only")
+    if not isinstance(problem.initial, AtRest):
+        raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
+    if problem.base_motion is not None and problem.base_motion.phase != 0:
+        raise InputError(
+            f"base_motion.phase = {problem.base_motion.phase:g}: must be 0, as OpenSees starts without acceleration"
+        )

@@ -1,0 +1,238 @@
+"""What OpenSees is told: the model, its modes, its march.  Runs in a process of its own.
+
+A Plain pattern with element loads shakes the beam; `UniformExcitation` would count the mass of elements with `-mass`
+twice.  Axial displacements are fixed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lapjoint.contact import ContactState
+from lapjoint.problem import FloatArray, Problem, Support, ViscousDamping
+
+FAR = 1e3  # m: where the gap springs' law ends
+_Z, _TURN = 2, 3  # degrees of freedom of a node in a plane: along x, across, rotation
+_SPRING_DIRECTION = {_Z: 2, _TURN: 6}  # as zeroLength counts them
+_NEARLY = 1e3  # distances below this many times the tolerance are on their way to it
+_SPRINGS = 10_000  # tags of springs and of their ground nodes start here
+
+
+@dataclass(frozen=True)
+class Record:
+    """What was recorded at every step: displacements and slopes of all nodes, and their rates."""
+
+    nodes: FloatArray
+    """Positions, m, ``(n,)``."""
+    times: FloatArray
+    """s, ``(m,)``."""
+    values: FloatArray
+    """``(m, n, 2)``: displacement and slope."""
+    rates: FloatArray
+    """``(m, n, 2)``."""
+
+
+def mesh(problem: Problem, elements: int) -> FloatArray:
+    """About `elements` equal elements, with a node at every support and stop."""
+    L = problem.beam.length
+    fixed = sorted({0.0, L, *(s.x for s in problem.supports), *(s.x for s in problem.stops)})
+    cuts = [np.linspace(a, b, max(1, round(elements * (b - a) / L)) + 1)[:-1] for a, b in itertools.pairwise(fixed)]
+    return np.concatenate([*cuts, [L]])
+
+
+def load_opensees() -> Any:
+    """The module, or ImportError where it or a library of it is missing (it raises RuntimeError for some)."""
+    try:
+        import openseespy.opensees as ops
+    except (ImportError, RuntimeError, OSError) as error:
+        raise ImportError(str(error)) from error
+    return ops
+
+
+class Model:
+    """A beam on its supports; stops are added open (gap springs) or, for modes, closed."""
+
+    def __init__(self, problem: Problem, elements: int) -> None:
+        self.ops, self.problem, self.nodes = load_opensees(), problem, mesh(problem, elements)
+        self.springs = 0
+        self._beam()
+        for support in problem.supports:
+            self._support(support)
+
+    def _beam(self) -> None:
+        ops, beam = self.ops, self.problem.beam
+        ops.wipe()
+        ops.model("basic", "-ndm", 2, "-ndf", 3)
+        for i, x in enumerate(self.nodes.tolist()):
+            ops.node(i, x, 0.0)
+        ops.geomTransf("Linear", 1)
+        for e in range(self.nodes.size - 1):
+            ops.element("elasticBeamColumn", e, e, e + 1, 1.0, beam.EI, 1.0, 1, "-mass", beam.m, "-cMass")
+        rigid: dict[int, set[int]] = {}
+        for support in self.problem.supports:
+            held = rigid.setdefault(self.node_at(support.x), set())
+            held |= {d for d, k in ((_Z, support.translational), (_TURN, support.torsional)) if math.isinf(k)}
+        for i in range(self.nodes.size):
+            held = rigid.get(i, set())
+            ops.fix(i, 1, int(_Z in held), int(_TURN in held))
+
+    def node_at(self, x: float) -> int:
+        """The node at a support or stop."""
+        return int(np.argmin(np.abs(self.nodes - x)))
+
+    def _support(self, support: Support) -> None:
+        for direction, k in ((_Z, support.translational), (_TURN, support.torsional)):
+            if 0 < k < math.inf:
+                self._spring(support.x, direction, "Elastic", k)
+
+    def _spring(self, x: float, direction: int, law: str, *numbers: Any) -> None:
+        ops, tag, node = self.ops, _SPRINGS + self.springs, self.node_at(x)
+        self.springs += 1
+        ops.uniaxialMaterial(law, tag, *numbers)
+        ops.node(tag, float(self.nodes[node]), 0.0)
+        ops.fix(tag, 1, 1, 1)
+        ops.element("zeroLength", tag, tag, node, "-mat", tag, "-dir", _SPRING_DIRECTION[direction])
+
+    def close(self, state: ContactState) -> None:
+        """Tie the beam to the springs of the closed stops."""
+        for k in state.closed:
+            self._spring(self.problem.stops[k].x, _Z, "Elastic", self.problem.stops[k].stiffness)
+
+    def add_stops(self) -> None:
+        """Add every stop with its gap."""
+        for stop in self.problem.stops:
+            force = stop.sign * stop.stiffness * (FAR - stop.gap)
+            law = sorted([(-stop.sign * FAR, 0.0), (stop.sign * stop.gap, 0.0), (stop.sign * FAR, force)])
+            strain, stress = zip(*law, strict=True)
+            self._spring(stop.x, _Z, "ElasticMultiLinear", "-strain", *strain, "-stress", *stress)
+
+    def shake(self) -> None:
+        """Load the beam by the inertia of the base motion, and set the damping and the time stepping."""
+        ops, problem, beam = self.ops, self.problem, self.problem.beam
+        if isinstance(problem.damping, ViscousDamping):
+            ops.rayleigh(problem.damping.coefficient / beam.m, 0.0, 0.0, 0.0)
+        if problem.base_motion is not None:
+            omega = problem.base_motion.angular_frequency
+            ops.timeSeries("Trig", 1, 0.0, 1e9, 2 * math.pi / omega)
+            ops.pattern("Plain", 1, 1)
+            load = beam.m * problem.base_motion.amplitude * omega**2
+            ops.eleLoad("-ele", *range(self.nodes.size - 1), "-type", "-beamUniform", load)
+        for command, *options in _ANALYSIS:
+            getattr(ops, command)(*options)
+
+    def state(self) -> tuple[FloatArray, FloatArray]:
+        """Displacement and slope of all nodes, and their rates, each ``(n, 2)``."""
+        ops, tags = self.ops, range(self.nodes.size)
+        values = [[ops.nodeDisp(i, _Z), ops.nodeDisp(i, _TURN)] for i in tags]
+        return np.array(values), np.array([[ops.nodeVel(i, _Z), ops.nodeVel(i, _TURN)] for i in tags])
+
+    def march(self, start: float, steps: int, dt: float) -> Record:
+        """Steps from where the model is, at time `start`, which is recorded too."""
+        states = [self.state()]
+        for i in range(steps):
+            if self.ops.analyze(1, dt) != 0:
+                raise RuntimeError(f"OpenSees does not converge at t = {start + i * dt:g} s")
+            states.append(self.state())
+        values, rates = (np.array(part) for part in zip(*states, strict=True))
+        times = start + dt * np.arange(steps + 1, dtype=float)
+        return Record(self.nodes, times, values, rates)
+
+
+_ANALYSIS = (
+    ("constraints", "Plain"),
+    ("numberer", "Plain"),
+    ("system", "BandGeneral"),
+    ("test", "NormDispIncr", 1e-12, 20),
+    ("algorithm", "Newton"),
+    ("integrator", "Newmark", 0.5, 0.25),
+    ("analysis", "Transient"),
+)
+
+
+def eigen(
+    problem: Problem, elements: int, state: ContactState, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Node positions, angular frequencies ``(count,)`` and eigenvectors ``(count, n, 2)`` of a contact state."""
+    model = Model(problem, elements)
+    model.close(state)
+    found = np.array(model.ops.eigen("-fullGenLapack", count))
+    tags, order = range(model.nodes.size), np.argsort(found)
+    vectors = [[[model.ops.nodeEigenvector(i, int(k) + 1, d) for d in (_Z, _TURN)] for i in tags] for k in order]
+    return model.nodes, np.sqrt(np.maximum(found[order], 0.0)), np.array(vectors)
+
+
+def motion(problem: Problem, elements: int, duration: float, dt: float) -> Record:
+    """The motion from rest, in equal steps no longer than `dt`."""
+    steps = math.ceil(duration / dt * (1 - 1e-12))
+    return _shaken(problem, elements).march(0.0, steps, duration / steps)
+
+
+def settled(
+    problem: Problem, elements: int, dt: float, repeats: float, max_order: int, max_periods: int
+) -> tuple[int, float, Record]:
+    """Order (0: not settled), residual, and the record of the last `order` periods (at least one)."""
+    assert problem.excitation_frequency is not None
+    period, model = 2 * math.pi / problem.excitation_frequency, _shaken(problem, elements)
+    steps = 2 * math.ceil(period / dt / 2)  # even, so that a mirrored motion is so on the steps too
+    residual, last = math.inf, list[Record]()
+    for n in range(max_periods):
+        last = [*last[-max_order:], model.march(n * period, steps, period / steps)]
+        apart = [_distance(problem, last[-1], last[-1 - order]) for order in range(1, len(last))]
+        order, residual = _repetition(apart, repeats)
+        if order:
+            return order, residual, _joined(last[-order:])
+    return 0, residual, last[-1]
+
+
+def _repetition(apart: list[float], repeats: float) -> tuple[int, float]:
+    """The order at which a motion repeats (0: none yet) and its residual, from its distances to 1, 2 ... periods ago.
+
+    One that is still settling may come nearer to an earlier period than to the last: lower orders must be well apart.
+    """
+    for i, distance in enumerate(apart):
+        if distance <= repeats:
+            return i + 1, distance
+        if distance <= _NEARLY * repeats:
+            break
+    return 0, min(apart, default=math.inf)
+
+
+def _shaken(problem: Problem, elements: int) -> Model:
+    model = Model(problem, elements)
+    model.add_stops()
+    model.shake()
+    return model
+
+
+def _distance(problem: Problem, one: Record, other: Record) -> float:
+    """Largest difference of two periods at their ends and in their impulses, over the size of each quantity."""
+    pairs = [(one.values[:, :, 0], other.values[:, :, 0]), (one.rates[:, :, 0], other.rates[:, :, 0])]
+    parts = [float(np.abs(a[-1] - b[-1]).max() / max(np.abs(a).max(), 1e-300)) for a, b in pairs]
+    a, b = _impulses(problem, one), _impulses(problem, other)
+    return max(*parts, float(np.abs(a - b).max(initial=0.0) / max(np.abs(a).max(initial=0.0), 1e-300)))
+
+
+def _impulses(problem: Problem, record: Record) -> FloatArray:
+    at = [int(np.argmin(np.abs(record.nodes - stop.x))) for stop in problem.stops]
+    beyond = [
+        stop.stiffness * np.maximum(stop.sign * record.values[:, i, 0] - stop.gap, 0.0)
+        for stop, i in zip(problem.stops, at, strict=True)
+    ]
+    return np.array([np.trapezoid(force, record.times) for force in beyond])
+
+
+def _joined(records: list[Record]) -> Record:
+    def glued(parts: list[FloatArray]) -> FloatArray:
+        return np.concatenate([parts[0][:1], *(part[1:] for part in parts)])
+
+    return Record(
+        records[0].nodes,
+        glued([record.times for record in records]),
+        glued([record.values for record in records]),
+        glued([record.rates for record in records]),
+    )
