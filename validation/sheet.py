@@ -37,6 +37,15 @@ class Sheet:
         """Which columns hold nothing but numbers."""
         return tuple(all(_is_number(row[i]) for row in self.rows) for i in range(len(self.columns)))
 
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """How each column is set: as numbers, as text, or as sentences that need room."""
+        longest = [max((len(str(row[i])) for row in self.rows), default=0) for i in range(len(self.columns))]
+        return tuple(
+            "num" if numeric else "words" if length > 32 else "text"
+            for numeric, length in zip(self.numeric, longest, strict=True)
+        )
+
     def csv(self) -> str:
         """Header and rows; numbers that are not finite as inf and nan."""
         out = io.StringIO()
