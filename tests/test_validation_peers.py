@@ -111,6 +111,13 @@ def test_contacts_of_a_written_record_are_found_with_their_impulses() -> None:
     assert history.velocity(stop.x, 0.02)[0, 0] == pytest.approx(2 * stop.gap * omega * math.cos(2.0), rel=1e-6)
 
 
+def test_a_peer_takes_options() -> None:
+    name = peers.peer_solver("fe:elements=7,method=Radau").name
+    assert name == "FE (7 elements, Radau)"
+    with pytest.raises(InputError, match="has no option 'dt'"):
+        peers.peer_solver("fe:dt=1")
+
+
 def test_any_registered_solver_can_be_a_peer(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(peers, "DURATION", 0.008)
     result = peers.run(None, ("fe",), "quick", silent)
@@ -130,7 +137,7 @@ def test_a_motion_that_a_peer_refuses_is_noted(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_a_peer_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(name: str) -> AnySolver:
+    def broken(name: str, **_: object) -> AnySolver:
         raise SolverError("cannot be loaded")
 
     monkeypatch.setattr(peers, "make_solver", broken)
@@ -187,7 +194,7 @@ def test_opensees_marches_to_the_steady_state() -> None:
 
 @needs_opensees
 def test_opensees_as_a_peer_agrees_three_ways(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peers, "make_solver", lambda name: COARSE)
+    monkeypatch.setattr(peers, "make_solver", lambda name, **_: COARSE)
     monkeypatch.setattr(peers, "DURATION", 0.008)
     peers.check_peers(("opensees",))
     result = peers.run(None, ("opensees",), "quick", silent)

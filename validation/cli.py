@@ -344,7 +344,7 @@ def export(
     "peers",
     multiple=True,
     metavar="NAME",
-    help="Compare with this solver too, as opensees; repeatable: adds the case peers.",
+    help="Compare with this solver too, as opensees, or opensees:dt=2e-5,elements=20; repeatable: adds the case peers.",
 )
 @click.option("--quick", "level", flag_value="quick", help="Less refinement.")
 @click.option("--full", "level", flag_value="full", help="More refinement.")

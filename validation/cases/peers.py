@@ -25,11 +25,13 @@ from validation.cases.motions import (
     contact_estimates,
     fe_levels,
 )
+from validation.chosen import options_from
 from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
 
 MODES, CONTACTS = 5, 4
 DURATION = 0.015  # s, of the damped joint: the first contacts
+MARGIN = 1.02  # what coarse solutions are late by
 PERIODS = 1.5  # of the excitation or the slowest motion, for a user's problem
 RATIO, PEER_ORDER = 2.0, 2.0
 """From one level of a peer to the next, and the order relied on: that of a fixed time step."""
@@ -48,6 +50,12 @@ def damped_joint() -> Problem:
     return paper_joint().replace(damping=ViscousDamping(coefficient=2000.0))
 
 
+def peer_solver(text: str) -> Solver:
+    """A peer as the command line names it: NAME, or NAME:KEY=VALUE,KEY=VALUE for its numerical options."""
+    name, colon, options = text.partition(":")
+    return make_solver(name, **options_from(None, None, tuple(options.split(",")) if colon else ()))
+
+
 def check_peers(names: tuple[str, ...]) -> None:
     """See to it that every peer is installed and answers.
 
@@ -58,7 +66,7 @@ def check_peers(names: tuple[str, ...]) -> None:
     """
     for name in names:
         try:
-            make_solver(name).modes(paper_joint(), FREE, 1)
+            peer_solver(name).modes(paper_joint(), FREE, 1)
         except (InputError, SolverError) as error:
             raise InputError(f"--peers {name}: {error}") from None
 
@@ -70,7 +78,7 @@ def levels(problem: Problem, peers: tuple[str, ...], finest: int) -> Levels:
         "FE": ([*fe_levels(finest)], 2.0, FE_ORDER),
     }
     for name in peers:
-        solver = make_solver(name)
+        solver = peer_solver(name)
         found[name] = ([solver.refined(1 / RATIO), solver, solver.refined(RATIO)], RATIO, PEER_ORDER)
     return found
 
@@ -93,7 +101,7 @@ def frequencies(
     """Each of the lowest frequencies of a state, by all solvers."""
     exact = analytic.Solver().modes(problem, state, MODES).angular_frequencies
     series: dict[str, list[Solver]] = {"FE": [fe_lapjoint.Solver(elements=n) for n in (16, 32, 64)]}
-    series |= {name: [make_solver(name).refined(factor) for factor in (1 / RATIO, 1.0, RATIO)] for name in peers}
+    series |= {name: [peer_solver(name).refined(factor) for factor in (1 / RATIO, 1.0, RATIO)] for name in peers}
     found = {n: [s.modes(problem, state, MODES).angular_frequencies for s in solvers] for n, solvers in series.items()}
     for i in range(MODES):
         answers = {"analytic": Estimate(float(exact[i]), 1e-12 * float(exact[i]), "roots bracketed by their count")}
@@ -127,12 +135,14 @@ def first_contacts(
 
 
 def duration_of(problem: Problem) -> float:
-    """Some excitation periods, or some of the slowest elastic frequency, s."""
+    """Until the last contact looked at ends, at most some periods of the excitation or the slowest motion, s."""
     omega = problem.excitation_frequency
     if omega is None:
         found = analytic.Solver().modes(problem, FREE, 4).angular_frequencies
         omega = float(found[found > 0][0])
-    return PERIODS * 2 * math.pi / omega
+    longest = PERIODS * 2 * math.pi / omega
+    contacts = complete(analytic.Solver().simulate(problem, longest), CONTACTS)
+    return min(longest, MARGIN * max(c.end for c in contacts)) if len(contacts) == CONTACTS else longest
 
 
 def run(problem: Problem | None, peers: tuple[str, ...], level: Level, say: Say) -> CaseResult:
