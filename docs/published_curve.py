@@ -84,7 +84,7 @@ def panel(axes: Axes, frequencies: np.ndarray, found: np.ndarray, name: str) -> 
         axes.plot(frequencies, found[:, k] / 1e4, ".", ms=2, color=colour, label=label)
         axes.plot(frequencies[unsettled], found[unsettled, k] / 1e4, ".", ms=2, color=GREY)
     axes.axhspan(-1.5, 1.5, color="#EEEEEE", zorder=0, label="axis of Figure 4")
-    axes.set(ylabel="impulse per cycle (10 kN s)", title=name, ylim=(-2.6, 2.6))
+    axes.set(ylabel="impulse per cycle (10 kN s)", title=name, ylim=(-5.2, 5.2))
     axes.legend(fontsize=8, loc="upper right")
 
 

@@ -221,3 +221,14 @@ def test_the_curve_steps_just_below_1000() -> None:
     )
     assert before[2] == pytest.approx(-before[0], rel=0.01)
     assert abs(after[2] + after[0]) > 0.15 * after[2]
+
+
+@pytest.mark.parametrize(("omega", "third"), [(1000.0, False), (2060.0, False), (2950.0, True)])
+def test_the_frozen_shape_makes_the_asymmetry_and_five_modes_the_low_third_peak(omega: float, third: bool) -> None:
+    problem = paper_joint(angular_frequency=omega)
+    same_modes = analytic.Solver(free_modes=8, contact_modes=5).steady_state(problem)
+    assert same_modes.symmetric
+    if third:
+        published = analytic.PublishedScheme().steady_state(problem)
+        assert same_modes.impulses[2] == pytest.approx(published.impulses[2], rel=0.05)
+        assert same_modes.impulses[2] < 0.6 * analytic.Solver().steady_state(problem).impulses[2]
