@@ -45,17 +45,11 @@ def test_every_printed_row_is_of_a_beam_that_is_solved_and_names_its_source() ->
     for row in rows:
         assert row.source
         assert row.via
-        assert {int(number) for number in row.misprints} <= set(range(1, len(row.values) + 1))
 
 
-def test_both_solvers_meet_the_textbooks_and_two_misprints_are_named() -> None:
+def test_both_solvers_meet_the_textbooks() -> None:
     result = textbook.run("quick", silent)
-    assert result.verdict is Verdict.EXPLAINED
-    unlike = {check.name for check in result.checks if check.verdict is not Verdict.AGREE}
-    assert unlike == {
-        "clamped-clamped, b_3: analytic against Blevins",
-        "clamped-pinned, b_4: analytic against Rao",
-    }
+    assert result.verdict is Verdict.AGREE
     assert {check.b.kind for check in result.checks} == {Kind.ANALYTICAL, Kind.PUBLISHED}
     assert max(c.relative for c in result.checks if c.name.endswith("analytic against the equation")) < 1e-14
 

@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+import analytic
+import fe_lapjoint
+from lapjoint import paper_joint
+from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say
 from validation.drawing import COLOURS, draw
 from validation.ledger.curves import TIP_BOTTOM, TIP_TOP, Figure4, figure_4
@@ -16,6 +23,9 @@ from validation.quantity import Criterion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+TURNED_ON = (1398.5, 2060.5, 2160.5)  # rad/s, where the verdict turns on how the motion looks
+TIP = 2.5  # m
 
 
 def run(level: Level, say: Say) -> CaseResult:
@@ -46,6 +56,10 @@ def run(level: Level, say: Say) -> CaseResult:
                 width=9.0,
                 height=4.6,
             ),
+            *(
+                draw(f"Phase portrait of the tip, {omega:g} rad/s", partial(_paint_phase, omega=omega), width=5.0)
+                for omega in TURNED_ON
+            ),
         ),
         notes=(summary(entries),),
     )
@@ -55,6 +69,26 @@ def decided(entries: list[Entry]) -> list[Criterion]:
     """Every claim has its ruling; the number of each is a fact, not a requirement."""
     ruled = sum(isinstance(entry.ruling, Ruling) and bool(entry.why) for entry in entries)
     return [Criterion("claims with a ruling and its reason", "1", ruled, len(entries), len(entries), "none left out")]
+
+
+def _paint_phase(axes: Axes, omega: float) -> None:
+    """z against z_t of the tip; dots where the excitation begins a cycle (the Poincare section)."""
+    joint = paper_joint(angular_frequency=omega)
+    solvers: tuple[tuple[str, str, Solver], ...] = (
+        ("scheme as published", "paper", analytic.PublishedScheme()),
+        ("converged, analytic", "analytic", analytic.Solver()),
+        ("converged, finite elements", "fe", fe_lapjoint.Solver()),
+    )
+    for label, colour, solver in solvers:
+        history = solver.steady_state(joint).history
+        period = 2 * np.pi / omega
+        t = np.linspace(history.start, history.end, 1 + 400 * round((history.end - history.start) / period))
+        z, v = history.displacement(TIP, t)[0] * 1e3, history.velocity(TIP, t)[0]
+        dashed = "--" if colour == "fe" else "-"
+        axes.plot(z, v, dashed, color=COLOURS[colour], lw=0.8 if colour == "paper" else 1.3, label=label)
+        axes.plot(z[::400], v[::400], "o", color=COLOURS[colour], ms=4)
+    axes.set(xlabel="z of the tip (mm)", ylabel="velocity (m/s)")
+    axes.legend(fontsize=7)
 
 
 def _paint(axes: Axes, curves: Figure4) -> None:

@@ -97,7 +97,8 @@ def run(level: Level, say: Say) -> CaseResult:
     points = {"quick": 25, "standard": 100, "full": 500}[level]
     rows, found = [], {}
     for label, variant in VARIANTS.items():
-        found[label] = findings(variant(), 0 if label == LIGHT and level == "quick" else points)
+        # Where damping is light, motions settle slowly or never.
+        found[label] = findings(variant(), points if label != LIGHT else 0 if level == "quick" else 25)
         rows.append((label, "analytic", *shown(found[label])))
         say(label)
     by_fe = None if level == "quick" else findings(VARIANTS[LIGHT](), 0, "fe")  # it settles slowly

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import analytic
@@ -31,8 +31,6 @@ class Printed:
     via: str
     """Where the digits were read."""
     values: tuple[str, ...]
-    misprints: dict[str, str] = field(default_factory=dict)
-    """Why a printed value is known to be wrong, by its number from 1."""
 
     def estimate(self, i: int) -> Estimate:
         """The `i`-th value (from 0), to half a unit of its last digit."""
@@ -102,7 +100,6 @@ def _against_print(row: Printed, answers: dict[str, tuple[Estimate, ...]]) -> li
             "1",
             found[i],
             row.estimate(i),
-            explanation=row.misprints.get(str(i + 1), ""),
         )
         for i in range(len(row.values))
         for solver, found in answers.items()
