@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "ledger": "ledger",
     "textbook": "textbook",
     "table4": "table4",
     "fe-order": "fe_order",
@@ -32,7 +33,6 @@ _MODULES = {
     "aperiodic": "aperiodic",
     "mode-map": "mode_map",
     "sensitivity": "sensitivity",
-    "ledger": "ledger",
 }
 PEERS = "peers"  # the case that other solvers make
 _COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}

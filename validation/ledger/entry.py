@@ -55,11 +55,10 @@ def ledger_table(title: str, entries: Sequence[Entry]) -> Table:
     )
 
 
-def summary(entries: Sequence[Entry]) -> str:
-    """How many claims came to what, in a sentence."""
+def counted(entries: Sequence[Entry]) -> str:
+    """How many claims came to what."""
     counts = Counter(entry.ruling for entry in entries)
-    parts = [f"{counts[ruling]} {ruling.value}" for ruling in Ruling if counts[ruling]]
-    return f"Of {len(entries)} claims: {', '.join(parts)}."
+    return ", ".join(f"{counts[ruling]} {ruling.value}" for ruling in Ruling if counts[ruling])
 
 
 def written(estimate: Estimate, digits: int = 7) -> str:
