@@ -88,7 +88,7 @@ def _paint_phase(axes: Axes, omega: float) -> None:
         axes.plot(z, v, dashed, color=COLOURS[colour], lw=0.8 if colour == "paper" else 1.3, label=label)
         axes.plot(z[::400], v[::400], "o", color=COLOURS[colour], ms=4)
     axes.set(xlabel="z of the tip (mm)", ylabel="velocity (m/s)")
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
 
 
 def _paint(axes: Axes, curves: Figure4) -> None:
