@@ -34,6 +34,7 @@ NO_SWITCH = -1
 DONE, MISSING_STATE, LOG_FULL, TOO_MANY, STUCK = 0, 1, 2, 3, 4
 _RESOLUTION = 1e-12  # s: a switch certified to lie within this time is there
 _FRESH = 1e-9  # s: a stop that switched less than this ago must leave its gap before it can switch again
+_CLOSE = 1e-9  # s
 _MAX_STEPS = 10_000_000  # within one state
 _FIRST_MODES = 5  # summed first; then twice as many, and so on
 _SERIES = 0.25  # |lambda tau| up to which exp is summed as a series
@@ -380,12 +381,12 @@ def follow(
     deepest[:] = 0.0
     shift, previous = np.zeros(stops), np.zeros(stops)
     out = np.zeros((positions, 4))
-    s, s_previous, which, rate, step = 0.0, 0.0, NO_SWITCH, 0.0, 0
+    s, s_previous, which, rate, step, close = 0.0, 0.0, NO_SWITCH, 0.0, 0, False
     while True:
         # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
         for u in range(positions):
             _at_position(tables, slot, u, s, theta, drift, out)
-        summed, want = 0, terms if step == 0 or depth else min(_FIRST_MODES, terms)
+        summed, want = 0, terms if step == 0 or depth or close else min(_FIRST_MODES, terms)
         while True:
             far = True
             for u in range(positions):
@@ -437,6 +438,7 @@ def follow(
             break
         s_previous = s
         step += 1
+        close = tau < _CLOSE  # the next look takes all modes: what the high ones may do is no longer small
         if which == NO_SWITCH:
             turn_exactly(tables, slot, tau, term, theta)
             s = horizon

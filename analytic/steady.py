@@ -23,6 +23,7 @@ from analytic.march import Coordinates, Joint, March, march
 from analytic.tables import mirrored
 from analytic.tangent import carried, monodromy
 from lapjoint.contact import FREE
+from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, StepLoad
 from lapjoint.solver import Progress
 from lapjoint.steady import Exponent
@@ -189,7 +190,10 @@ def _newton(maps: Map, guess: Coordinates, turns: int, tolerance: float, allowed
     """A stable orbit of some turns that `guess` leads to, or None."""
     now, first = guess, None
     for _ in range(_NEWTON_STEPS):
-        shot = maps.shoot(now, turns)
+        try:
+            shot = maps.shoot(now, turns)
+        except SolverError:  # a step of Newton's led out of what can be marched
+            return None
         if not shot.residual <= allowed:
             return None
         first = first or shot

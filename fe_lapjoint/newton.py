@@ -10,6 +10,7 @@ import numpy as np
 
 from fe_lapjoint.system import ComplexArray
 from fe_lapjoint.turns import Point, Turns
+from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
 
 _STEPS = 14  # of Newton's method; near an orbit the residual squares in each
@@ -56,7 +57,10 @@ def newton(turns: Turns, point: Point, count: int, tolerance: float) -> Orbit | 
     """A fixed point of `count` turns, from `point`; None if there is none to be found from here."""
     allowed, residuals = _FARTHEST, [np.inf] * _PATIENCE
     for _ in range(_STEPS):
-        turned = turns.after(point, count)
+        try:
+            turned = turns.after(point, count)
+        except SolverError:  # a step of Newton's led out of what can be marched
+            return None
         change = turns.seen_from(point.state, turned.end) - point.y
         residual = turns.size(change) / max(turns.size(point.y), np.finfo(float).tiny)
         if not ((residual <= allowed and residual < residuals[-_PATIENCE] / 2) or residual <= tolerance):

@@ -120,6 +120,14 @@ def test_doubling_the_default_number_of_modes_changes_the_curve_by_less_than_a_t
     assert np.all(change < 1e-3 * np.abs(curves[1]).max(axis=0))
 
 
+def test_a_wild_step_of_newtons_does_not_end_the_search() -> None:
+    # With 60 modes at 750 rad/s a step of Newton's leads to a state whose switches crowd within 1e-12 s.
+    many = analytic.Solver(n_modes=60).steady_state(paper_joint(angular_frequency=750.0))
+    np.testing.assert_allclose(
+        many.impulses, analytic.Solver().steady_state(paper_joint(angular_frequency=750.0)).impulses, rtol=3e-5
+    )
+
+
 def test_a_gap_that_is_never_reached_gives_no_contact() -> None:
     steady = analytic.Solver().steady_state(paper_joint(gap=1.0))
     assert steady.outcome is Outcome.NO_CONTACT

@@ -32,11 +32,14 @@ class Printed:
     """Where the digits were read."""
     values: tuple[str, ...]
 
-    def estimate(self, i: int) -> Estimate:
-        """The `i`-th value (from 0), to half a unit of its last digit."""
+    def estimate(self, i: int, besides: float) -> Estimate:
+        """The `i`-th value (from 0), to half a unit of its last digit.
+
+        Rounding is no chance: what it leaves and `besides`, the uncertainty of the number compared, add up in full.
+        """
         digits = len(self.values[i].partition(".")[2])
         how = f"{self.source}, {self.via}; half a unit of the last digit"
-        return Estimate(float(self.values[i]), 0.5 * 10.0**-digits, how, Kind.PUBLISHED)
+        return Estimate(float(self.values[i]), 0.5 * 10.0**-digits + besides, how, Kind.PUBLISHED)
 
 
 def printed() -> tuple[Printed, ...]:
@@ -99,7 +102,7 @@ def _against_print(row: Printed, answers: dict[str, tuple[Estimate, ...]]) -> li
             f"{row.beam}, b_{i + 1}: {solver} against {book}",
             "1",
             found[i],
-            row.estimate(i),
+            row.estimate(i, found[i].uncertainty),
         )
         for i in range(len(row.values))
         for solver, found in answers.items()
