@@ -13,6 +13,7 @@ from validation.ledger.curves import Curve
 from validation.ledger.entry import Entry, Ruling, counted, last_digit, ledger_table, matches
 from validation.ledger.modal import modal_entries
 from validation.ledger.numerics import numerical_entries
+from validation.ledger.tolerance_claims import tolerance_entries
 from validation.ledger.window_claims import phase_lag
 
 
@@ -40,6 +41,14 @@ def test_every_claim_on_frequencies_and_numerics_has_a_ruling() -> None:
     assert (first.ruling, second.ruling) == (Ruling.OVERTURNED, Ruling.CONFIRMED)
     assert all(entry.why and entry.evidence for entry in entries)
     assert len(ledger_table("all", entries).rows) == len(entries)
+
+
+def test_the_convergence_study_is_judged_by_its_own_tolerances() -> None:
+    free, contact = tolerance_entries()
+    assert "8.0e-6 m" in free.claim
+    assert "6.1e-5 m" in contact.claim
+    assert contact.ruling is Ruling.OVERTURNED
+    assert free.ruling is Ruling.UNDECIDABLE
 
 
 def test_rulings_are_counted() -> None:

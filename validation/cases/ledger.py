@@ -18,6 +18,7 @@ from validation.ledger.entry import Entry, Ruling, counted, ledger_table
 from validation.ledger.modal import modal_entries
 from validation.ledger.numerics import numerical_entries
 from validation.ledger.peak_claims import peak_entries
+from validation.ledger.tolerance_claims import tolerance_entries
 from validation.ledger.window_claims import window_entries
 from validation.quantity import Criterion
 
@@ -34,7 +35,7 @@ def run(level: Level, say: Say) -> CaseResult:
     say(f"{len(modal)} claims on frequencies and shapes")
     curves = figure_4(level, say)
     figure = [*peak_entries(curves, level, say), *window_entries(curves)]
-    numbers = numerical_entries()
+    numbers = [*numerical_entries(), *tolerance_entries()]
     entries = [*modal, *figure, *numbers]
     return CaseResult(
         "ledger",
