@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ import fe_lapjoint
 from lapjoint import FREE, ContactState, contact_states, paper_joint, paper_state_number
 from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Level, Say, table
-from validation.drawing import draw
+from validation.drawing import COLOURS, draw
 from validation.quantity import Check, Criterion, Estimate, Kind
 from validation.uncertainty import refined_estimate
 
@@ -77,10 +78,8 @@ def run(level: Level, say: Say) -> CaseResult:
         "mode-shapes",
         "Mode shapes of the nine states",
         f"Mass-normalised shapes at k* = 5000, sampled at 501 points, from the analytic solver and {elements} "
-        f"elements. The "
-        f""
-        "ratios compare the tip of state 2 with the tip of the free beam, mode by mode, as the paper does in "
-        "Section 2.2.",
+        "elements. The ratios compare the tip of state 2 with the tip of the free beam, mode by mode, as the paper does "
+        "in Section 2.2. States with equal springs share their shapes; lines are analytic, dots finite elements.",
         checks=tuple(tip_ratios()),
         criteria=tuple(criteria),
         tables=(
@@ -90,8 +89,29 @@ def run(level: Level, say: Say) -> CaseResult:
                 rows,
             ),
         ),
-        drawings=(draw("MAC, state 6, k* = 5000", paint, width=4.2),),
+        drawings=(
+            draw("MAC, state 6, k* = 5000", paint, width=4.2),
+            *(draw(f"Mode {i + 1} of the nine states", partial(_paint_shapes, i), width=5.0) for i in range(3)),
+        ),
     )
+
+
+def _paint_shapes(i: int, axes: Axes) -> None:
+    """One mode in every state: analytic lines, and finite elements as dots."""
+    problem = paper_joint(k_star=5000.0)
+    x, dots = np.linspace(0.0, problem.beam.length, 201), np.linspace(0.0, problem.beam.length, 21)
+    by_number = {paper_state_number(problem, state): state for state in contact_states(problem)}
+    for numbers, colour in zip(((1,), (2, 4), (3, 5), (6, 7, 8, 9)), COLOURS.values(), strict=True):
+        state = by_number[numbers[0]]
+        shape = analytic.Solver().modes(problem, state, i + 1).shapes
+        fe = fe_lapjoint.Solver().modes(problem, state, i + 1).shapes(dots)[i]
+        sign = np.sign(shape(np.array([0.1 * problem.beam.length]))[i, 0])
+        same = np.sign(shape(dots)[i] @ fe)
+        label = f"state{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
+        axes.plot(x, sign * shape(x)[i], color=colour, label=label)
+        axes.plot(dots, sign * same * fe, ".", color=colour, ms=4)
+    axes.set(xlabel="x (m)", ylabel="shape (kg^-1/2)")
+    axes.legend(fontsize=7, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
 
 
 def tip_ratios() -> list[Check]:

@@ -11,7 +11,7 @@ from lapjoint import History, paper_joint
 from validation.case import CaseResult, Drawing, Level, Say, Table, table
 from validation.cases.motions import compare_contacts
 from validation.drawing import COLOURS, draw
-from validation.invariants import witness
+from validation.invariants import energy, power, witness
 from validation.quantity import Check
 
 if TYPE_CHECKING:
@@ -33,13 +33,16 @@ def run(level: Level, say: Say) -> CaseResult:
     return CaseResult(
         "transient",
         "First contacts from rest, 515 rad/s",
-        "From rest, the base begins to move. Both solvers locate every impact and rebound; three numbers of "
-        "modes and three "
-        "meshes give each time and impulse its uncertainty. The witness checks each motion without knowing its solver.",
+        "From rest, the base begins to move. Both solvers locate every impact and rebound; three numbers of modes and "
+        "three meshes give each time and impulse its uncertainty. The witness checks each motion without knowing its "
+        "solver.",
         checks=tuple(checks),
         criteria=tuple(item for history in (exact, fe) for item in witness(history, WITNESS_TOLERANCE, history.solver)),
         tables=(contact_table(checks),),
-        drawings=(motion_drawing("Displacement of the stops, first periods at 515 rad/s", exact, fe),),
+        drawings=(
+            motion_drawing("Displacement of the stops, first periods at 515 rad/s", exact, fe),
+            energy_drawing("Energy balance, first periods at 515 rad/s", exact, fe),
+        ),
     )
 
 
@@ -69,5 +72,21 @@ def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
                 axes.axhline(stop.sign * stop.gap * 1e3, color="#666666", lw=0.8, ls=":")
         axes.set(xlabel="t (ms)", ylabel=f"z at x = {x:g} m (mm)")
         axes.legend(loc="upper right", fontsize=8)
+
+    return draw(title, paint)
+
+
+def energy_drawing(title: str, exact: History, fe: History) -> Drawing:
+    """Energy in the joint, what the base has supplied, and so what damping has taken, as the witness sees them."""
+    t = np.linspace(exact.start, min(exact.end, fe.end), 600)
+
+    def paint(axes: Axes) -> None:
+        for history, colour, style, name in ((exact, "analytic", "-", "analytic"), (fe, "fe", "--", "FE")):
+            held, rate = energy(history, t) / 1e3, power(history, t) / 1e3
+            supplied = np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
+            axes.plot(t * 1e3, held, style, color=COLOURS[colour], label=f"kinetic and elastic, {name}")
+            axes.plot(t * 1e3, supplied - held, style, color=COLOURS[colour], lw=0.8, label=f"taken by damping, {name}")
+        axes.set(xlabel="t (ms)", ylabel="energy (kJ)")
+        axes.legend(loc="upper left", fontsize=8)
 
     return draw(title, paint)
