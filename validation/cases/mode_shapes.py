@@ -78,8 +78,8 @@ def run(level: Level, say: Say) -> CaseResult:
         "mode-shapes",
         "Mode shapes of the nine states",
         f"Mass-normalised shapes at k* = 5000, sampled at 501 points, from the analytic solver and {elements} "
-        "elements. The ratios compare the tip of state 2 with the tip of the free beam, mode by mode, as the paper does "
-        "in Section 2.2. States with equal springs share their shapes; lines are analytic, dots finite elements.",
+        "elements. The ratios compare the tip of state 2 with the tip of the free beam, mode by mode, as the paper "
+        "does in Section 2.2. States with equal springs share their shapes; lines are analytic, dots finite elements.",
         checks=tuple(tip_ratios()),
         criteria=tuple(criteria),
         tables=(
