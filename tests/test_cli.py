@@ -106,7 +106,36 @@ def test_values_of_a_problem_are_changed_on_the_command_line(tmp_path: Path) -> 
 def test_export_writes_a_series(what: tuple[str, ...], tmp_path: Path) -> None:
     printed = run_well("export", PAPER, "-o", tmp_path / "out", *what, *FEW, "--frames", "3", "--points", "5")
     assert printed == f"Wrote {tmp_path / 'out' / 'motion.pvd'}\n"
-    assert len(list((tmp_path / "out").glob("motion_*.vtu"))) >= 3
+    assert len(list((tmp_path / "out" / "motion").glob("beam_*.vtu"))) >= 3
+
+
+def test_export_puts_another_solver_beside_at_the_times_given(tmp_path: Path) -> None:
+    what = ("--duration", "0.002", "--times", "0,1e-3", "--beside", "analytic:n_modes=3", "--points", "5")
+    run_well("export", PAPER, "-o", tmp_path, *what, *FEW)
+    beams = sorted((tmp_path / "motion").glob("*_beam_*.vtu"))
+    assert {path.name.split("_")[0] for path in beams} == {"analytic", "analytic-2"}
+    series = (tmp_path / "motion.pvd").read_text()
+    assert 'timestep="0.0"' in series
+    assert 'timestep="0.001"' in series
+
+
+def test_export_writes_the_mode_shapes_of_all_states(tmp_path: Path) -> None:
+    printed = run_well("export", PAPER, "-o", tmp_path, "--modes-of", "all", "--count", "2", "--format", "vtkhdf")
+    assert len(printed.splitlines()) == 9
+    assert (tmp_path / "modes_6_P2+P3.vtkhdf").is_file()
+
+
+@pytest.mark.parametrize("output", ["x.png", "x.gif"])
+def test_show_says_what_it_wrote(output: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from lapjoint.scene import look
+
+    drawn = []
+    monkeypatch.setattr(look, "draw", lambda job, progress: drawn.append(job))
+    what = ("--duration", "0.01", "--absolute", "--scale", "3", "--size", "300x200", "--frames", "4")
+    printed = run_well("show", PAPER, "-o", tmp_path / output, *what, *FEW, "--colour", "velocity")
+    assert printed == f"Wrote {tmp_path / output}\n"
+    assert (drawn[0].size, drawn[0].label) == ((300, 200), "velocity [m/s]")
+    assert len(drawn[0].captions) == (1 if output == "x.png" else 4)
 
 
 def problem_file(tmp_path: Path, change: str = "", to: str = "") -> Path:
@@ -180,7 +209,21 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("nowhere to write", (*SIMULATE, "--contacts", "no/such/a.csv"), "there is no such directory"),
     ("nothing excites", ("steady", "preset:sdnl104"), "angular_frequency"),
     ("one frame", ("export", PAPER, "-o", "x", "--duration", "0.01", *FEW, "--frames", "1"), "frames = 1"),
-    ("no span", ("export", PAPER, "-o", "x"), "give either --duration or --steady"),
+    ("no span", ("export", PAPER, "-o", "x"), "--duration, --steady: give one of them"),
+    ("two spans", ("show", PAPER, "-o", "x.gif", "--steady", "--duration", "1"), "--duration, --steady: give one"),
+    ("frames and times", ("export", PAPER, "-o", "x", "--steady", "--frames", "9", "--times", "0"), "give one of them"),
+    ("times in words", ("export", PAPER, "-o", "x", "--steady", "--times", "0,now"), "--times 0,now: must be numbers"),
+    (
+        "modes in motion",
+        ("export", PAPER, "-o", "x", "--modes-of", "all", "--steady"),
+        "--steady: mode shapes have none",
+    ),
+    ("modes of no state", ("export", PAPER, "-o", "x", "--modes-of", "P9"), "P9: there is no such state"),
+    ("nobody beside", ("export", PAPER, "-o", "x", "--steady", "--beside", "magic"), "'magic' is not installed"),
+    ("a picture as a report", ("show", PAPER, "-o", "x.pdf", "--steady"), "must end in .png, .gif, .mp4"),
+    ("size in words", ("show", PAPER, "-o", "x.png", "--steady", "--size", "big"), "--size big: must be width and"),
+    ("tiny picture", ("show", PAPER, "-o", "x.png", "--steady", "--size", "9x9"), "size = 9x9: allowed are 100 to"),
+    ("no scale", ("show", PAPER, "-o", "x.png", "--steady", "--scale", "0"), "scale = 0: must be positive"),
     (
         "export to a device",
         ("export", PAPER, "-o", "/dev/null", "--duration", "1e9"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from lapjoint.contact import is_paper_joint
 from lapjoint.errors import InputError
 from lapjoint.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.override import override, toml_value
+from lapjoint.scene.times import check_frames
 from lapjoint.solver import Solver, make_solver
 
 PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
@@ -50,6 +52,18 @@ def problem_file(source: str, overrides: tuple[str, ...], output: str) -> Path:
 def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
     """The solver with this name, with the numerical options given."""
     return make_solver(solver_name, **options_from(n_modes, elements, options))
+
+
+def named_solver(text: str) -> Solver:
+    """A solver as one option names it: NAME, or NAME:KEY=VALUE,KEY=VALUE with its numerical options."""
+    name, colon, options = text.partition(":")
+    return make_solver(name, **options_from(None, None, tuple(options.split(",")) if colon else ()))
+
+
+def other_name(text: str, taken: Collection[str]) -> str:
+    """A short name for the solver that `text` names, different from those taken."""
+    name = text.partition(":")[0]
+    return name if name not in taken else f"{name}-2"
 
 
 def options_from(n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> dict[str, Any]:
@@ -129,6 +143,37 @@ def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
         f"--state {text}: there is no such state; allowed: all, free{numbered}, "
         f"or stops joined by +, of {', '.join(problem.stop_names) or 'none'}"
     )
+
+
+def times_from(frames: int | None, times: str | None) -> list[float] | None:
+    """The times of ``--times``, s, where they are given and ``--frames`` is not."""
+    if times is None:
+        if frames is not None:
+            check_frames(frames)
+        return None
+    if frames is not None:
+        raise InputError("--frames, --times: give one of them")
+    try:
+        return [float(time) for time in times.split(",")]
+    except ValueError:
+        raise InputError(f"--times {times}: must be numbers with commas between them, in s") from None
+
+
+def size_from(text: str | None) -> tuple[int, int] | None:
+    """Width and height, pixels, from ``900x400``."""
+    if text is None:
+        return None
+    width, x, height = text.lower().partition("x")
+    if not (x and width.isdecimal() and height.isdecimal()):
+        raise InputError(f"--size {text}: must be width and height in pixels, as in 900x400")
+    return int(width), int(height)
+
+
+def check_no_motion(duration: float | None, steady_state: bool, beside: str | None) -> None:
+    """Refuse what has no meaning for mode shapes."""
+    for option, given in (("--duration", duration is not None), ("--steady", steady_state), ("--beside", beside)):
+        if given:
+            raise InputError(f"{option}: mode shapes have none; leave it out with --modes-of")
 
 
 def check_duration(duration: float) -> None:

@@ -301,13 +301,38 @@ def plot(curve: str, figure: str | None, wide: bool) -> None:
     click.echo(f"Wrote {path}")
 
 
+def motion_options(command: Command) -> Command:
+    """What motion is meant: --duration or --steady, and a second solver's --beside it."""
+    for decorate in (
+        click.option(
+            "--beside",
+            metavar="NAME",
+            help="Another solver, whose motion stands beside: fe, or fe:elements=80 with options of its own.",
+        ),
+        click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead."),
+        click.option("--duration", type=float, help="Time to simulate from the initial state, s."),
+    ):
+        command = decorate(command)
+    return command
+
+
 @main.command()
 @problem_options
 @solver_options
+@motion_options
 @click.option("-o", "--output", "directory", required=True, metavar="DIR", help="Where the files go.")
-@click.option("--duration", type=float, help="Time to simulate from the initial state, s.")
-@click.option("--steady", "steady_state", is_flag=True, help="Export the steady state instead.")
-@click.option("--frames", type=int, default=200, show_default=True, help="Equidistant times; the switches are added.")
+@click.option("--modes-of", "modes_of", metavar="STATE", help="Write mode shapes: of P2+P4, free, 1-9, or all states.")
+@click.option("--count", type=click.IntRange(1, 1000), default=8, show_default=True, help="Number of modes.")
+@click.option(
+    "--format",
+    "file_format",
+    type=click.Choice(["pvd", "vtkhdf", "xdmf"]),
+    default="pvd",
+    show_default=True,
+    help="pvd: .vtu files and a .pvd, for ParaView; vtkhdf: one file, for ParaView from 5.12 on; xdmf: for meshio.",
+)
+@click.option("--frames", type=int, help="Equidistant times.  [default: as many as the motion needs]")
+@click.option("--times", metavar="T,T,..", help="The times themselves, s.")
 @click.option("--points", type=int, default=81, show_default=True, help="Equidistant points along the beam.")
 def export(
     problem: str,
@@ -315,24 +340,98 @@ def export(
     directory: str,
     duration: float | None,
     steady_state: bool,
-    frames: int,
+    beside: str | None,
+    modes_of: str | None,
+    count: int,
+    file_format: Literal["pvd", "vtkhdf", "xdmf"],
+    frames: int | None,
+    times: str | None,
     points: int,
     **solver: Any,
 ) -> None:
-    """Write the motion of PROBLEM to DIR as a series of .vtu files; open DIR/motion.pvd in ParaView."""
-    from lapjoint.errors import InputError
-    from lapjoint.vtk import check_sizes, export_series
-    from validation import chosen
+    """Write the motion of PROBLEM, or its mode shapes, to DIR for ParaView: open DIR/motion.pvd.
 
-    if (duration is None) != steady_state:
-        raise InputError("export: give either --duration or --steady, and not both")
+    The switches of the contact state are always among the times.
+    """
+    from lapjoint.scene import export_modes, export_motion
+    from lapjoint.scene.layout import check_points
+    from validation import chosen
+    from validation.progress import shown_progress
+
     chosen.check_directory(directory)
-    check_sizes(points, frames)
-    if duration is not None:
-        chosen.check_duration(duration)
-    this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)
-    history = find_steady_state(this, answering).history if duration is None else find_motion(this, answering, duration)
-    click.echo(f"Wrote {export_series(history, directory, points=points, frames=frames)}")
+    check_points(points)
+    at = chosen.times_from(frames, times)
+    if modes_of is not None:
+        chosen.check_no_motion(duration, steady_state, beside)
+        this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)
+        answers = [answering.modes(this, state, count) for state in chosen.states_from(this, modes_of)]
+        written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
+        click.echo("\n".join(f"Wrote {path}" for path in written))
+        return
+    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
+    with shown_progress("export") as progress:
+        path = export_motion(
+            motion, directory, format=file_format, times=at, frames=frames, points=points, progress=progress
+        )
+    click.echo(f"Wrote {path}")
+
+
+@main.command()
+@problem_options
+@solver_options
+@motion_options
+@click.option("-o", "--output", metavar="FILE", help="A picture (.png) or a film (.gif, .mp4).  [default: a window]")
+@click.option("--at", type=float, help="Time of a picture, s.  [default: when the stops push hardest]")
+@click.option("--frames", type=int, default=60, show_default=True, help="Number of frames of a film.")
+@click.option("--pace", type=float, default=20.0, show_default=True, help="Frames a second of a film.")
+@click.option(
+    "--colour",
+    type=click.Choice(["stress", "velocity", "moment", "displacement"]),
+    help="What colours the beam.  [default: stress, or moment where the problem gives no section]",
+)
+@click.option(
+    "--scale", type=float, help="Factor of displacements and gaps, 1 for true scale.  [default: by the motion]"
+)
+@click.option("--absolute", is_flag=True, help="Seen from outside, and not from the moving base.")
+@click.option("--size", metavar="WxH", help="Width and height, pixels.  [default: 1200x520, films 900x400]")
+def show(
+    problem: str,
+    overrides: tuple[str, ...],
+    duration: float | None,
+    steady_state: bool,
+    beside: str | None,
+    output: str | None,
+    at: float | None,
+    frames: int,
+    pace: float,
+    colour: Literal["stress", "velocity", "moment", "displacement"] | None,
+    scale: float | None,
+    absolute: bool,
+    size: str | None,
+    **solver: Any,
+) -> None:
+    """Show the motion of PROBLEM in three dimensions: in a window, as a picture, or as a film.
+
+    The beam is coloured by its bending stress, stops light up while they act, and the picture states its scale.
+    """
+    from lapjoint import scene
+    from validation import chosen
+    from validation.progress import shown_progress
+
+    look = scene.Look(colour, scale, "absolute" if absolute else "relative", chosen.size_from(size))
+    if output is not None:
+        chosen.check_file("--output", output, *scene.PICTURES, *scene.FILMS)
+    scene.check_can_show(output)
+    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
+    if output is None:
+        scene.show_window(motion, frames=frames, look=look)
+        return
+    if output.lower().endswith(scene.PICTURES):
+        scene.save_picture(motion, output, at=at, look=look)
+    else:
+        with shown_progress("draw") as progress:
+            scene.save_film(motion, output, frames=frames, pace=pace, look=look, progress=progress)
+    click.echo(f"Wrote {output}")
 
 
 @main.command()
@@ -374,6 +473,32 @@ def validate(
     path = None if problem is None else chosen.problem_file(problem, overrides, output)
     named, console = tuple(dict.fromkeys(peers)), rich.console.Console()
     click.get_current_context().exit(suite.main(path, cases, level or "standard", Path(output), console, named))
+
+
+def find_motions(
+    source: str,
+    overrides: tuple[str, ...],
+    duration: float | None,
+    steady_state: bool,
+    beside: str | None,
+    solver: dict[str, Any],
+) -> dict[str, History]:
+    """The motion asked for, by the name of its solver, and that of the solver beside it."""
+    from lapjoint.errors import InputError
+    from validation import chosen
+
+    if (duration is None) != steady_state:
+        raise InputError("--duration, --steady: give one of them")
+    if duration is not None:
+        chosen.check_duration(duration)
+    this = chosen.problem_from(source, overrides)
+    solvers = {solver["solver_name"]: chosen.solver_from(**solver)}
+    if beside is not None:
+        solvers[chosen.other_name(beside, solvers)] = chosen.named_solver(beside)
+    return {
+        name: find_steady_state(this, one).history if duration is None else find_motion(this, one, duration)
+        for name, one in solvers.items()
+    }
 
 
 def find_motion(problem: Problem, solver: Solver, duration: float) -> History:

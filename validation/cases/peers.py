@@ -15,7 +15,7 @@ import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, ViscousDamping, contact_states, paper_joint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.solution import Contact
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import (
     ANALYTIC_ORDER,
@@ -25,7 +25,7 @@ from validation.cases.motions import (
     contact_estimates,
     fe_levels,
 )
-from validation.chosen import options_from
+from validation.chosen import named_solver
 from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
 
@@ -50,12 +50,6 @@ def damped_joint() -> Problem:
     return paper_joint().replace(damping=ViscousDamping(coefficient=2000.0))
 
 
-def peer_solver(text: str) -> Solver:
-    """A peer as the command line names it: NAME, or NAME:KEY=VALUE,KEY=VALUE for its numerical options."""
-    name, colon, options = text.partition(":")
-    return make_solver(name, **options_from(None, None, tuple(options.split(",")) if colon else ()))
-
-
 def check_peers(names: tuple[str, ...]) -> None:
     """See to it that every peer is installed and answers.
 
@@ -66,7 +60,7 @@ def check_peers(names: tuple[str, ...]) -> None:
     """
     for name in names:
         try:
-            peer_solver(name).modes(paper_joint(), FREE, 1)
+            named_solver(name).modes(paper_joint(), FREE, 1)
         except (InputError, SolverError) as error:
             raise InputError(f"--peers {name}: {error}") from None
 
@@ -78,7 +72,7 @@ def levels(problem: Problem, peers: tuple[str, ...], finest: int) -> Levels:
         "FE": ([*fe_levels(finest)], 2.0, FE_ORDER),
     }
     for name in peers:
-        solver = peer_solver(name)
+        solver = named_solver(name)
         found[name] = ([solver.refined(1 / RATIO), solver, solver.refined(RATIO)], RATIO, PEER_ORDER)
     return found
 
@@ -101,7 +95,7 @@ def frequencies(
     """Each of the lowest frequencies of a state, by all solvers."""
     exact = analytic.Solver().modes(problem, state, MODES).angular_frequencies
     series: dict[str, list[Solver]] = {"FE": [fe_lapjoint.Solver(elements=n) for n in (16, 32, 64)]}
-    series |= {name: [peer_solver(name).refined(factor) for factor in (1 / RATIO, 1.0, RATIO)] for name in peers}
+    series |= {name: [named_solver(name).refined(factor) for factor in (1 / RATIO, 1.0, RATIO)] for name in peers}
     found = {n: [s.modes(problem, state, MODES).angular_frequencies for s in solvers] for n, solvers in series.items()}
     for i in range(MODES):
         answers = {"analytic": Estimate(float(exact[i]), 1e-12 * float(exact[i]), "roots bracketed by their count")}

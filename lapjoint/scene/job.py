@@ -1,0 +1,71 @@
+"""What is drawn, frame by frame: numbers and words only, so that drawing can happen in a process of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lapjoint.problem import FloatArray
+from lapjoint.scene.section import IntArray
+
+
+@dataclass(frozen=True)
+class Skin:
+    """A beam, coloured by a value: its solid's surface, or a tube about its axis."""
+
+    cells: IntArray
+    """Hexahedra ``(cells, 8)`` of a solid, or lines ``(cells, 2)`` of an axis."""
+    points: FloatArray
+    """Where the points are, m, ``(frames, points, 3)``."""
+    values: FloatArray
+    """What colours them, in the unit of the label, ``(frames, points)``."""
+    radius: float
+    """Of the tube about an axis, m."""
+
+
+@dataclass(frozen=True)
+class Springs:
+    """The stops of a joint: springs between a face and a rail, which light up while they act."""
+
+    names: tuple[str, ...]
+    points: FloatArray
+    """Face and foot of each, m, ``(frames, stops, 2, 3)``."""
+    acts: IntArray
+    """1 in frames during which the stop is closed at any time, ``(frames, stops)``."""
+    radius: float
+    """Of the coil, m."""
+
+
+@dataclass(frozen=True)
+class Plates:
+    """Rails, walls and posts."""
+
+    cells: IntArray
+    points: FloatArray
+    """m, ``(frames, points, 3)``."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A picture, a film or a window."""
+
+    skins: tuple[Skin, ...]
+    springs: tuple[Springs, ...]
+    plates: tuple[Plates, ...]
+    names: tuple[tuple[str, tuple[float, float, float]], ...]
+    """Words that stand in the scene, and where; they tell joints apart that stand side by side."""
+    title: str
+    notes: tuple[str, ...]
+    """What every frame says: whose motion it is, at which scale."""
+    captions: tuple[str, ...]
+    """What each frame says of itself."""
+    label: str
+    """What the colours are, with its unit."""
+    limits: tuple[float, float]
+    """Ends of the colour scale, in the unit of the label."""
+    size: tuple[int, int]
+    """Width and height, pixels."""
+    pace: float
+    """Frames a second of a film."""
+    output: Path | None
+    """A picture (.png), a film (.gif, .mp4), or None for a window."""

@@ -1,0 +1,77 @@
+"""Where the parts of a scene stand: stations along the beam, and sizes of what the problem gives no size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lapjoint.beam import Rectangle
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.scene.section import IntArray
+
+MOST_POINTS = 100_000
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The joint at rest."""
+
+    problem: Problem
+    points: int = 81
+    """Equidistant stations along the beam; the positions of supports and stops are added."""
+    offset: float = 0.0
+    """Shift along y, m, of a scene that stands beside another."""
+
+    def __post_init__(self) -> None:
+        check_points(self.points)
+
+    @cached_property
+    def stations(self) -> FloatArray:
+        """Positions along the beam, m, ascending, shape ``(n,)``."""
+        L = self.problem.beam.length
+        special = [support.x for support in self.problem.supports] + [stop.x for stop in self.problem.stops]
+        grid = np.linspace(0.0, L, self.points)
+        # A grid point closer than this to a special one gives way to it, so that no cell is degenerate.
+        apart = np.all(np.abs(grid[:, None] - np.array(special)[None, :]) > 1e-9 * L, axis=1)
+        return np.unique(np.concatenate([grid[apart], special]))
+
+    @cached_property
+    def at_stops(self) -> IntArray:
+        """Index of each stop's station, shape ``(stops,)``."""
+        return np.searchsorted(self.stations, [stop.x for stop in self.problem.stops]).astype(np.int64)
+
+    @property
+    def half_depth(self) -> float:
+        """Height of the beam's surface above its axis, m; 0 where the problem gives no section."""
+        section = self.problem.beam.section
+        return section.depth / 2 if section else 0.0
+
+    @property
+    def breadth(self) -> float:
+        """Breadth of the beam, m; a thirtieth of its length where the problem gives no section."""
+        section = self.problem.beam.section
+        if section is None:
+            return self.problem.beam.length / 30
+        return section.breadth if isinstance(section, Rectangle) else section.depth
+
+    @property
+    def reach(self) -> float:
+        """Distance from the beam's surface to the rails that carry the stops, m, gaps not counted."""
+        return max(2 * self.half_depth, self.problem.beam.length / 15)
+
+    def widest_gap(self, sign: int) -> float:
+        """The widest gap above (1) or below (-1) the beam, m; 0 where there is no stop.  It sets off the rail."""
+        return max((stop.gap for stop in self.problem.stops if stop.sign == sign), default=0.0)
+
+    def place(self, x: FloatArray, y: FloatArray | float, z: FloatArray | float) -> FloatArray:
+        """Points of the scene, m, shape ``(n, 3)``, from coordinates of this joint."""
+        return np.column_stack(np.broadcast_arrays(x, np.asarray(y) + self.offset, z)).astype(float)
+
+
+def check_points(points: int) -> None:
+    """Refuse a number of stations that is not 2 to `MOST_POINTS`."""
+    if not 2 <= points <= MOST_POINTS:
+        raise InputError(f"points = {points}: allowed are 2 to {MOST_POINTS}")

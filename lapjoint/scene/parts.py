@@ -1,0 +1,285 @@
+"""The parts of a scene: fixed points and cells, and the values that they carry at any time.
+
+Points lie where the joint is at rest with all gaps at zero: the axis of the beam on z = 0, the face of each stop on the
+beam's surface.  Every part carries ``displacement``; so the filter Warp By Vector moves them all together, at true
+or at any exaggerated scale, and a beam that presses a stop touches it at every scale.
+
+================== ====================== ==============================================================
+part               cells                  what it is
+================== ====================== ==============================================================
+``beam``           lines                  the axis
+``solid``          hexahedra              the beam in its true section; only where the problem gives one
+``stops``          a line for each stop   the spring, from its face to the rail that carries it
+``gaps``           a line for each stop   from the beam's surface to the stop's face: what is still open
+``base``           quadrilaterals         rails, walls at fixed ends, and posts of other supports
+================== ====================== ==============================================================
+
+======================== ========== ===============================================================================
+point value              unit       meaning
+======================== ========== ===============================================================================
+``displacement``         m          vector, relative to the base; on the solid with the rotation of its section
+``displacement_absolute`` m         vector, the base's own motion included
+``velocity``             m/s        vector, relative to the base (beam and solid)
+``velocity_absolute``    m/s        vector, the base's own motion included (beam and solid)
+``slope``                rad        z_x (beam and solid)
+``moment``               N m        EI z_xx (14a) (beam and solid)
+``shear``                N          EI z_xxx (14b), to the left of a concentrated force (beam and solid)
+``bending_stress``       Pa         -E zeta z_xx at the height zeta above the axis, tension positive; on the beam's
+                                    line that of the top surface (where the problem gives a section)
+``contact_force``        N          vector, of the stops on the beam (beam only)
+======================== ========== ===============================================================================
+
+================== ====== =================================================================
+cell value         unit   meaning
+================== ====== =================================================================
+``contact_force``  N      vector, of the stop on the beam (stops)
+``closed``         1      1 while the stop is closed, else 0 (stops, gaps)
+``penetration``    m      how far the beam has pressed the stop (stops)
+``opening``        m      what is left between beam and stop, 0 while it is closed (gaps)
+``stop``           1      number of the stop in the problem, from 0 (stops, gaps)
+================== ====== =================================================================
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from lapjoint.problem import FloatArray, Support
+from lapjoint.scene.layout import Layout
+from lapjoint.scene.sample import Sample
+from lapjoint.scene.section import IntArray, section_mesh
+
+Arrays = dict[str, FloatArray | IntArray]
+UNITS = {
+    "displacement": "m",
+    "displacement_absolute": "m",
+    "difference": "m",
+    "velocity": "m/s",
+    "velocity_absolute": "m/s",
+    "slope": "rad",
+    "moment": "N m",
+    "shear": "N",
+    "bending_stress": "Pa",
+    "contact_force": "N",
+    "closed": "1",
+    "penetration": "m",
+    "opening": "m",
+    "stop": "1",
+}
+
+
+class Values(NamedTuple):
+    """What a part carries at ``m`` times."""
+
+    point: Arrays
+    """By name, ``(m, points)`` or ``(m, points, 3)``."""
+    cell: Arrays
+    """By name, ``(m, cells)`` or ``(m, cells, 3)``."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A piece of the scene that can be seen for itself."""
+
+    layout: Layout
+    name: str = field(init=False, default="")
+    points: FloatArray = field(init=False, repr=False)
+    """m, shape ``(points, 3)``."""
+    cells: IntArray = field(init=False, repr=False)
+    """Indices of points, shape ``(cells, corners)``: 2 for lines, 4 for quadrilaterals, 8 for hexahedra."""
+
+    def __post_init__(self) -> None:
+        points, cells = self._mesh()
+        object.__setattr__(self, "name", type(self).__name__.lower())
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "cells", cells)
+
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        raise NotImplementedError
+
+    def values(self, sample: Sample) -> Values:
+        """What the part carries at the times of `sample`."""
+        raise NotImplementedError
+
+
+class Beam(Part):
+    """The axis of the beam."""
+
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        x = self.layout.stations
+        first = np.arange(x.size - 1)
+        return self.layout.place(x, 0.0, 0.0), np.column_stack([first, first + 1])
+
+    def values(self, sample: Sample) -> Values:
+        """See the head of this module."""
+        beam, problem = sample.beam, self.layout.problem
+        z = beam["z"]
+        point = _displacements(_upwards(z), sample)
+        if "z_t" in beam:
+            point |= _velocities(_upwards(beam["z_t"]), sample)
+        point |= {
+            "slope": beam["z_x"],
+            "moment": problem.beam.EI * beam["z_xx"],
+            "shear": problem.beam.EI * beam["z_xxx"],
+        }
+        if problem.beam.material:
+            point["bending_stress"] = -problem.beam.material.youngs_modulus * self.layout.half_depth * beam["z_xx"]
+        force = np.zeros_like(z)
+        for stop, station in enumerate(self.layout.at_stops):
+            force[:, station] += sample.force[:, stop]
+        return Values(point | {"contact_force": _upwards(force)}, {})
+
+
+class Solid(Part):
+    """The beam in its true section, which stays plane and at right angles to the axis."""
+
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        section = self.layout.problem.beam.section
+        assert section is not None
+        flat, x = section_mesh(section), self.layout.stations
+        y, z = np.tile(flat.points, (x.size, 1)).T
+        points = self.layout.place(np.repeat(x, len(flat.points)), y, z)
+        behind = flat.quads[None] + len(flat.points) * np.arange(x.size - 1)[:, None, None]
+        return points, np.concatenate([behind, behind + len(flat.points)], axis=2).reshape(-1, 8)
+
+    def values(self, sample: Sample) -> Values:
+        """See the head of this module."""
+        beam, problem = sample.beam, self.layout.problem
+        assert problem.beam.material is not None
+        height, number = self.points[:, 2], len(self.points) // self.layout.stations.size
+
+        def spread(values: FloatArray) -> FloatArray:
+            return np.repeat(values, number, axis=1)
+
+        z_x, z_xx = spread(beam["z_x"]), spread(beam["z_xx"])
+        point = _displacements(_turned(spread(beam["z"]), -height * z_x), sample)
+        if "z_t" in beam:
+            point |= _velocities(_turned(spread(beam["z_t"]), -height * spread(beam["z_xt"])), sample)
+        EI = problem.beam.EI
+        point |= {"slope": z_x, "moment": EI * z_xx, "shear": EI * spread(beam["z_xxx"])}
+        return Values(point | {"bending_stress": -problem.beam.material.youngs_modulus * height * z_xx}, {})
+
+
+class Stops(Part):
+    """The springs of the stops."""
+
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        return _posts(self.layout, self.layout.reach)
+
+    def values(self, sample: Sample) -> Values:
+        """See the head of this module."""
+        stops = self.layout.problem.stops
+        feet = sample.gapped * np.array([stop.sign * self.layout.widest_gap(stop.sign) for stop in stops])
+        moved = np.stack([sample.faces, np.broadcast_to(feet, sample.faces.shape)], axis=2)
+        pressed = np.abs(sample.force) / np.array([stop.stiffness for stop in stops])
+        return Values(
+            _displacements(_upwards(moved.reshape(len(moved), -1)), sample),
+            {
+                "contact_force": _upwards(sample.force),
+                "closed": sample.closed,
+                "penetration": pressed,
+                "stop": _numbers(sample),
+            },
+        )
+
+
+class Gaps(Part):
+    """What is open between the beam and each stop."""
+
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        return _posts(self.layout, 0.0)
+
+    def values(self, sample: Sample) -> Values:
+        """See the head of this module."""
+        surface = sample.beam["z"][:, self.layout.at_stops]
+        moved = np.stack([surface, sample.faces], axis=2)
+        opening = np.abs(sample.faces - surface)
+        return Values(
+            _displacements(_upwards(moved.reshape(len(moved), -1)), sample),
+            {"opening": opening, "closed": sample.closed, "stop": _numbers(sample)},
+        )
+
+
+class Base(Part):
+    """What shakes the joint: rails above and below, walls at fixed ends, posts under other supports."""
+
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        layout, problem = self.layout, self.layout.problem
+        L, far = problem.beam.length, layout.half_depth + layout.reach
+        sides = sorted({stop.sign for stop in problem.stops} | ({-1} if problem.supports else set()))
+        plates = [((0.0, side * far), (L, side * far)) for side in sides]
+        for support in problem.supports:
+            if _is_wall(support, L):
+                plates.append(((support.x, -far), (support.x, far)))
+            else:
+                plates.append(((support.x, -layout.half_depth), (support.x, -far)))
+        half = layout.breadth / 2
+        corners = [(x, y, z) for (a, b) in plates for (x, z), y in ((a, -half), (b, -half), (b, half), (a, half))]
+        x, y, z = np.array(corners, dtype=float).reshape(-1, 3).T
+        return layout.place(x, y, z), np.arange(4 * len(plates)).reshape(-1, 4)
+
+    def values(self, sample: Sample) -> Values:
+        """See the head of this module.  The end of a post that holds the beam moves with it."""
+        side = np.sign(self.points[:, 2]).astype(int)
+        rails = sample.gapped * np.array([sign * self.layout.widest_gap(sign) for sign in side])
+        z = np.tile(rails, (sample.times.size, 1))
+        problem, L = self.layout.problem, self.layout.problem.beam.length
+        first = len(self.points) - 4 * len(problem.supports)
+        for i, support in enumerate(problem.supports):
+            if not _is_wall(support, L):
+                station = int(np.searchsorted(self.layout.stations, support.x))
+                z[:, [first + 4 * i, first + 4 * i + 3]] = sample.beam["z"][:, [station]]
+        return Values(_displacements(_upwards(z), sample), {})
+
+
+def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
+    """The parts of a joint: a solid where there is a section, stops and their gaps where there are stops."""
+    problem = layout.problem
+    solid = (Solid(layout),) if problem.beam.section else ()
+    stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.stops else ()
+    base = (Base(layout),) if problem.stops or problem.supports else ()
+    return (Beam(layout), *solid, *stops, *base)
+
+
+def _is_wall(support: Support, L: float) -> bool:
+    return support.torsional == np.inf and support.x in (0.0, L)
+
+
+def _posts(layout: Layout, length: float) -> tuple[FloatArray, IntArray]:
+    """For each stop a line from the beam's surface at rest, `length` m away from the beam."""
+    sign = np.array([stop.sign for stop in layout.problem.stops])
+    x = np.repeat([stop.x for stop in layout.problem.stops], 2)
+    z = np.column_stack([sign * layout.half_depth, sign * (layout.half_depth + length)]).ravel()
+    return layout.place(x, 0.0, z), np.arange(x.size, dtype=np.int64).reshape(-1, 2)
+
+
+def _numbers(sample: Sample) -> IntArray:
+    return np.tile(np.arange(sample.closed.shape[1]), (sample.times.size, 1))
+
+
+def _upwards(z: FloatArray) -> FloatArray:
+    """Vectors along z, ``(m, n, 3)``, from their lengths, ``(m, n)``."""
+    return _turned(z, np.zeros_like(z))
+
+
+def _turned(z: FloatArray, x: FloatArray) -> FloatArray:
+    """Vectors ``(m, n, 3)`` from their z- and x-components."""
+    return np.stack([x, np.zeros_like(z), z], axis=2)
+
+
+def _displacements(relative: FloatArray, sample: Sample) -> Arrays:
+    return {"displacement": relative, "displacement_absolute": _carried(relative, sample.base[0])}
+
+
+def _velocities(relative: FloatArray, sample: Sample) -> Arrays:
+    return {"velocity": relative, "velocity_absolute": _carried(relative, sample.base[1])}
+
+
+def _carried(vectors: FloatArray, base: FloatArray) -> FloatArray:
+    """Vectors with the motion of the base, ``(m,)``, added."""
+    moved = vectors.copy()
+    moved[:, :, 2] += base[:, None]
+    return moved

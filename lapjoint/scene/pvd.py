@@ -1,0 +1,88 @@
+"""A scene as ``.vtu`` files, one for each part and time, and a ``.pvd`` that dates them: ParaView opens all as one.
+
+Written by VTK.  The unit of an array is its ``UNITS_LABEL``, where VTK keeps units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from lapjoint.scene.parts import Part
+from lapjoint.scene.scene import Block, Scene
+
+_CELL_TYPES = {2: "LINE", 4: "QUAD", 8: "HEXAHEDRON"}
+
+
+def grid_of(part: Part) -> Any:
+    """The part at rest, a ``pyvista.UnstructuredGrid`` without values."""
+    import pyvista
+
+    kind = getattr(pyvista.CellType, _CELL_TYPES[part.cells.shape[1]])
+    return pyvista.UnstructuredGrid({kind: part.cells}, part.points)
+
+
+def write_pvd(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
+    """Write ``NAME.pvd`` and, in the folder NAME beside it, what it lists.
+
+    Files of an earlier series of this name are removed first; the ``.pvd`` is written last, so that it never lists
+    what is not there.
+    """
+    path, pieces = folder / f"{name}.pvd", folder / name
+    path.unlink(missing_ok=True)
+    pieces.mkdir(parents=True, exist_ok=True)
+    grids = [(label, part, grid_of(part)) for label, part in scene.parts]
+    for label, _, _ in grids:
+        for old in pieces.glob(f"{label}_[0-9]*.vtu"):
+            old.unlink()
+    entries: list[str] = []
+    number = 0
+    for block in blocks:
+        for at, time in enumerate(block.times):
+            for place, (label, _, grid) in enumerate(grids):
+                file = f"{name}/{label}_{number:06d}.vtu"
+                _fill(grid, block, place, at, scene)
+                _write(grid, folder / file)
+                entries.append(_entry(float(time), place, label, file))
+            number += 1
+    path.write_text(
+        f'<?xml version="1.0"?>\n<!-- {note.replace("--", "- -")} -->\n'
+        '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
+        f"{''.join(entries)}  </Collection>\n</VTKFile>\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+def _entry(time: float, place: int, label: str, file: str) -> str:
+    return (
+        f'    <DataSet timestep="{time!r}" group="" part="{place}" name={quoteattr(label)} file={quoteattr(file)}/>\n'
+    )
+
+
+def _fill(grid: Any, block: Block, place: int, at: int, scene: Scene) -> None:
+    """Give the grid the values of a part at a time, each with its unit."""
+    from vtkmodules.vtkCommonCore import vtkDataArray
+
+    values = block.values[place]
+    whole = {name: array[:, None] for name, array in block.whole.items()}
+    for data, arrays in ((grid.point_data, values.point), (grid.cell_data, values.cell), (grid.field_data, whole)):
+        for name, array in arrays.items():
+            data[name] = np.ascontiguousarray(array[at])
+            data.GetAbstractArray(name).GetInformation().Set(vtkDataArray.UNITS_LABEL(), scene.unit(name))
+
+
+def _write(grid: Any, path: Path) -> None:
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.SetFileName(str(path))
+    writer.SetDataModeToBinary()
+    writer.SetCompressorTypeToZLib()
+    if not writer.Write() or writer.GetErrorCode():
+        raise OSError(writer.GetErrorCode(), "VTK could not write it", str(path))

@@ -1,0 +1,158 @@
+"""A scene: one motion or several side by side, as parts with values at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.scene.layout import Layout
+from lapjoint.scene.parts import UNITS, Arrays, Part, Values, parts_of
+from lapjoint.scene.sample import ModesInTurn, Motion, Source
+from lapjoint.solution import History, Modes
+
+BLOCK = 64
+"""Times that are evaluated at once."""
+APART = 1.5
+"""Distance between joints that stand side by side, in breadths of the beam, from side to side."""
+
+
+class Block(NamedTuple):
+    """All values of a scene at some times."""
+
+    times: FloatArray
+    """s, shape ``(m,)``."""
+    values: tuple[Values, ...]
+    """One for each part."""
+    whole: Arrays
+    """Numbers of the whole scene, each ``(m,)``, by name."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is seen: joints in motion, in the order of `sources`, each shifted along y past the one before it."""
+
+    sources: tuple[tuple[str, Source], ...]
+    """The motions, each with a short name; the names are part of the parts' names where there are several."""
+    points: int = 81
+    """Equidistant stations along each beam."""
+
+    @cached_property
+    def layouts(self) -> tuple[Layout, ...]:
+        """Where each joint stands."""
+        found: list[Layout] = []
+        for _, source in self.sources:
+            offset = found[-1].offset - (APART + 1) * found[-1].breadth if found else 0.0
+            found.append(Layout(source.problem, self.points, offset))
+        return tuple(found)
+
+    @cached_property
+    def groups(self) -> tuple[tuple[Part, ...], ...]:
+        """The parts of each joint."""
+        return tuple(
+            parts_of(layout, gaps=isinstance(source, Motion))
+            for layout, (_, source) in zip(self.layouts, self.sources, strict=True)
+        )
+
+    @property
+    def parts(self) -> tuple[tuple[str, Part], ...]:
+        """All parts, each with its name in the scene."""
+        several = len(self.sources) > 1
+        return tuple(
+            (f"{name}_{part.name}" if several else part.name, part)
+            for (name, _), group in zip(self.sources, self.groups, strict=True)
+            for part in group
+        )
+
+    def block(self, times: FloatArray) -> Block:
+        """All values at `times`, s.
+
+        Beams and solids of the second motion and those after it also carry ``difference``, the displacement less
+        that of the first, where both have the same points.
+        """
+        values: list[Values] = []
+        whole: Arrays = {}
+        first: Arrays = {}
+        for (name, source), layout, group in zip(self.sources, self.layouts, self.groups, strict=True):
+            sample = source.sample(layout, times)
+            alike = np.array_equal(layout.stations, self.layouts[0].stations)
+            values += [_compared(part, part.values(sample), first if alike else {}) for part in group]
+            prefix = f"{name}_" if len(self.sources) > 1 else ""
+            whole |= {prefix + key: value for key, value in sample.whole.items()}
+        return Block(times, tuple(values), whole)
+
+    def blocks(self, times: FloatArray) -> Iterator[Block]:
+        """All values at `times`, a few at once."""
+        for start in range(0, times.size, BLOCK):
+            yield self.block(times[start : start + BLOCK])
+
+    def unit(self, name: str) -> str:
+        """The SI unit of a value; that of a mode is for one unit of its coordinate, m kg^1/2."""
+        if name == "angular_frequency":
+            return "rad/s"
+        unit = UNITS.get(name, "1")
+        moved = isinstance(self.sources[0][1], ModesInTurn) and name not in ("closed", "stop", *WHOLE)
+        return f"{unit} m-1 kg-1/2" if moved else unit
+
+
+WHOLE = ("closed_stops", "contact_state")
+
+
+def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> Scene:
+    """The scene of a history, or of several side by side.
+
+    Parameters
+    ----------
+    motion : History or mapping
+        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``; those after the first stand
+        beside it, along -y.
+    points : int
+        Equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+
+    Raises
+    ------
+    InputError
+        If `points` is out of range.
+    """
+    named = {"motion": motion} if isinstance(motion, History) else dict(motion)
+    scene = Scene(tuple((name, Motion(history)) for name, history in named.items()), points)
+    _ = scene.layouts  # refuses a number of points that is out of range
+    return scene
+
+
+def histories_of(motion: History | Mapping[str, History]) -> list[History]:
+    """The histories of one motion or several.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    if isinstance(motion, History):
+        return [motion]
+    if not motion:
+        raise InputError("motion: there is none to show")
+    return list(motion.values())
+
+
+def mode_scene(problem: Problem, modes: Modes, solver: str = "", points: int = 81) -> Scene:
+    """The scene of the modes of one contact state; the modes follow one another at the times 1, 2, 3 ..."""
+    scene = Scene((("modes", ModesInTurn(problem, modes, solver)),), points)
+    _ = scene.layouts
+    return scene
+
+
+def _compared(part: Part, values: Values, first: Arrays) -> Values:
+    """The values, and their difference from the first motion's where this is a later one."""
+    moved = values.point["displacement"]
+    if part.name not in ("beam", "solid"):
+        return values
+    if part.name not in first:
+        first[part.name] = moved
+        return values
+    return Values(values.point | {"difference": moved - first[part.name]}, values.cell)

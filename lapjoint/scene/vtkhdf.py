@@ -1,0 +1,133 @@
+"""A scene as one VTKHDF file (version 2.3 of the format): all parts in one unstructured grid, all times.
+
+Fixed points and cells stand in it once.  The cell value ``part`` tells the parts apart, from 0 in the order that the
+attribute ``parts`` gives them; values that a part does not carry are NaN, or -1 where they are whole numbers.  The
+attribute ``units`` of a dataset is its unit.
+
+Written with h5py after the format's description in VTK's documentation, and not by VTK's own writer: that of VTK 9.7
+keeps times in single precision, in which both ends of a short contact fall together.  One grid and not a block for each
+part, because the reader of VTK 9.7 shows the first time step of blocks at all times.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from lapjoint.scene.parts import Arrays, Part
+from lapjoint.scene.scene import Block, Scene
+
+VERSION = (2, 3)
+_TYPE = "UnstructuredGrid"
+_CELL_TYPES = {2: 3, 4: 9, 8: 12}  # VTK_LINE, VTK_QUAD, VTK_HEXAHEDRON
+_FIXED = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
+
+
+def write_vtkhdf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
+    """Write ``NAME.vtkhdf``; it takes its name when it is complete."""
+    path, unfinished = folder / f"{name}.vtkhdf", folder / f".{name}.vtkhdf.part"
+    parts = [part for _, part in scene.parts]
+    try:
+        with h5py.File(unfinished, "w") as file:
+            root = file.create_group("VTKHDF")
+            root.attrs["Version"] = VERSION
+            root.attrs.create("Type", _TYPE.encode(), dtype=h5py.string_dtype("ascii", len(_TYPE)))
+            root.attrs["note"] = note
+            root.attrs["parts"] = ", ".join(label for label, _ in scene.parts)
+            _write_grid(root, parts)
+            _start_steps(root)
+            for block in blocks:
+                _append(root, block, parts, scene)
+        os.replace(unfinished, path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    return path
+
+
+def _write_grid(root: Any, parts: Sequence[Part]) -> None:
+    """The fixed points and cells of all parts."""
+    first = np.cumsum([0, *(len(part.points) for part in parts)])
+    corners = np.concatenate([np.full(len(part.cells), part.cells.shape[1]) for part in parts])
+    root["Points"] = np.concatenate([part.points for part in parts])
+    root["Points"].attrs["units"] = "m"
+    root["Connectivity"] = np.concatenate([part.cells.ravel() + at for part, at in zip(parts, first, strict=False)])
+    root["Offsets"] = np.cumsum([0, *corners])
+    root["Types"] = np.array([_CELL_TYPES[number] for number in corners], dtype=np.uint8)
+    for number, of in (("NumberOfPoints", "Points"), ("NumberOfCells", "Types")):
+        root[number] = [len(root[of])]
+    root["NumberOfConnectivityIds"] = [len(root["Connectivity"])]
+
+
+def _start_steps(root: Any) -> None:
+    """Steps without any yet; whatever is fixed stands at offset 0 in each."""
+    for data in ("PointData", "CellData", "FieldData"):
+        root.create_group(data)
+        root.create_group(f"Steps/{data}Offsets")
+    steps = root["Steps"]
+    steps.create_group("FieldDataSizes")
+    steps.attrs["NSteps"] = 0
+    steps.create_dataset("Values", (0,), np.float64, maxshape=(None,)).attrs["units"] = "s"
+    for name in (*_FIXED, "NumberOfParts"):
+        steps.create_dataset(name, (0,), np.int64, maxshape=(None,))
+
+
+def _append(root: Any, block: Block, parts: Sequence[Part], scene: Scene) -> None:
+    """Add the values at the times of a block."""
+    steps, number = root["Steps"], block.times.size
+    first = int(steps.attrs["NSteps"])
+    steps.attrs["NSteps"] = first + number
+    _extend(steps, "Values", block.times)
+    _extend(steps, "NumberOfParts", np.ones(number, dtype=np.int64))
+    for name in _FIXED:
+        _extend(steps, name, np.zeros(number, dtype=np.int64))
+    point = _joined([values.point for values in block.values], [len(part.points) for part in parts], number)
+    cell = _joined([values.cell for values in block.values], [len(part.cells) for part in parts], number)
+    cell["part"] = np.tile(np.repeat(np.arange(len(parts)), [len(part.cells) for part in parts]), (number, 1))
+    whole = {name: values[:, None] for name, values in block.whole.items()}
+    for data, arrays in (("PointData", point), ("CellData", cell), ("FieldData", whole)):
+        for name, values in arrays.items():
+            _extend(root[data], name, values.reshape(-1, *values.shape[2:]), scene.unit(name))
+            _extend(steps[f"{data}Offsets"], name, values.shape[1] * np.arange(first, first + number))
+    for name in whole:
+        _extend(steps["FieldDataSizes"], name, np.ones((number, 2), dtype=np.int64))  # components, tuples
+
+
+def _joined(carried: Sequence[Arrays], sizes: Sequence[int], number: int) -> Arrays:
+    """The values of all parts side by side, ``(number, all points or cells)``, with what a part lacks filled in."""
+    found: Arrays = {}
+    for name in dict.fromkeys(name for arrays in carried for name in arrays):
+        like = next(arrays[name] for arrays in carried if name in arrays)
+        nothing = np.nan if np.issubdtype(like.dtype, np.floating) else -1
+        found[name] = np.concatenate(
+            [
+                arrays.get(name, np.full((number, size, *like.shape[2:]), nothing, dtype=like.dtype))
+                for arrays, size in zip(carried, sizes, strict=True)
+            ],
+            axis=1,
+        )
+    return found
+
+
+def _extend(group: Any, name: str, rows: Any, unit: str = "") -> None:
+    """Append rows to a dataset, which is made when its first rows come."""
+    if name not in group:
+        rest = rows.shape[1:]
+        group.create_dataset(
+            name,
+            (0, *rest),
+            rows.dtype,
+            maxshape=(None, *rest),
+            chunks=(min(len(rows), 4096), *rest),
+            compression="gzip",
+            shuffle=True,
+        )
+        if unit:
+            group[name].attrs["units"] = unit
+    dataset = group[name]
+    dataset.resize(len(dataset) + len(rows), axis=0)
+    dataset[-len(rows) :] = rows

@@ -1,0 +1,47 @@
+"""A scene as XDMF time series, one for each part, for meshio and what reads its files.
+
+Written by meshio, whose reader opens a part as one series.  ParaView's "XDMF Reader" opens them, too; its
+"Xdmf3 Reader" does not get along with meshio's files.  XDMF holds no units: they are those of `lapjoint.scene.parts`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+from lapjoint.scene.scene import Block, Scene
+
+_CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
+
+
+def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
+    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part; returns the first."""
+    paths = [folder / f"{name}_{label}.xdmf" for label, _ in scene.parts]
+    with ExitStack() as stack:
+        series = [stack.enter_context(_series(path)) for path in paths]
+        for writer, (_, part) in zip(series, scene.parts, strict=True):
+            writer.write_points_cells(part.points, [(_CELL_TYPES[part.cells.shape[1]], part.cells)])
+        for block in blocks:
+            for writer, values in zip(series, block.values, strict=True):
+                for at, time in enumerate(block.times):
+                    point = {key: array[at] for key, array in values.point.items()}
+                    cell = {key: [array[at]] for key, array in values.cell.items()}
+                    writer.write_data(repr(float(time)), point_data=point, cell_data=cell)
+    return paths[0]
+
+
+def _series(path: Path) -> Any:
+    """meshio's writer of a series, with its numbers in a file beside `path`, not in the current folder."""
+    from meshio.xdmf import TimeSeriesWriter
+
+    class Beside(TimeSeriesWriter):  # type: ignore[misc]
+        def __enter__(self) -> Any:
+            self.h5_filename = path.with_suffix(".h5").name
+            self.h5_file = h5py.File(path.with_suffix(".h5"), "w")
+            return self
+
+    return Beside(path)
