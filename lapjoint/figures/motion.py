@@ -1,0 +1,113 @@
+"""Displacement over time, with gaps and contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.figures.place import checked_position, heading, in_contact, line_width, times_drawn
+from lapjoint.figures.style import COLOURS, GREY, STYLES, THIN, draw_time, entitle, new_axes, style
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.solution import History
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+STRIP = 0.045
+"""Height of the strip of one stop, of the axes."""
+
+
+@style()
+def plot_motion(
+    history: History,
+    axes: Axes | None = None,
+    *,
+    x: float | Sequence[float] | None = None,
+    samples: int = 2000,
+    label: str | None = None,
+) -> Axes:
+    """Displacement over time, the gaps dotted, the contacts shaded, and below a strip of them for each stop.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.
+    x : float or sequence of float, optional
+        Positions, m; by default those of the stops, or the tip where there are none.
+    samples : int
+        Number of times drawn, equidistant; the switches are added to them, and more where an excitation period would
+        have fewer than 100 of them.
+    label : str, optional
+        Name of the motion in the key, before its positions; by default title and solver stand above.
+
+    Raises
+    ------
+    InputError
+        If a position is outside the beam, or `samples` less than 2.
+    """
+    positions = _positions(history.problem, x)
+    t = times_drawn(history, samples)
+    axes = new_axes() if axes is None else axes
+    z = 1e3 * history.displacement(np.array(positions), t)
+    for i, place in enumerate(positions):
+        pattern = STYLES[i % len(STYLES)]
+        name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
+        axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=name)
+        for gap in {stop.sign * stop.gap for stop in history.problem.stops if stop.x == place}:
+            axes.axhline(1e3 * gap, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)))
+    _shade_contacts(axes, history, positions, t, z)
+    _draw_strips(axes, history, positions)
+    draw_time(axes, history.start, history.end)
+    axes.set_ylabel("displacement z [mm]")
+    entitle(axes, heading(history) if label is None else "")
+    return axes
+
+
+def _positions(problem: Problem, x: float | Sequence[float] | None) -> list[float]:
+    if x is None:
+        return sorted({stop.x for stop in problem.stops}) or [problem.beam.length]
+    return [checked_position(problem, float(place)) for place in np.atleast_1d(np.asarray(x, dtype=float))]
+
+
+def _colour(i: int) -> str:
+    return COLOURS[i % len(COLOURS)]
+
+
+def _shade_contacts(axes: Axes, history: History, positions: list[float], t: FloatArray, z: FloatArray) -> None:
+    """The area between a gap and the curve, in millimetres, while the stop is closed."""
+    for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.stops, strict=True)):
+        closed = in_contact([contact for contact in history.contacts if contact.stop == i], t)
+        if stop.x in positions and closed.any():
+            row, gap = positions.index(stop.x), 1e3 * stop.sign * stop.gap
+            shade = axes.fill_between(
+                t, z[row], gap, where=closed.tolist(), color=_colour(row), alpha=0.13, linewidth=0
+            )
+            shade.set_label(f"_shade of {name}")
+
+
+def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
+    """A strip for each stop below the curves, filled while the stop is closed, its name on the right."""
+    stops = history.problem.stops
+    low, high = axes.get_ylim()
+    axes.set_yticks([tick for tick in axes.get_yticks() if low <= tick <= high])
+    share = min(0.5, STRIP * len(stops))
+    axes.set_ylim(low - (high - low) * share / (1 - share), high)
+    for row, (name, stop) in enumerate(zip(history.problem.stop_names, stops, strict=True)):
+        bottom, height = share * (1 - (row + 1) / len(stops)), 0.7 * share / len(stops)
+        colour = _colour(positions.index(stop.x)) if stop.x in positions else GREY
+        # Upwards in fractions of the axes, and one collection for all contacts: quick with thousands of them.
+        axes.broken_barh(
+            [(c.start, c.duration) for c in history.contacts if c.stop == row],
+            (bottom, height),
+            transform=axes.get_xaxis_transform(),
+            color=colour,
+            alpha=0.6,
+            linewidth=0.15,
+            snap=False,
+            label=f"_contacts of {name}",
+        )
+        axes.text(1.01, bottom + height / 2, name, transform=axes.transAxes, fontsize=6.5, va="center", color=colour)
