@@ -18,6 +18,8 @@ from lapjoint.scene.job import Job, Plates, Skin, Springs
 BACKGROUND, INK, PALE, STEEL = "white", "#222222", "#C9CCD1", "#7A828C"
 LIT, SILENT = "#E69F00", "#8A929C"
 COLOURS = "RdBu_r"
+VIEWPOINT = np.array([0.35, -1.0, 0.32])
+"""From the middle of the scene to the eye."""
 TURNS, ROUND = 6, 20
 """Turns of a coil, and points on each."""
 
@@ -54,7 +56,7 @@ class Stage:
                     actor.prop.color = LIT if springs.acts[frame, stop] else SILENT
         for plates, shown in zip(self.job.plates, self._plates, strict=True):
             shown.points = plates.points[frame]
-        self._caption.set_text("upper_right", self.job.captions[frame])
+        self._caption.input = self.job.captions[frame]
 
     def image(self) -> Any:
         """The frame as it is shown, RGB."""
@@ -97,7 +99,7 @@ class Stage:
             specular=0.1,
         )
         if first:
-            self.plotter.scalar_bars[self.job.label].SetVerticalTitleSeparation(self.font // 2)
+            self.plotter.scalar_bars[self.job.label].GetTitleTextProperty().SetLineOffset(-self.font / 2)
         return shown, ids
 
     def _add_springs(self, springs: Springs) -> list[tuple[Any, list[Any]]]:
@@ -122,10 +124,8 @@ class Stage:
 
     def _add_words(self) -> None:
         """Title, notes, names of joints and stops, and a place for each frame's caption."""
-        add = self.plotter.add_text
-        head = "\n".join([self.job.title, *self.job.notes])
-        add(head, position="upper_left", font_size=round(self.font * 0.7), color=INK)
-        self._caption = add("", position="upper_right", font_size=round(self.font * 0.7), color=INK)
+        self._corner("\n".join([self.job.title, *self.job.notes]), 0.008, "left")
+        self._caption = self._corner("", 0.992, "right")
         words = list(self.job.names)
         for springs in self.job.springs:
             for name, (face, foot) in zip(springs.names, springs.points[0], strict=True):
@@ -143,26 +143,35 @@ class Stage:
                 justification_vertical="center",
             )
 
+    def _corner(self, text: str, x: float, side: str) -> Any:
+        """Words in an upper corner."""
+        actor = self.plotter.add_text(text, position=(x, 0.985), viewport=True, font_size=self.font, color=INK)
+        actor.prop.font_size = self.font
+        actor.prop.justification_horizontal = side
+        actor.prop.justification_vertical = "top"
+        return actor
+
     def _aim(self) -> None:
         """Look from the front, a little from above and from the tip, and hold still while everything moves."""
         moving: list[Skin | Springs | Plates] = [*self.job.skins, *self.job.springs, *self.job.plates]
-        everything = [thing.points.reshape(-1, 3) for thing in moving]
-        low = np.min([points.min(axis=0) for points in everything], axis=0)
-        high = np.max([points.max(axis=0) for points in everything], axis=0)
-        camera = self.plotter.camera
-        self.plotter.enable_parallel_projection()
-        camera.focal_point = (low + high) / 2
-        camera.position = camera.focal_point + np.array([0.35, -1.0, 0.32]) * np.linalg.norm(high - low)
-        camera.up = (0.0, 0.0, 1.0)
-        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-        forward = np.asarray(camera.direction)
-        right = np.cross(forward, camera.up)
+        points = np.concatenate([thing.points.reshape(-1, 3) for thing in moving])
+        forward = -VIEWPOINT / np.linalg.norm(VIEWPOINT)
+        right = np.cross(forward, [0.0, 0.0, 1.0])
         right /= np.linalg.norm(right)
         above = np.cross(right, forward)
-        wide, tall = (np.ptp(corners @ axis) for axis in (right, above))
+        (left_end, right_end), (low, high) = ((np.min(points @ axis), np.max(points @ axis)) for axis in (right, above))
         width, height = self.job.size
         # Words above and the colour scale below take a part of the height.
-        camera.parallel_scale = 0.5 * max(tall / 0.7, wide * 1.05 * height / width)
+        head, foot = 1.3 * (len(self.job.notes) + 1.5) * self.font / height, 6.0 * self.font / height
+        shown = max((high - low) / max(1 - head - foot, 0.3), (right_end - left_end) * 1.1 * height / width)
+        middle = (left_end + right_end) / 2 * right + ((low + high) / 2 + (head - foot) / 2 * shown) * above
+        distance = 2 * float(np.ptp(points, axis=0).max())
+        camera = self.plotter.camera
+        self.plotter.enable_parallel_projection()
+        camera.focal_point = middle + np.mean(points @ forward) * forward
+        camera.position = np.asarray(camera.focal_point) - distance * forward
+        camera.up = (0.0, 0.0, 1.0)
+        camera.parallel_scale = shown / 2
         self.plotter.reset_camera_clipping_range()
 
 
@@ -254,7 +263,15 @@ def open_window(job: Job) -> None:
         playing["now"] = not playing["now"]
 
     slider = stage.plotter.add_slider_widget(
-        show, (0, last), value=0, title="", fmt="%.0f", color=INK, pointa=(0.72, 0.08), pointb=(0.97, 0.08)
+        show,
+        (0, last),
+        value=0,
+        title="frame",
+        fmt="%.0f",
+        color=INK,
+        style="modern",
+        pointa=(0.72, 0.08),
+        pointb=(0.97, 0.08),
     )
 
     def step(_: int) -> None:

@@ -47,7 +47,7 @@ class _Shade(NamedTuple):
 _SHADES = {
     "stress": _Shade("bending_stress", 1e-6, "bending stress [MPa]"),
     "velocity": _Shade("velocity", 1.0, "velocity [m/s]"),
-    "moment": _Shade("moment", 1e-3, "bending moment [kN m]"),
+    "moment": _Shade("moment", 1.0, "bending moment [N m]"),
     "displacement": _Shade("displacement", 1e3, "displacement [mm]"),
 }
 
@@ -220,9 +220,11 @@ def _job(
             part, carries = values["base"]
             plates.append(Plates(part.cells, _moved(part, carries, s, carried)))
     largest = _round_up(max(float(np.abs(skin.values).max()) for skin in skins))
+    keys = ("space: play and pause, q: close",) if output is None else ()
+    moving = any(history.problem.base_motion for history in histories)
     several = len(histories) > 1
     names = tuple(
-        (name, (-0.04 * layout.problem.beam.length, layout.offset, 0.0))
+        (name, (-0.06 * layout.problem.beam.length, layout.offset, 0.0))
         for (name, _), layout in zip(scene.sources, scene.layouts, strict=True)
         if several
     )
@@ -232,7 +234,7 @@ def _job(
         plates=tuple(plates),
         names=names,
         title=histories[0].problem.title or "Motion",
-        notes=(*(f"{h.solver}" for h in histories), _scale_note(s, look.frame, pace * step)),
+        notes=(*(h.solver for h in histories), _scale_note(s, look.frame if moving else None, pace * step), *keys),
         captions=tuple(_caption(histories[0], float(t)) for t in times),
         label=shade.label,
         limits=(-largest, largest),
@@ -282,10 +284,11 @@ def _three_digits(value: float) -> str:
     return f"{float(f'{value:.3g}'):.10g}"
 
 
-def _scale_note(scale: float, frame: Frame, slowed: float) -> str:
+def _scale_note(scale: float, frame: Frame | None, slowed: float) -> str:
+    """Scale, point of view (None where the base does not move) and pace, in words."""
     scaled = "true scale" if scale == 1 else f"displacements and gaps ×{scale:g}, beam at true scale"
-    seen = "seen from the base" if frame == "relative" else "seen from outside"
-    return f"{scaled}, {seen}" + (f", slowed {_three_digits(1 / slowed)}×" if slowed else "")
+    seen = {None: "", "relative": ", seen from the base", "absolute": ", seen from outside"}[frame]
+    return scaled + seen + (f", slowed {_three_digits(1 / slowed)}×" if slowed else "")
 
 
 def _moved(part: Part, values: Values, scale: float, carried: str) -> FloatArray:

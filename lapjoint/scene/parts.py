@@ -209,7 +209,8 @@ class Base(Part):
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         layout, problem = self.layout, self.layout.problem
         L, far = problem.beam.length, layout.half_depth + layout.reach
-        sides = sorted({stop.sign for stop in problem.stops} | ({-1} if problem.supports else set()))
+        posts = any(not _is_wall(support, L) for support in problem.supports)
+        sides = sorted({stop.sign for stop in problem.stops} | ({-1} if posts else set()))
         plates = [((0.0, side * far), (L, side * far)) for side in sides]
         for support in problem.supports:
             if _is_wall(support, L):
