@@ -117,6 +117,7 @@ def test_mirrored_states_share_frequencies_but_no_panel() -> None:
 
 def test_states_are_drawn_on_the_panels_given() -> None:
     given = new_panels(2, 3, 7.0, 4.0)
+    assert plot_state_shapes(JOINT, modes_of_all_states(JOINT), np.reshape(given, (2, 3))) == given[:4]  # type: ignore[arg-type]
     assert plot_state_shapes(JOINT, modes_of_all_states(JOINT), given) == given[:4]
     with pytest.raises(InputError, match="axes: has 1 panels; these states need 4"):
         plot_state_shapes(JOINT, modes_of_all_states(JOINT), given[:1])
@@ -141,7 +142,7 @@ def test_equal_figures_are_equal_files(history: History, tmp_path: Path, ending:
 def test_a_figure_of_several_panels_is_saved_by_any_of_them(tmp_path: Path) -> None:
     panels = new_panels(1, 2, 3.4, 2.0)
     for name, axes in (("one.svg", panels[1]), ("all.svg", panels)):
-        save(axes, tmp_path / name)  # type: ignore[arg-type]
+        save(axes, tmp_path / name)
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "all.svg").read_bytes()
 
 
