@@ -169,6 +169,11 @@ def _columns(lengths: list[int], room: int) -> int:
     return 1
 
 
+def faint_if_thin(colour: str, alpha: float = 1.0) -> dict[str, Any]:
+    """How bars are filled: those thinner than a pixel are faint, neither lost nor as broad as one."""
+    return {"facecolor": (colour, alpha), "edgecolor": (colour, 0.25 * alpha), "linewidth": 0.15, "snap": False}
+
+
 def draw_time(axes: Axes, start: float, end: float, label: str = "time t [s]") -> None:
     """The axis of time from `start` to `end`, s, with few enough ticks for a column."""
     axes.set_xlim(start, end)
