@@ -105,7 +105,7 @@ def test_a_film_leaves_out_the_end_which_is_the_beginning(history: History, jobs
 
 def test_a_picture_is_taken_when_the_stops_push_hardest(history: History, jobs: list[Job]) -> None:
     save_picture(history, "x.png")
-    assert jobs[0].captions == ("t = 250.000 ms   above",)
+    assert jobs[0].captions == ("t = 250.000 ms   state above",)
 
 
 def test_a_beam_without_a_section_is_a_tube_coloured_by_its_moment(history: History, jobs: list[Job]) -> None:

@@ -18,7 +18,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from lapjoint.contact import is_paper_joint, paper_state_number
+from lapjoint.contact import state_label
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_scene
@@ -93,7 +93,7 @@ def export_modes(
     """
     paths = []
     for one in modes:
-        name = f"modes_{state_label(problem, one)}"
+        name = f"modes_{_file_name(problem, one)}"
         note = f"{problem.title or 'modes'}; state {one.state.name(problem)}; {solver}; time is the number of the mode"
         numbers = np.arange(1.0, one.angular_frequencies.size + 1)
         scene = mode_scene(problem, one, solver, points)
@@ -101,10 +101,9 @@ def export_modes(
     return tuple(paths)
 
 
-def state_label(problem: Problem, modes: Modes) -> str:
-    """The contact state in the name of a file, after the paper's number where it has one."""
-    number = f"{paper_state_number(problem, modes.state)}_" if is_paper_joint(problem) else ""
-    return number + re.sub(r"[^\w+]+", "-", modes.state.name(problem).replace(" ", ""))
+def _file_name(problem: Problem, modes: Modes) -> str:
+    """The contact state in the name of a file: ``6_P2+P3``."""
+    return re.sub(r"[^\w+]+", "_", state_label(problem, modes.state).replace(" + ", "+"))
 
 
 def _write(

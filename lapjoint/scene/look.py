@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from lapjoint.contact import is_paper_joint, paper_state_number
+from lapjoint.contact import state_label
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
 from lapjoint.scene.job import Job, Plates, Skin, Springs
@@ -321,6 +321,4 @@ def _acting(history: History, times: FloatArray, step: float) -> IntArray:
 
 
 def _caption(history: History, time: float) -> str:
-    state, problem = history.state_at(time), history.problem
-    number = f"state {paper_state_number(problem, state)}: " if is_paper_joint(problem) else ""
-    return f"t = {1e3 * time:.3f} ms   {number}{state.name(problem)}"
+    return f"t = {1e3 * time:.3f} ms   state {state_label(history.problem, history.state_at(time))}"
