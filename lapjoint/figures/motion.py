@@ -15,8 +15,8 @@ from lapjoint.solution import History
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-STRIP = 0.045
-"""Height of the strip of one stop, of the axes."""
+STRIP = 0.11
+"""Height of the strip of one stop, inches: that of its name."""
 
 
 @style()
@@ -94,7 +94,7 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
     stops = history.problem.stops
     low, high = axes.get_ylim()
     axes.set_yticks([tick for tick in axes.get_yticks() if low <= tick <= high])
-    share = min(0.5, STRIP * len(stops))
+    share = min(0.5, STRIP * len(stops) / _height(axes))
     axes.set_ylim(low - (high - low) * share / (1 - share), high)
     for row, (name, stop) in enumerate(zip(history.problem.stop_names, stops, strict=True)):
         bottom, height = share * (1 - (row + 1) / len(stops)), 0.7 * share / len(stops)
@@ -108,3 +108,9 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
             label=f"_contacts of {name}",
         )
         axes.text(1.01, bottom + height / 2, name, transform=axes.transAxes, fontsize=6.5, va="center", color=colour)
+
+
+def _height(axes: Axes) -> float:
+    """Height of the axes in inches, words above them left out; they are laid out only when they are drawn."""
+    assert axes.figure is not None
+    return 0.75 * float(axes.bbox.height) / axes.figure.dpi
