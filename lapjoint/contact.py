@@ -98,3 +98,14 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
     return _PAPER_STATES[
         frozenset(("tip" if problem.stops[i].x == tip else "mid", problem.stops[i].side) for i in state.closed)
     ]
+
+
+def state_label(problem: Problem, state: ContactState) -> str:
+    """The name of a state, after the paper's number where it has one."""
+    number = f"{paper_state_number(problem, state)}  " if is_paper_joint(problem) else ""
+    return number + state.name(problem)
+
+
+def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
+    """What to sort states by: the paper's number where there is one, else fewest closed stops first."""
+    return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed

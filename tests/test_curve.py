@@ -16,9 +16,9 @@ import xarray as xr
 
 from lapjoint import Outcome, paper_joint
 from lapjoint.curve import dataset_of, read_curve, write_curve
-from lapjoint.curve_figures import OUTCOME_COLOURS, certificates, plot_curve, plot_curve_wide
 from lapjoint.errors import InputError, OutputError
-from lapjoint.figures import save
+from lapjoint.figures import plot_curve, plot_curve_wide, save
+from lapjoint.figures.curve_wide import OUTCOME_COLOURS, certificates
 from lapjoint.files import from_toml
 from lapjoint.grid import FREQUENCY, Axis, Grid
 from lapjoint.plan import Plan

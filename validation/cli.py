@@ -290,14 +290,13 @@ def sweep(
 def plot(curve: str, figure: str | None, wide: bool) -> None:
     """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
     from lapjoint.curve import read_curve
-    from lapjoint.curve_figures import plot_curve, plot_curve_wide
-    from lapjoint.figures import save
+    from lapjoint.figures import plot_curve, plot_curve_wide, save
     from validation import chosen
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
     chosen.check_file("--output", path, *FIGURES)
     dataset = read_curve(curve)
-    save(plot_curve_wide(dataset)[0] if wide else plot_curve(dataset), path)
+    save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
     click.echo(f"Wrote {path}")
 
 

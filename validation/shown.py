@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lapjoint import ContactState, History, Modes, Problem, SteadyState, paper_state_number
-from lapjoint.contact import is_paper_joint
+from lapjoint import History, Modes, Problem, SteadyState
+from lapjoint.contact import state_label
 from lapjoint.files import write_text
 
 if TYPE_CHECKING:
@@ -38,12 +38,6 @@ def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[s
         for answer in answers
     ]
     return {"solver": solver, "unit": "rad/s", "states": states}
-
-
-def state_label(problem: Problem, state: ContactState) -> str:
-    """The name of a state, after the paper's number where it has one."""
-    number = f"{paper_state_number(problem, state)}  " if is_paper_joint(problem) else ""
-    return number + state.name(problem)
 
 
 def print_history(history: History) -> None:

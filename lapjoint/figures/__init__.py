@@ -1,0 +1,32 @@
+"""Figures of answers, drawn with matplotlib and without a display.
+
+Each function takes an answer object, and axes to draw on if the caller has them; it returns the axes, which `save`
+writes as PNG, SVG or PDF.  All share one style, `lapjoint.figures.style`, and take SI units to the units on their axes.
+"""
+
+from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
+from lapjoint.figures.convergence import plot_convergence
+from lapjoint.figures.curve import plot_curve
+from lapjoint.figures.curve_wide import plot_curve_wide
+from lapjoint.figures.motion import plot_motion
+from lapjoint.figures.phase import plot_phase_portrait, plot_poincare_section
+from lapjoint.figures.shapes import plot_mode_shapes, plot_state_shapes
+from lapjoint.figures.spectrum import plot_spectrum
+from lapjoint.figures.style import new_axes, new_panels, save
+
+__all__ = [
+    "new_axes",
+    "new_panels",
+    "plot_contact_impulses",
+    "plot_contact_states",
+    "plot_convergence",
+    "plot_curve",
+    "plot_curve_wide",
+    "plot_mode_shapes",
+    "plot_motion",
+    "plot_phase_portrait",
+    "plot_poincare_section",
+    "plot_spectrum",
+    "plot_state_shapes",
+    "save",
+]

@@ -1,0 +1,117 @@
+"""What the stops do: the impulse of each contact, and the contact state over time."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.contact import ContactState, state_label, state_order
+from lapjoint.figures.place import heading
+from lapjoint.figures.style import COLOURS, GREY, MARKERS, THIN, entitle, new_axes, style
+from lapjoint.solution import Contact, History
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MOST_STEMS = 200
+"""With more contacts than this the markers stand alone."""
+
+
+@style()
+def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
+    """Impulse of each contact over the time at which it starts, top positive, bottom negative.
+
+    A marker for each contact, of the stop's colour and shape; hollow where the history's ends cut the contact, so that
+    its impulse is a part only.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.
+    """
+    axes = new_axes() if axes is None else axes
+    axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
+    for stop, name in enumerate(history.problem.stop_names):
+        mine = [contact for contact in history.contacts if contact.stop == stop]
+        cut = [contact for contact in mine if contact.open_start or contact.open_end]
+        _draw_impulses(axes, [contact for contact in mine if contact not in cut], stop, name, hollow=False)
+        if cut:
+            _draw_impulses(axes, cut, stop, f"{name}, cut", hollow=True)
+        if len(history.contacts) <= MOST_STEMS:
+            t, impulse = _impulses(mine)
+            axes.vlines(t, 0.0, impulse, color=COLOURS[stop % len(COLOURS)], linewidth=THIN, alpha=0.6)
+    axes.set_xlabel("time t of impact [s]")
+    axes.set_ylabel("impulse [N s]")
+    axes.set_xlim(*_with_margin(history))
+    entitle(axes, heading(history))
+    return axes
+
+
+def _draw_impulses(axes: Axes, contacts: list[Contact], stop: int, name: str, *, hollow: bool) -> None:
+    colour = COLOURS[stop % len(COLOURS)]
+    axes.plot(
+        *_impulses(contacts),
+        linestyle="",
+        color=colour,
+        marker=MARKERS[stop % len(MARKERS)],
+        markerfacecolor="white" if hollow else colour,
+        markeredgewidth=0.8,
+        label=name,
+    )
+
+
+def _impulses(contacts: list[Contact]) -> tuple[list[float], list[float]]:
+    return [contact.start for contact in contacts], [contact.impulse for contact in contacts]
+
+
+def _with_margin(history: History) -> tuple[float, float]:
+    """The ends of the history with room for a marker on them."""
+    margin = 0.015 * (history.end - history.start)
+    return history.start - margin, history.end + margin
+
+
+@style()
+def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
+    """The contact state over time: a row for each state that occurs, a bar where it is the one, its share at the side.
+
+    The rows of the paper's joint have its numbers of the states (Table 1); others the names of the closed stops.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.
+    """
+    spans = state_spans(history)
+    states = sorted(spans, key=lambda state: state_order(history.problem, state))
+    axes = new_axes(height=1.1 + 0.22 * len(states)) if axes is None else axes
+    span = history.end - history.start
+    for row, state in enumerate(states):
+        colour = COLOURS[(len(state.closed) - 1) % len(COLOURS)] if state.closed else GREY
+        # One collection for all bars: quick with thousands of switches.
+        axes.broken_barh(spans[state], (row - 0.36, 0.72), facecolor=colour, linewidth=0)
+        share = sum(duration for _, duration in spans[state]) / span if span else 1.0
+        axes.text(1.01, row, f"{share:.1%}", transform=axes.get_yaxis_transform(), va="center", fontsize=7)
+    axes.set_yticks(range(len(states)), [state_label(history.problem, state) for state in states])
+    axes.set_ylim(len(states) - 0.4, -0.6)
+    axes.set_xlim(history.start, history.end)
+    axes.grid(False, axis="y")
+    axes.set_xlabel("time t [s]")
+    axes.set_ylabel("contact state")
+    entitle(axes, heading(history))
+    return axes
+
+
+def state_spans(history: History) -> dict[ContactState, list[tuple[float, float]]]:
+    """Start and duration, s, of every stay in each state; those of no duration are left out."""
+    edges = np.concatenate([[history.start], history.switch_times, [history.end]]).tolist()
+    spans: dict[ContactState, list[tuple[float, float]]] = {}
+    for state, (start, end) in zip(history.states, pairwise(edges), strict=True):
+        if end > start:
+            spans.setdefault(state, []).append((start, end - start))
+    return spans

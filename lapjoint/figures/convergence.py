@@ -1,0 +1,141 @@
+"""Convergence: relative error over resolution, and the order that is observed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from lapjoint.errors import InputError
+from lapjoint.figures.style import COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
+from lapjoint.problem import FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FLOOR = 1e-12
+"""Relative errors up to this are taken for rounding."""
+Answer = TypeVar("Answer")
+
+
+@style()
+def plot_convergence(
+    answers: Mapping[int, Answer],
+    axes: Axes | None = None,
+    *,
+    quantity: Callable[[Answer], float] | None = None,
+    reference: float | None = None,
+    order: float | None = None,
+    label: str | None = None,
+    floor: float = FLOOR,
+) -> Axes:
+    """Relative error over resolution on logarithmic axes, and the observed order in the key.
+
+    The order is the slope of the least-squares line through the logarithms of the drawn points whose error is above
+    `floor`.
+
+    Parameters
+    ----------
+    answers : mapping
+        From resolution, a number of elements or modes, to an answer: a number, or any object that `quantity` reduces
+        to one.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.  Further studies on the same axes take further colours and markers.
+    quantity : callable, optional
+        From an answer to the number whose convergence is looked at; needed where the answers are not numbers.
+    reference : float, optional
+        What the error is relative to; by default the number of the finest resolution, which then is not drawn.
+    order : float, optional
+        Order of a thin reference line through the coarsest point.
+    label : str, optional
+        Name of the study in the key.
+    floor : float
+        Relative errors up to this are taken for rounding, and left out of the fit.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two points to draw, a resolution is not positive, an answer is not a finite number, or
+        the reference is zero.
+    """
+    resolutions, values = _numbers(answers, quantity)
+    against = f"against {resolutions[-1]:g}" if reference is None else ""
+    if reference is None:
+        reference, resolutions, values = float(values[-1]), resolutions[:-1], values[:-1]
+    error = _relative_error(resolutions, values, reference)
+    observed = observed_order(resolutions, error, floor)
+    fitted = f"order {observed:.2f}" if math.isfinite(observed) else ""
+    name = ", ".join(part for part in (label, against, fitted) if part)
+    axes = new_axes(COLUMN_WIDTH, 2.8) if axes is None else axes
+    earlier = sum(line.get_marker() in MARKERS for line in axes.lines)
+    axes.loglog(resolutions, np.where(error > 0, error, np.nan), marker=MARKERS[earlier % len(MARKERS)], label=name)
+    if order is not None:
+        _draw_slope(axes, resolutions, error, order)
+    _set_ticks(axes)
+    axes.set_xlabel("number of elements or modes N")
+    axes.set_ylabel("relative error [-]")
+    entitle(axes)
+    return axes
+
+
+def observed_order(resolutions: FloatArray, error: FloatArray, floor: float = FLOOR) -> float:
+    """The order p of error ~ N^-p, by least squares over the errors above `floor`; NaN if these are fewer than two."""
+    above = error > floor
+    if above.sum() < 2:
+        return math.nan
+    return -float(np.polyfit(np.log(resolutions[above]), np.log(error[above]), 1)[0])
+
+
+def _numbers(
+    answers: Mapping[int, Answer], quantity: Callable[[Answer], float] | None
+) -> tuple[FloatArray, FloatArray]:
+    """Resolutions, ascending, and a number for each."""
+    for resolution in answers:
+        if not 0 < resolution < math.inf:
+            raise InputError(f"answers: resolution {resolution} must be positive and finite")
+    resolutions = sorted(answers)
+    values = [_number(resolution, answers[resolution], quantity) for resolution in resolutions]
+    return np.array(resolutions, dtype=float), np.array(values)
+
+
+def _number(resolution: float, answer: Answer, quantity: Callable[[Answer], float] | None) -> float:
+    given = answer if quantity is None else quantity(answer)
+    if not isinstance(given, int | float | np.number):
+        raise InputError(f"quantity: must say which number to take from a {type(given).__name__}, as a callable")
+    if not math.isfinite(value := float(given)):
+        raise InputError(f"answers: the number at resolution {resolution} is {value}; it must be finite")
+    return value
+
+
+def _relative_error(resolutions: FloatArray, values: FloatArray, reference: float) -> FloatArray:
+    if resolutions.size < 2:
+        raise InputError(f"answers: {resolutions.size} of them to draw; two or more are needed besides the reference")
+    if not math.isfinite(reference) or reference == 0:
+        raise InputError(f"reference = {reference}: must be finite and not zero, for the errors are relative to it")
+    return np.asarray(np.abs(values / reference - 1.0))
+
+
+def _draw_slope(axes: Axes, resolutions: FloatArray, error: FloatArray, order: float) -> None:
+    """A thin line of slope -`order` from the coarsest point with an error, once for each order."""
+    label = f"reference, order {order:g}"
+    if label in {str(line.get_label()) for line in axes.lines} or not np.any(error > 0):
+        return
+    first = int(np.flatnonzero(error > 0)[0])
+    line = error[first] * (resolutions[first:] / resolutions[first]) ** -order
+    axes.loglog(resolutions[first:], line, color=GREY, linewidth=THIN, linestyle=(0, (4, 3)), zorder=1, label=label)
+
+
+def _set_ticks(axes: Axes) -> None:
+    """Ticks at the resolutions drawn, written as they are, as far as there is room."""
+    from matplotlib.ticker import NullLocator
+
+    drawn = sorted({float(x) for line in axes.lines for x in np.asarray(line.get_xdata(), dtype=float)})
+    room = math.log(drawn[-1] / drawn[0]) / 12
+    kept = drawn[:1]
+    for resolution in drawn[1:]:
+        if math.log(resolution / kept[-1]) >= room:
+            kept.append(resolution)
+    axes.set_xticks(kept, [f"{resolution:g}" for resolution in kept])
+    axes.xaxis.set_minor_locator(NullLocator())
