@@ -21,12 +21,12 @@ BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 DOTS = {"ls": "", "marker": "o", "mfc": "none", "ms": 4, "mec": ORANGE}
 
 
-def main(step: float = 1.0, fe_step: float = 50.0) -> None:
-    """The cycle above, the curve below with a point each `step` rad/s, and each `fe_step` by finite elements."""
+def main(step: float = 1.0, fe_step: float = 50.0, workers: int = 2) -> None:
+    """The cycle above, the curve below: a point each `step` rad/s, and each `fe_step` by finite elements."""
     above, below = figures.new_panels(2, 1, 7.0, 5.0)
     cycle(above)
-    curve(below, step, fe_step)
-    figures.save(above, __file__.replace(".py", ".png"))
+    curve(below, step, fe_step, workers)
+    figures.save(above, __file__.replace(".py", ".svg"))
 
 
 def cycle(axes: Axes) -> None:
@@ -40,25 +40,27 @@ def cycle(axes: Axes) -> None:
         axes.plot(t * 1e3, fe.displacement(x, t)[0] * 1e3, ":", lw=2.2, color=ORANGE, label=f"{name}, FE")
     for side in (-1, 1):
         axes.axhline(side, color="#777777", lw=0.8, label="gap" if side == 1 else None)
-    axes.set(xlabel="t [ms]", ylabel="z [mm]", title="One steady cycle at 515 rad/s")
-    axes.legend(fontsize=8, ncols=2)
+    axes.set(xlabel="t [ms]", ylabel="z [mm]")
+    axes.set_title("One steady cycle at 515 rad/s", fontsize=9, loc="left")
+    axes.legend(fontsize=7, ncols=2)
 
 
-def curve(axes: Axes, step: float, fe_step: float) -> None:
+def curve(axes: Axes, step: float, fe_step: float, workers: int) -> None:
     """Impulse of the top stops against excitation frequency, every point certified."""
-    exact = sweep(paper_joint(), [Axis(FREQUENCY, np.arange(step, 5001.0, step))], workers=2)
-    fe = sweep(paper_joint(), [Axis(FREQUENCY, np.arange(fe_step, 5001.0, fe_step))], solver="fe", workers=2)
+    exact = sweep(paper_joint(), [Axis(FREQUENCY, np.arange(step, 5001.0, step))], workers=workers)
+    fe = sweep(paper_joint(), [Axis(FREQUENCY, np.arange(fe_step, 5001.0, fe_step))], solver="fe", workers=workers)
     for k, colour, name in ((2, BLUE, "tip, top (P4)"), (3, GREEN, "mid-span, top (P5)")):
         for found, style, label in ((exact, {"ls": "-"}, f"{name}, analytic"), (fe, DOTS, "FE" if k == 2 else None)):
             axes.plot(found.angular_frequency, found.impulse[:, k] / 1e3, color=colour, label=label, **style)
     counts = (exact.sizes["angular_frequency"], fe.sizes["angular_frequency"])
     axes.set(
         xlabel="excitation frequency [rad/s]",
-        ylabel="impulse per cycle [kN s]",
-        title=f"Certified steady states: {counts[0]} analytic, {counts[1]} by finite elements",
+        ylabel="impulse in a cycle [kN s]",
         ylim=(0, None),
     )
-    axes.legend(fontsize=8)
+    title = f"Certified steady states: {counts[0]} analytic, {counts[1]} by finite elements"
+    axes.set_title(title, fontsize=9, loc="left")
+    axes.legend(fontsize=7)
     print("Steady states certified:", *(int((found.order > 0).sum()) for found in (exact, fe)), "of", *counts)
 
 

@@ -1,7 +1,7 @@
 """The nine contact states of the paper's joint, and the mode shapes of each.
 
-Every set of closed stops makes a linear beam of its own (Table 1).  Neither the gaps nor the side matter, so states 2 and
-4 share their modes, so do 3 and 5, and so do 6 to 9.  The frequencies are those of Table 4 for hard contact.
+Every set of closed stops makes a linear beam of its own (Table 1).  Neither gap nor side matters, so states 2 and 4
+share their modes, so do 3 and 5, and so do 6 to 9.  The frequencies are those of Table 4 for hard contact.
 """
 
 import analytic
