@@ -12,6 +12,7 @@ import numpy as np
 from lapjoint import ContactState, Problem, contact_states, files, paper_joint, paper_state_number, sdnl104
 from lapjoint.contact import is_paper_joint
 from lapjoint.errors import InputError
+from lapjoint.figures.phase import excitation_frequency
 from lapjoint.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.override import override, toml_value
 from lapjoint.solver import Solver, make_solver
@@ -147,6 +148,14 @@ def check_file(option: str, path: str | None, *endings: str) -> None:
         raise InputError(f"{option} {path}: cannot be written: it is a directory")
     if not Path(path).resolve().parent.is_dir():
         raise InputError(f"{option} {path}: cannot be written: there is no such directory")
+
+
+def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> None:
+    """Refuse, before any work is done, a drawing without a file, or a section of what has no period."""
+    if draw and not figure:
+        raise InputError(f"--draw {draw}: nothing is drawn without --figure FILE")
+    if draw == "poincare":
+        excitation_frequency(problem)
 
 
 def check_directory(path: str) -> None:

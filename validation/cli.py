@@ -21,6 +21,15 @@ if TYPE_CHECKING:
 
 CONTACTS = (".csv", ".json")
 FIGURES = (".png", ".svg", ".pdf")
+DRAWINGS = {
+    "motion": "plot_motion",
+    "phase": "plot_phase_portrait",
+    "poincare": "plot_poincare_section",
+    "impulses": "plot_contact_impulses",
+    "states": "plot_contact_states",
+    "spectrum": "plot_spectrum",
+}
+"""Functions of `lapjoint.figures` by their names on the command line."""
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -86,6 +95,21 @@ def solver_options(command: Command) -> Command:
     return command
 
 
+def figure_options(command: Command) -> Command:
+    """--figure, and --draw to say what it shows."""
+    for decorate in (
+        click.option(
+            "--draw",
+            type=click.Choice(list(DRAWINGS)),
+            help="What the figure shows: motion (the default), phase portrait, Poincare section, impulses of the "
+            "contacts, contact states over time, or amplitude spectrum.",
+        ),
+        click.option("--figure", metavar="FILE", help="Draw the answer to FILE: .png, .svg or .pdf."),
+    ):
+        command = decorate(command)
+    return command
+
+
 @click.group(cls=Lapjoint, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="lapjoint", prog_name="lapjoint")
 def main() -> None:
@@ -126,7 +150,9 @@ def init(file: str, force: bool) -> None:
 @click.option("--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all.")
 @click.option("--count", type=int, default=8, show_default=True, help="Number of modes to print.")
 @click.option("--json", "json_path", metavar="FILE", help="Write the frequencies to FILE as JSON too.")
-@click.option("--figure", metavar="FILE", help="Draw the mode shapes of one state: .png, .svg or .pdf.")
+@click.option(
+    "--figure", metavar="FILE", help="Draw the mode shapes (of several states the first three): .png, .svg or .pdf."
+)
 def modes(
     problem: str,
     overrides: tuple[str, ...],
@@ -137,24 +163,21 @@ def modes(
     **solver: Any,
 ) -> None:
     """Print natural angular frequencies [rad/s] of the contact states of PROBLEM."""
-    from lapjoint.errors import InputError
     from validation import chosen, shown
 
     chosen.check_file("--figure", figure, *FIGURES)
     chosen.check_file("--json", json_path)
     this = chosen.problem_from(problem, overrides)
     states = chosen.states_from(this, state)
-    if figure and len(states) != 1:
-        raise InputError("--figure: draws one state; choose it with --state")
     answering = chosen.solver_from(**solver)
     answers = [answering.modes(this, one, count) for one in states]
     shown.print_modes(this, answering.name, answers)
     if json_path:
         shown.write_json(json_path, shown.modes_summary(this, answering.name, answers))
     if figure:
-        from lapjoint.figures import plot_mode_shapes, save
+        from lapjoint.figures import plot_mode_shapes, plot_state_shapes, save
 
-        save(plot_mode_shapes(this, answers[0]), figure)
+        save(plot_mode_shapes(this, answers[0]) if len(answers) == 1 else plot_state_shapes(this, answers), figure)
 
 
 @main.command()
@@ -162,13 +185,14 @@ def modes(
 @solver_options
 @click.option("--duration", type=float, required=True, help="Time to simulate from the initial state, s.")
 @click.option("--contacts", "contacts_path", metavar="FILE", help="Write all contacts to FILE: .csv or .json.")
-@click.option("--figure", metavar="FILE", help="Draw the motion to FILE: .png, .svg or .pdf.")
+@figure_options
 def simulate(
     problem: str,
     overrides: tuple[str, ...],
     duration: float,
     contacts_path: str | None,
     figure: str | None,
+    draw: str | None,
     **solver: Any,
 ) -> None:
     """Simulate PROBLEM from its initial state, and print its contacts."""
@@ -177,22 +201,25 @@ def simulate(
     chosen.check_file("--contacts", contacts_path, *CONTACTS)
     chosen.check_file("--figure", figure, *FIGURES)
     chosen.check_duration(duration)
-    history = find_motion(chosen.problem_from(problem, overrides), chosen.solver_from(**solver), duration)
+    this = chosen.problem_from(problem, overrides)
+    chosen.check_drawing(this, figure, draw)
+    history = find_motion(this, chosen.solver_from(**solver), duration)
     shown.print_history(history)
-    write_results(history, contacts_path, figure)
+    write_results(history, contacts_path, figure, draw)
 
 
 @main.command()
 @problem_options
 @solver_options
 @click.option("--contacts", "contacts_path", metavar="FILE", help="Write the contacts to FILE: .csv or .json.")
-@click.option("--figure", metavar="FILE", help="Draw the motion to FILE: .png, .svg or .pdf.")
+@figure_options
 @click.option("--json", "json_path", metavar="FILE", help="Write the impulses to FILE as JSON.")
 def steady(
     problem: str,
     overrides: tuple[str, ...],
     contacts_path: str | None,
     figure: str | None,
+    draw: str | None,
     json_path: str | None,
     **solver: Any,
 ) -> None:
@@ -203,9 +230,11 @@ def steady(
     chosen.check_file("--contacts", contacts_path, *CONTACTS)
     chosen.check_file("--figure", figure, *FIGURES)
     chosen.check_file("--json", json_path)
-    found = find_steady_state(chosen.problem_from(problem, overrides), chosen.solver_from(**solver))
+    this = chosen.problem_from(problem, overrides)
+    chosen.check_drawing(this, figure, draw)
+    found = find_steady_state(this, chosen.solver_from(**solver))
     shown.print_steady_state(found)
-    write_results(found.history, contacts_path, figure)
+    write_results(found.history, contacts_path, figure, draw)
     if json_path:
         shown.write_json(json_path, shown.steady_state_summary(found))
     click.get_current_context().exit(1 if found.outcome is Outcome.UNDECIDED else 0)
@@ -391,13 +420,13 @@ def find_steady_state(problem: Problem, solver: Solver) -> SteadyState:
         return solver.steady_state(problem, progress=progress)
 
 
-def write_results(history: History, contacts_path: str | None, figure: str | None) -> None:
+def write_results(history: History, contacts_path: str | None, figure: str | None, draw: str | None) -> None:
     """Write the files asked for."""
     if contacts_path:
         from lapjoint.files import write_contacts
 
         write_contacts(history, contacts_path)
     if figure:
-        from lapjoint.figures import plot_motion, save
+        from lapjoint import figures
 
-        save(plot_motion(history), figure)
+        figures.save(getattr(figures, DRAWINGS[draw or "motion"])(history), figure)

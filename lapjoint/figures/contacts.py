@@ -9,14 +9,14 @@ import numpy as np
 
 from lapjoint.contact import ContactState, state_label, state_order
 from lapjoint.figures.place import heading
-from lapjoint.figures.style import COLOURS, GREY, MARKERS, THIN, entitle, new_axes, style
+from lapjoint.figures.style import COLOURS, GREY, MARKERS, THIN, draw_time, entitle, new_axes, style
 from lapjoint.solution import Contact, History
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_STEMS = 200
-"""With more contacts than this the markers stand alone."""
+"""With more contacts than this the markers are small and stand alone."""
 
 
 @style()
@@ -38,20 +38,24 @@ def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
     for stop, name in enumerate(history.problem.stop_names):
         mine = [contact for contact in history.contacts if contact.stop == stop]
         cut = [contact for contact in mine if contact.open_start or contact.open_end]
-        _draw_impulses(axes, [contact for contact in mine if contact not in cut], stop, name, hollow=False)
-        if cut:
-            _draw_impulses(axes, cut, stop, f"{name}, cut", hollow=True)
+        size = 3.5 if len(history.contacts) <= MOST_STEMS else 1.8
+        _draw_impulses(axes, [contact for contact in mine if contact not in cut], stop, name, size, hollow=False)
+        _draw_impulses(axes, cut, stop, f"_{name}, cut", size, hollow=True)
         if len(history.contacts) <= MOST_STEMS:
             t, impulse = _impulses(mine)
-            axes.vlines(t, 0.0, impulse, color=COLOURS[stop % len(COLOURS)], linewidth=THIN, alpha=0.6)
-    axes.set_xlabel("time t of impact [s]")
+            axes.vlines(t, 0.0, impulse, color=COLOURS[stop % len(COLOURS)], linewidth=THIN, alpha=0.6, zorder=1)
+    if not history.contacts:
+        axes.set_yticks([0.0])
+        axes.text(0.5, 0.6, "no contact", transform=axes.transAxes, ha="center", color=GREY)
+    margin = 0.015 * (history.end - history.start)  # for markers on the ends
+    draw_time(axes, history.start - margin, history.end + margin, "time t of impact [s]")
     axes.set_ylabel("impulse [N s]")
-    axes.set_xlim(*_with_margin(history))
-    entitle(axes, heading(history))
+    hollow = any(contact.open_start or contact.open_end for contact in history.contacts)
+    entitle(axes, heading(history) + ("\nhollow: cut by an end of the history" if hollow else ""))
     return axes
 
 
-def _draw_impulses(axes: Axes, contacts: list[Contact], stop: int, name: str, *, hollow: bool) -> None:
+def _draw_impulses(axes: Axes, contacts: list[Contact], stop: int, name: str, size: float, *, hollow: bool) -> None:
     colour = COLOURS[stop % len(COLOURS)]
     axes.plot(
         *_impulses(contacts),
@@ -59,19 +63,14 @@ def _draw_impulses(axes: Axes, contacts: list[Contact], stop: int, name: str, *,
         color=colour,
         marker=MARKERS[stop % len(MARKERS)],
         markerfacecolor="white" if hollow else colour,
-        markeredgewidth=0.8,
+        markersize=size,
+        markeredgewidth=0.25 * size,
         label=name,
     )
 
 
 def _impulses(contacts: list[Contact]) -> tuple[list[float], list[float]]:
     return [contact.start for contact in contacts], [contact.impulse for contact in contacts]
-
-
-def _with_margin(history: History) -> tuple[float, float]:
-    """The ends of the history with room for a marker on them."""
-    margin = 0.015 * (history.end - history.start)
-    return history.start - margin, history.end + margin
 
 
 @style()
@@ -93,15 +92,14 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
     span = history.end - history.start
     for row, state in enumerate(states):
         colour = COLOURS[(len(state.closed) - 1) % len(COLOURS)] if state.closed else GREY
-        # One collection for all bars: quick with thousands of switches.
-        axes.broken_barh(spans[state], (row - 0.36, 0.72), facecolor=colour, linewidth=0)
+        # One collection for all bars: quick with thousands of switches; unsnapped, the thinnest are faint, not lost.
+        axes.broken_barh(spans[state], (row - 0.36, 0.72), color=colour, linewidth=0.15, snap=False)
         share = sum(duration for _, duration in spans[state]) / span if span else 1.0
         axes.text(1.01, row, f"{share:.1%}", transform=axes.get_yaxis_transform(), va="center", fontsize=7)
     axes.set_yticks(range(len(states)), [state_label(history.problem, state) for state in states])
     axes.set_ylim(len(states) - 0.4, -0.6)
-    axes.set_xlim(history.start, history.end)
     axes.grid(False, axis="y")
-    axes.set_xlabel("time t [s]")
+    draw_time(axes, history.start, history.end)
     axes.set_ylabel("contact state")
     entitle(axes, heading(history))
     return axes

@@ -34,7 +34,8 @@ def plot_convergence(
     """Relative error over resolution on logarithmic axes, and the observed order in the key.
 
     The order is the slope of the least-squares line through the logarithms of the drawn points whose error is above
-    `floor`.
+    `floor`.  Against the finest resolution, rather than a reference, it comes out too high: the last errors lack the
+    error of the finest.
 
     Parameters
     ----------

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.figures.place import checked_position, heading, times_drawn
-from lapjoint.figures.style import COLOURS, GREY, STYLES, THIN, entitle, new_axes, style
-from lapjoint.problem import Problem
+from lapjoint.figures.place import checked_position, heading, in_contact, line_width, times_drawn
+from lapjoint.figures.style import COLOURS, GREY, STYLES, THIN, draw_time, entitle, new_axes, style
+from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ STRIP = 0.045
 def plot_motion(
     history: History, axes: Axes | None = None, *, x: float | Sequence[float] | None = None, samples: int = 2000
 ) -> Axes:
-    """Displacement over time, the gaps dotted, the contacts shaded, and a strip of contacts for each stop.
+    """Displacement over time, the gaps dotted, the contacts shaded, and below a strip of them for each stop.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def plot_motion(
         Positions, m; by default those of the stops, or the tip where there are none.
     samples : int
         Number of times drawn, equidistant; the switches are added to them, and more where an excitation period would
-        have fewer than 16 of them.
+        have fewer than 100 of them.
 
     Raises
     ------
@@ -47,13 +47,14 @@ def plot_motion(
     axes = new_axes() if axes is None else axes
     z = 1e3 * history.displacement(np.array(positions), t)
     for i, place in enumerate(positions):
-        axes.plot(t, z[i], color=_colour(i), linestyle=STYLES[i % len(STYLES)], label=f"x = {place:g} m")
+        pattern = STYLES[i % len(STYLES)]
+        axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=f"x = {place:g} m")
         for gap in {stop.sign * stop.gap for stop in history.problem.stops if stop.x == place}:
             axes.axhline(1e3 * gap, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)))
-    _draw_contacts(axes, history, positions)
-    axes.set_xlabel("time t [s]")
+    _shade_contacts(axes, history, positions, t, z)
+    _draw_strips(axes, history, positions)
+    draw_time(axes, history.start, history.end)
     axes.set_ylabel("displacement z [mm]")
-    axes.set_xlim(history.start, history.end)
     entitle(axes, heading(history))
     return axes
 
@@ -68,24 +69,37 @@ def _colour(i: int) -> str:
     return COLOURS[i % len(COLOURS)]
 
 
-def _draw_contacts(axes: Axes, history: History, positions: list[float]) -> None:
-    """A strip for each stop below the curves, filled while it is closed, its name on the right; shades above."""
+def _shade_contacts(axes: Axes, history: History, positions: list[float], t: FloatArray, z: FloatArray) -> None:
+    """The area between a gap and the curve, in millimetres, while the stop is closed."""
+    for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.stops, strict=True)):
+        closed = in_contact([contact for contact in history.contacts if contact.stop == i], t)
+        if stop.x in positions and closed.any():
+            row, gap = positions.index(stop.x), 1e3 * stop.sign * stop.gap
+            shade = axes.fill_between(
+                t, z[row], gap, where=closed.tolist(), color=_colour(row), alpha=0.13, linewidth=0
+            )
+            shade.set_label(f"_shade of {name}")
+
+
+def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
+    """A strip for each stop below the curves, filled while the stop is closed, its name on the right."""
     stops = history.problem.stops
     low, high = axes.get_ylim()
+    axes.set_yticks([tick for tick in axes.get_yticks() if low <= tick <= high])
     share = min(0.5, STRIP * len(stops))
     axes.set_ylim(low - (high - low) * share / (1 - share), high)
-    upwards = axes.get_xaxis_transform()  # in fractions of the axes
     for row, (name, stop) in enumerate(zip(history.problem.stop_names, stops, strict=True)):
         bottom, height = share * (1 - (row + 1) / len(stops)), 0.7 * share / len(stops)
-        # One collection for all contacts: quick with thousands of them.
-        spans = [(c.start, c.duration) for c in history.contacts if c.stop == row]
-        drawn = stop.x in positions
-        colour = _colour(positions.index(stop.x)) if drawn else GREY
+        colour = _colour(positions.index(stop.x)) if stop.x in positions else GREY
+        # Upwards in fractions of the axes, and one collection for all contacts: quick with thousands of them.
         axes.broken_barh(
-            spans, (bottom, height), transform=upwards, color=colour, alpha=0.6, lw=0, label=f"_contacts of {name}"
+            [(c.start, c.duration) for c in history.contacts if c.stop == row],
+            (bottom, height),
+            transform=axes.get_xaxis_transform(),
+            color=colour,
+            alpha=0.6,
+            linewidth=0.15,
+            snap=False,
+            label=f"_contacts of {name}",
         )
-        if drawn:
-            axes.broken_barh(
-                spans, (share, 1 - share), transform=upwards, color=colour, alpha=0.1, lw=0, label=f"_shade of {name}"
-            )
         axes.text(1.01, bottom + height / 2, name, transform=axes.transAxes, fontsize=6.5, va="center", color=colour)

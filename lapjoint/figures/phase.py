@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.figures.place import heading, in_contact, one_position, times_drawn
+from lapjoint.figures.place import heading, in_contact, line_width, one_position, times_drawn
 from lapjoint.figures.style import COLUMN_WIDTH, GREY, THIN, entitle, new_axes, style
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
@@ -43,7 +43,7 @@ def plot_phase_portrait(
         In contact means: with a stop here, or with any stop where there is none here.
     samples : int
         Number of times drawn, equidistant; the switches are added to them, and more where an excitation period would
-        have fewer than 16 of them.
+        have fewer than 100 of them.
     label : str, optional
         Name of the orbit in the key; by default the position.
 
@@ -56,7 +56,8 @@ def plot_phase_portrait(
     t = times_drawn(history, samples)
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
-    (orbit,) = axes.plot(z, v, label=label or f"x = {place:g} m")
+    width = line_width(history)
+    (orbit,) = axes.plot(z, v, linewidth=width, label=label or f"x = {place:g} m")
     here = [i for i, stop in enumerate(history.problem.stops) if stop.x == place]
     contacts = [c for c in history.contacts if c.stop in here or not here]
     if contacts:
@@ -67,7 +68,7 @@ def plot_phase_portrait(
             closed,
             color=orbit.get_color(),
             linestyle="-",
-            linewidth=4.0,
+            linewidth=4 * width,
             alpha=0.3,
             solid_capstyle="butt",
             label=f"_{IN_CONTACT}" if IN_CONTACT in known else IN_CONTACT,
@@ -112,7 +113,7 @@ def plot_poincare_section(
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
     size = 4.0 if t.size < 100 else 1.8
-    name = label or f"x = {place:g} m, ωt = {phase:g} + 2πk: {t.size} sections"
+    name = label or f"x = {place:g} m, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} sections"
     axes.plot(z, v, linestyle="", marker="o", markersize=size, markeredgewidth=0, label=name)
     _widen(axes, *_state(history, place, times_drawn(history, 500)))
     entitle(axes, heading(history) if label is None else "")
@@ -151,8 +152,8 @@ def excitation_frequency(problem: Problem) -> float:
     omega = problem.excitation_frequency
     if omega is None:
         raise InputError(
-            "angular_frequency: a Poincare section needs an excitation with one frequency, of base motion and sine "
-            "loads; this problem has none or several"
+            "excitation_frequency = None: a Poincare section needs base motion and sine loads of one angular frequency; "
+            "here they have none or several"
         )
     return omega
 

@@ -10,8 +10,11 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import Contact, History
 
-LEAST_SAMPLES = 16
+LEAST_SAMPLES = 100
 """No excitation period is drawn with fewer times than this: a coarser curve shows a motion that is not there."""
+
+MANY = 100
+"""With more contacts than this the curves are thin."""
 
 
 def checked_position(problem: Problem, x: float) -> float:
@@ -57,6 +60,11 @@ def in_contact(contacts: list[Contact], t: FloatArray) -> np.ndarray[tuple[int, 
     """Whether any of the contacts lasts at each time of `t`, their ends included, shape ``(m,)``."""
     starts, ends = np.sort([c.start for c in contacts]), np.sort([c.end for c in contacts])
     return np.asarray(np.searchsorted(starts, t, side="right") > np.searchsorted(ends, t, side="left"))
+
+
+def line_width(history: History) -> float:
+    """Width of a curve, points: thin where there are many contacts, and so many turns of the curve."""
+    return 1.1 if len(history.contacts) <= MANY else 0.4
 
 
 def heading(history: History) -> str:

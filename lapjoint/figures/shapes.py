@@ -87,13 +87,22 @@ def plot_state_shapes(
         raise InputError(f"axes: has {len(axes)} panels; these states need {len(groups)}")
     columns = min(2, len(groups))
     rows = -(-len(groups) // columns)
-    panels = new_panels(rows, columns, PAGE_WIDTH, 0.3 + 2.1 * rows, sharex=True) if axes is None else tuple(axes)
+    panels = new_panels(rows, columns, PAGE_WIDTH, 0.3 + 2.1 * rows) if axes is None else tuple(axes)
     for panel, group in zip(panels, groups, strict=False):
         _draw_shapes(panel, problem, group, count, 401)
         entitle(panel, group_title(problem, group))
-    for unused in panels[len(groups) :]:
-        unused.set_axis_off()
+    if axes is None:
+        _tidy(panels, len(groups), columns)
     return panels[: len(groups)]
+
+
+def _tidy(panels: tuple[Axes, ...], used: int, columns: int) -> None:
+    """The positions written only where no panel follows below, and nothing where a panel is not used."""
+    for panel in panels[: used - columns]:
+        panel.set_xlabel("")
+        panel.tick_params(labelbottom=False)
+    for panel in panels[used:]:
+        panel.set_axis_off()
 
 
 def state_groups(problem: Problem, states_modes: Sequence[Modes]) -> list[list[Modes]]:
@@ -122,13 +131,13 @@ def upright(shape: FloatArray) -> FloatArray:
 
 
 def group_title(problem: Problem, group: Sequence[Modes]) -> str:
-    """Which states these are: the paper's numbers where they have some, and their closed stops."""
-    names = [modes.state.name(problem) for modes in group]
+    """Which states these are: the paper's numbers where they have some, and their closed stops; what the key holds."""
+    names = [modes.state.name(problem).replace(" ", "\u00a0") for modes in group]
     text = " or ".join(names[:_NAMED]) + (f" or {len(names) - _NAMED} more" if len(names) > _NAMED else "")
     word = "States" if len(group) > 1 else "State"
-    if not is_paper_joint(problem):
-        return f"{word} {text}"
-    return f"{word} {', '.join(str(paper_state_number(problem, modes.state)) for modes in group)}: {text}"
+    if is_paper_joint(problem):
+        word += " " + ", ".join(str(paper_state_number(problem, modes.state)) for modes in group)
+    return f"{word}: {text}\nmode: natural frequency [rad/s]"
 
 
 def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: int, samples: int) -> None:
@@ -141,7 +150,7 @@ def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: in
             upright(shape),
             color=COLOURS[i % len(COLOURS)],
             linestyle=STYLES[i % len(STYLES)],
-            label=f"{i + 1}: {omega:.4g} rad/s",
+            label=f"{i + 1}: {omega:.4g}",
         )
     for place, side in sorted(
         {(problem.stops[s].x, problem.stops[s].side) for each in group for s in each.state.closed}

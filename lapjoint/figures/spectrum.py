@@ -26,7 +26,7 @@ from lapjoint.solution import History
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-TOLERANCE = 1e-8
+TOLERANCE = 1e-7
 """Of the largest amplitude: the sampling error of those drawn."""
 REPEATS = 1e-3
 """Of the motion's size: how well its state must return for the motion to be taken as repeating."""
@@ -205,5 +205,5 @@ def _mark_excitation(axes: Axes, omega: float | None) -> None:
 def _how(history: History, found: Spectrum) -> str:
     if not found.periods:
         return f"Hann window over {history.end - history.start:.4g} s"
-    span = "1 excitation period" if found.periods == 1 else f"{found.periods} excitation periods"
-    return f"Fourier coefficients of {span}, repeating to {found.mismatch:.1g}"
+    span = "1 period" if found.periods == 1 else f"{found.periods} periods"
+    return f"Fourier series of {span}, repeating to {found.mismatch:.1g}"

@@ -137,14 +137,34 @@ def entitle(axes: Axes, title: str = "") -> None:
     figure = figure_of(axes)
     width = axes.get_position().width / (figure.subplotpars.right - figure.subplotpars.left) * figure.get_figwidth()
     letters = max(20, int((width - _LABELS_WIDE) * _CHARACTERS))
+    text = "\n".join(line for part in title.splitlines() for line in textwrap.wrap(part, letters))
     handles, labels = axes.get_legend_handles_labels()
-    longest = max((len(label) for label in labels), default=1)
+    if not labels:
+        axes.set_title(text, fontsize=STYLE["legend.title_fontsize"])
+        return
     axes.legend(
         handles,
         labels,
-        title="\n".join(line for part in title.splitlines() for line in textwrap.wrap(part, letters)) or None,
+        title=text or None,
         alignment="left",
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=max(1, min(len(labels), letters // (longest + 6))),
+        ncols=_columns([len(label) + 6 for label in labels], letters),
     )
+
+
+def _columns(lengths: list[int], room: int) -> int:
+    """The most columns into which entries of these lengths, filled column by column, fit beside each other."""
+    for number in range(len(lengths), 1, -1):
+        rows, longer = divmod(len(lengths), number)  # the first columns have one row more
+        ends = [(i + 1) * rows + min(i + 1, longer) for i in range(number)]
+        if sum(max(lengths[start:end]) for start, end in zip([0, *ends], ends, strict=False)) <= room:
+            return number
+    return 1
+
+
+def draw_time(axes: Axes, start: float, end: float, label: str = "time t [s]") -> None:
+    """The axis of time from `start` to `end`, s, with few enough ticks for a column."""
+    axes.set_xlim(start, end)
+    axes.set_xlabel(label)
+    axes.locator_params(axis="x", nbins=6)
