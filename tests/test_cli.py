@@ -18,7 +18,7 @@ from analytic import Solver
 from lapjoint import FREE, ContactState, Exponent, Outcome, SteadyState, paper_joint, read_problem
 from lapjoint.errors import SolverError
 from lapjoint.files import commented_example, from_toml, to_toml
-from validation.cli import main
+from validation.cli import DRAWINGS, main
 from validation.progress import duration_text, lines_of_progress, lines_with_time_left
 
 PAPER = "preset:paper"
@@ -82,6 +82,30 @@ def test_simulate_prints_and_writes_the_contacts(tmp_path: Path) -> None:
     assert [float(row["impulse_Ns"]) for row in rows] == [contact.impulse for contact in history.contacts]
     assert f"{len(rows)} contacts" in printed
     assert figure.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("drawing", DRAWINGS)
+def test_an_answer_is_drawn_in_the_way_chosen(drawing: str, tmp_path: Path) -> None:
+    figure = tmp_path / "figure.svg"
+    command = ("simulate", PAPER, "--duration", "0.02", *FEW, "--figure", figure)
+    run_well(*command, "--draw", drawing)
+    chosen = figure.read_bytes()
+    run_well(*command)
+    assert (figure.read_bytes() == chosen) == (drawing == "motion")
+
+
+def test_a_steady_state_is_drawn(tmp_path: Path) -> None:
+    figure = tmp_path / "spectrum.svg"
+    run_well("steady", PAPER, *FEW, "--figure", figure, "--draw", "spectrum")
+    assert "Fourier series of 1 period" in figure.read_text()
+
+
+def test_the_shapes_of_all_states_are_drawn_in_one_figure(tmp_path: Path) -> None:
+    figure = tmp_path / "shapes.svg"
+    run_well("modes", PAPER, "--count", "2", "--figure", figure)
+    assert all(
+        text in figure.read_text() for text in ("State 1:", "States 2, 4:", "States 3, 5:", "States 6, 7, 8, 9:")
+    )
 
 
 def test_steady_prints_the_impulse_of_every_stop(tmp_path: Path) -> None:
@@ -177,6 +201,13 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("text for duration", ("simulate", PAPER, "--duration", "long"), "'long' is not a valid float"),
     ("contacts as a picture", (*SIMULATE, "--contacts", "a.png"), "must end in .csv, .json"),
     ("a figure as a table", (*SIMULATE, "--figure", "a.csv"), "must end in .png, .svg, .pdf"),
+    ("a drawing without a file", (*SIMULATE, "--draw", "phase"), "--draw phase: nothing is drawn without --figure"),
+    ("an unknown drawing", (*SIMULATE, "--figure", "a.png", "--draw", "orbit"), "'orbit' is not one of 'motion', 'ph"),
+    (
+        "sections of what has no period",
+        ("simulate", "preset:sdnl104", "--duration", "1e9", "--figure", "a.png", "--draw", "poincare"),
+        "excitation_frequency = None: a Poincare section needs",
+    ),
     ("nowhere to write", (*SIMULATE, "--contacts", "no/such/a.csv"), "there is no such directory"),
     ("nothing excites", ("steady", "preset:sdnl104"), "angular_frequency"),
     ("one frame", ("export", PAPER, "-o", "x", "--duration", "0.01", *FEW, "--frames", "1"), "frames = 1"),

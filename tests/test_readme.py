@@ -37,7 +37,10 @@ def test_ci_runs_the_readmes_test_command() -> None:
 
 
 @pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.split("\n")[0])
-def test_its_code_runs_and_prints(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_its_code_runs_and_prints(
+    code: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     assert len(code.split("\n\n")) == 2
     exec(compile(code, "README.md", "exec"), {})
     assert re.search(r"\d\.\d", capsys.readouterr().out)

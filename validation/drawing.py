@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from lapjoint.figures.style import COLOURS as PALETTE
@@ -25,6 +25,6 @@ def draw(title: str, paint: Callable[[Axes], object], *, width: float = PAGE_WID
     return drawing(title, axes)
 
 
-def drawing(title: str, axes: Axes | Iterable[Axes]) -> Drawing:
+def drawing(title: str, axes: Axes | Sequence[Axes]) -> Drawing:
     """The figure of these axes, one or several."""
     return Drawing(title, svg_of(axes).replace("<svg ", f'<svg role="img" aria-label="{html.escape(title)}" ', 1))

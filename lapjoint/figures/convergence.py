@@ -61,11 +61,17 @@ def plot_convergence(
         If there are fewer than two points to draw, a resolution is not positive, an answer is not a finite number, or
         the reference is zero.
     """
+    if len(answers) < 2 + (reference is None):
+        raise InputError(
+            f"answers: there are {len(answers)}; two or more are needed, and one more where reference is None"
+        )
     resolutions, values = _numbers(answers, quantity)
     against = f"against {resolutions[-1]:g}" if reference is None else ""
     if reference is None:
         reference, resolutions, values = float(values[-1]), resolutions[:-1], values[:-1]
-    error = _relative_error(resolutions, values, reference)
+    if not math.isfinite(reference) or reference == 0:
+        raise InputError(f"reference = {reference}: must be finite and not zero, for the errors are relative to it")
+    error = np.abs(values / reference - 1.0)
     observed = observed_order(resolutions, error, floor)
     fitted = f"order {observed:.2f}" if math.isfinite(observed) else ""
     name = ", ".join(part for part in (label, against, fitted) if part)
@@ -108,14 +114,6 @@ def _number(resolution: float, answer: Answer, quantity: Callable[[Answer], floa
     if not math.isfinite(value := float(given)):
         raise InputError(f"answers: the number at resolution {resolution} is {value}; it must be finite")
     return value
-
-
-def _relative_error(resolutions: FloatArray, values: FloatArray, reference: float) -> FloatArray:
-    if resolutions.size < 2:
-        raise InputError(f"answers: {resolutions.size} of them to draw; two or more are needed besides the reference")
-    if not math.isfinite(reference) or reference == 0:
-        raise InputError(f"reference = {reference}: must be finite and not zero, for the errors are relative to it")
-    return np.asarray(np.abs(values / reference - 1.0))
 
 
 def _draw_slope(axes: Axes, resolutions: FloatArray, error: FloatArray, order: float) -> None:

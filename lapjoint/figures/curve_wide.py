@@ -39,6 +39,16 @@ def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
     """A panel for each stop, and a strip that says what was established at each point; as wide as a page.
 
     A second field is drawn as a line for each of its values, or as a map.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+
+    Returns
+    -------
+    tuple of matplotlib.axes.Axes
+        One for each stop, and that of the strip.
     """
     dataset = in_order(dataset)
     first, second = fields(dataset)

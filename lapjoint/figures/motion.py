@@ -21,7 +21,12 @@ STRIP = 0.045
 
 @style()
 def plot_motion(
-    history: History, axes: Axes | None = None, *, x: float | Sequence[float] | None = None, samples: int = 2000
+    history: History,
+    axes: Axes | None = None,
+    *,
+    x: float | Sequence[float] | None = None,
+    samples: int = 2000,
+    label: str | None = None,
 ) -> Axes:
     """Displacement over time, the gaps dotted, the contacts shaded, and below a strip of them for each stop.
 
@@ -36,6 +41,8 @@ def plot_motion(
     samples : int
         Number of times drawn, equidistant; the switches are added to them, and more where an excitation period would
         have fewer than 100 of them.
+    label : str, optional
+        Name of the motion in the key, before its positions; by default title and solver stand above.
 
     Raises
     ------
@@ -48,14 +55,15 @@ def plot_motion(
     z = 1e3 * history.displacement(np.array(positions), t)
     for i, place in enumerate(positions):
         pattern = STYLES[i % len(STYLES)]
-        axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=f"x = {place:g} m")
+        name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
+        axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=name)
         for gap in {stop.sign * stop.gap for stop in history.problem.stops if stop.x == place}:
             axes.axhline(1e3 * gap, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)))
     _shade_contacts(axes, history, positions, t, z)
     _draw_strips(axes, history, positions)
     draw_time(axes, history.start, history.end)
     axes.set_ylabel("displacement z [mm]")
-    entitle(axes, heading(history))
+    entitle(axes, heading(history) if label is None else "")
     return axes
 
 

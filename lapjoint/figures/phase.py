@@ -152,8 +152,8 @@ def excitation_frequency(problem: Problem) -> float:
     omega = problem.excitation_frequency
     if omega is None:
         raise InputError(
-            "excitation_frequency = None: a Poincare section needs base motion and sine loads of one angular frequency; "
-            "here they have none or several"
+            "excitation_frequency = None: a Poincare section needs base motion and sine loads of one frequency, "
+            "and these have none or several"
         )
     return omega
 

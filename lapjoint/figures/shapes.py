@@ -9,7 +9,18 @@ import numpy as np
 
 from lapjoint.contact import is_paper_joint, paper_state_number, state_order
 from lapjoint.errors import InputError
-from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLES, THIN, entitle, new_axes, new_panels, style
+from lapjoint.figures.style import (
+    COLOURS,
+    GREY,
+    PAGE_WIDTH,
+    STYLES,
+    THIN,
+    each_axes,
+    entitle,
+    new_axes,
+    new_panels,
+    style,
+)
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import Modes
 
@@ -64,7 +75,7 @@ def plot_state_shapes(
     states_modes : sequence of Modes
         One for each contact state, from any solver, in any order.
     axes : sequence of matplotlib.axes.Axes, optional
-        Where to draw, a panel for each group; by default on a new figure.
+        Where to draw, a panel for each group, or an array of them; by default on a new figure.
     count : int
         Number of modes in a panel.
 
@@ -83,11 +94,12 @@ def plot_state_shapes(
     groups = state_groups(problem, states_modes)
     if not 0 < len(groups) <= MOST_PANELS:
         raise InputError(f"states_modes: has {len(groups)} groups of states; 1 to {MOST_PANELS} can be drawn")
-    if axes is not None and len(axes) < len(groups):
-        raise InputError(f"axes: has {len(axes)} panels; these states need {len(groups)}")
+    given = () if axes is None else each_axes(axes)
+    if axes is not None and len(given) < len(groups):
+        raise InputError(f"axes: has {len(given)} panels; these states need {len(groups)}")
     columns = min(2, len(groups))
     rows = -(-len(groups) // columns)
-    panels = new_panels(rows, columns, PAGE_WIDTH, 0.3 + 2.1 * rows) if axes is None else tuple(axes)
+    panels = new_panels(rows, columns, PAGE_WIDTH, 0.3 + 2.1 * rows) if axes is None else given
     for panel, group in zip(panels, groups, strict=False):
         _draw_shapes(panel, problem, group, count, 401)
         entitle(panel, group_title(problem, group))

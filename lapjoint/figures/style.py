@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import io
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from lapjoint.errors import InputError
 
@@ -88,7 +90,7 @@ def new_panels(rows: int, columns: int, width: float, height: float, **options: 
     return tuple(figure.subplots(rows, columns, squeeze=False, **options).flat)
 
 
-def save(axes: Axes | Iterable[Axes], path: str | Path) -> None:
+def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
     """Write the figure that `axes`, one or several, belong to, as PNG, SVG or PDF by the ending of `path`.
 
     Raises
@@ -105,7 +107,7 @@ def save(axes: Axes | Iterable[Axes], path: str | Path) -> None:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
-def svg_of(axes: Axes | Iterable[Axes]) -> str:
+def svg_of(axes: Axes | Sequence[Axes]) -> str:
     """The figure that `axes` belong to as an SVG element on a transparent ground, for a page of HTML."""
     out = io.StringIO()
     _write(axes, out, "svg", transparent=True)
@@ -114,19 +116,22 @@ def svg_of(axes: Axes | Iterable[Axes]) -> str:
 
 
 @style()
-def _write(axes: Axes | Iterable[Axes], target: str | Path | io.StringIO, form: str, **options: Any) -> None:
+def _write(axes: Axes | Sequence[Axes], target: str | Path | io.StringIO, form: str, **options: Any) -> None:
     """The file without the date, so that equal figures are equal files."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     figure_of(axes).savefig(target, format=form, metadata=dates.get(form), **options)
 
 
-def figure_of(axes: Axes | Iterable[Axes]) -> Figure:
+def each_axes(axes: Axes | Sequence[Axes]) -> tuple[Axes, ...]:
+    """One Axes, a sequence of them, or an array of them of any shape, row by row."""
+    return tuple(np.ravel(np.asarray(axes, dtype=object)))
+
+
+def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
     """The figure that `axes`, one or several, belong to."""
-    from matplotlib.axes import Axes as OneAxes
     from matplotlib.figure import Figure
 
-    first = axes if isinstance(axes, OneAxes) else next(iter(axes))
-    figure: Any = first.figure
+    figure: Any = each_axes(axes)[0].figure
     while not isinstance(figure, Figure):
         figure = figure.figure  # a subfigure's
     return figure

@@ -5,11 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 import analytic
 import fe_lapjoint
 from lapjoint import paper_joint
+from lapjoint.figures import plot_phase_portrait, plot_poincare_section
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say
 from validation.drawing import COLOURS, draw
@@ -73,7 +72,7 @@ def decided(entries: list[Entry]) -> list[Criterion]:
 
 
 def _paint_phase(axes: Axes, omega: float) -> None:
-    """z against z_t of the tip; dots where the excitation begins a cycle (the Poincare section)."""
+    """Velocity over displacement of the tip; dots where the excitation begins a cycle (the Poincare section)."""
     joint = paper_joint(angular_frequency=omega)
     solvers: tuple[tuple[str, str, Solver], ...] = (
         ("scheme as published", "paper", analytic.PublishedScheme()),
@@ -82,14 +81,9 @@ def _paint_phase(axes: Axes, omega: float) -> None:
     )
     for label, colour, solver in solvers:
         history = solver.steady_state(joint).history
-        period = 2 * np.pi / omega
-        t = np.linspace(history.start, history.end, 1 + 400 * round((history.end - history.start) / period))
-        z, v = history.displacement(TIP, t)[0] * 1e3, history.velocity(TIP, t)[0]
-        dashed = "--" if colour == "fe" else "-"
-        axes.plot(z, v, dashed, color=COLOURS[colour], lw=0.8 if colour == "paper" else 1.3, label=label)
-        axes.plot(z[::400], v[::400], "o", color=COLOURS[colour], ms=4)
-    axes.set(xlabel="z of the tip (mm)", ylabel="velocity (m/s)")
-    axes.legend(fontsize=7, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+        axes.set_prop_cycle(color=[COLOURS[colour]], linestyle=["--" if colour == "fe" else "-"])
+        plot_phase_portrait(history, axes, x=TIP, label=label)
+        plot_poincare_section(history, axes, x=TIP, label=f"_sections, {label}")
 
 
 def _paint(axes: Axes, curves: Figure4) -> None:
@@ -120,5 +114,5 @@ def _paint(axes: Axes, curves: Figure4) -> None:
         axes.annotate(label, (4990, 0.75 if stop == TIP_TOP else -0.85), ha="right")
     axes.axhline(1.5, color="0.6", lw=0.6, ls=":")
     axes.axhline(-1.5, color="0.6", lw=0.6, ls=":", label="axis of Figure 4")
-    axes.set(xlabel="excitation frequency (rad/s)", ylabel="impulse (10⁴ N s)", xlim=(0, 5000))
+    axes.set(xlabel="excitation frequency [rad/s]", ylabel="impulse [10⁴ N s]", xlim=(0, 5000))
     axes.legend(fontsize=8, ncols=2, loc="upper left")

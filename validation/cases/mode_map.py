@@ -135,5 +135,5 @@ def _paint(axes: Axes, found: FloatArray, labels: list[str], frequencies: tuple[
     axes.set_yticks(range(len(labels)), labels)
     axes.axhline(len(COUNTS) - 0.5, color="white", lw=2)
     axes.grid(False)
-    axes.set_xlabel("excitation frequency (rad/s)")
+    axes.set_xlabel("excitation frequency [rad/s]")
     axes.figure.colorbar(image, ax=axes, label="error over the largest impulse; blank: no answer")

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 import analytic
 import fe_lapjoint
-from lapjoint import FREE, ContactState, contact_states, paper_joint, paper_state_number
+from lapjoint import FREE, ContactState, Problem, contact_states, paper_joint, paper_state_number
+from lapjoint.figures import plot_state_shapes
+from lapjoint.figures.shapes import state_groups
 from lapjoint.problem import FloatArray
-from validation.case import CaseResult, Level, Say, table
-from validation.drawing import COLOURS, draw
+from validation.case import CaseResult, Drawing, Level, Say, table
+from validation.drawing import draw, drawing
 from validation.quantity import Check, Criterion, Estimate, Kind
 from validation.uncertainty import refined_estimate
 
@@ -91,27 +92,22 @@ def run(level: Level, say: Say) -> CaseResult:
         ),
         drawings=(
             draw("MAC, state 6, k* = 5000", paint, width=4.2),
-            *(draw(f"Mode {i + 1} of the nine states", partial(_paint_shapes, i), width=5.0) for i in range(3)),
+            shapes_drawing(problem),
         ),
     )
 
 
-def _paint_shapes(i: int, axes: Axes) -> None:
-    """One mode in every state: analytic lines, and finite elements as dots."""
-    problem = paper_joint(k_star=5000.0)
-    x, dots = np.linspace(0.0, problem.beam.length, 201), np.linspace(0.0, problem.beam.length, 21)
-    by_number = {paper_state_number(problem, state): state for state in contact_states(problem)}
-    for numbers, colour in zip(((1,), (2, 4), (3, 5), (6, 7, 8, 9)), COLOURS.values(), strict=True):
-        state = by_number[numbers[0]]
-        shape = analytic.Solver().modes(problem, state, i + 1).shapes
-        fe = fe_lapjoint.Solver().modes(problem, state, i + 1).shapes(dots)[i]
-        sign = np.sign(shape(np.array([0.1 * problem.beam.length]))[i, 0])
-        same = np.sign(shape(dots)[i] @ fe)
-        label = f"state{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
-        axes.plot(x, sign * shape(x)[i], color=colour, label=label)
-        axes.plot(dots, sign * same * fe, ".", color=colour, ms=4)
-    axes.set(xlabel="x (m)", ylabel="shape (kg^-1/2)")
-    axes.legend(fontsize=7, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+def shapes_drawing(problem: Problem, count: int = 3) -> Drawing:
+    """The first modes of the nine states: analytic lines, and finite elements as dots."""
+    exact = [analytic.Solver().modes(problem, state, count) for state in contact_states(problem)]
+    panels = plot_state_shapes(problem, exact, count=count)
+    for axes, group in zip(panels, state_groups(problem, exact), strict=True):
+        lines = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
+        fe = fe_lapjoint.Solver().modes(problem, group[0].state, count).shapes(np.asarray(lines[0].get_xdata()))
+        for line, shape in zip(lines, fe, strict=True):
+            x, drawn = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+            axes.plot(x[::20], np.sign(drawn @ shape) * shape[::20], ".", color=line.get_color(), markersize=4)
+    return drawing("The first modes of the nine states, k* = 5000", panels)
 
 
 def tip_ratios() -> list[Check]:

@@ -157,5 +157,5 @@ def _paint(axes: Axes, points: list[Point]) -> None:
             mfc="none",
             label=f"{name}, FE",
         )
-    axes.set(xlabel="excitation frequency (rad/s)", ylabel="impulse (kN s)")
+    axes.set(xlabel="excitation frequency [rad/s]", ylabel="impulse [kN s]")
     axes.legend(fontsize=7, ncols=4, loc="upper right")

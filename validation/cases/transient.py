@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint import History, paper_joint
+from lapjoint.figures import plot_motion
+from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Drawing, Level, Say, Table, table
 from validation.cases.motions import compare_contacts
 from validation.drawing import COLOURS, draw
@@ -56,22 +58,15 @@ def contact_table(checks: list[Check]) -> Table:
 
 
 def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
-    """Displacement at the stop farthest from the root, by both solvers, with gaps and contacts."""
+    """Displacement at the stop farthest from the root by both solvers, with gaps, and contacts by the analytic one."""
     stops = exact.problem.stops
     x = max(stop.x for stop in stops) if stops else exact.problem.beam.length
     t = np.linspace(exact.start, min(exact.end, fe.end), 900)
 
     def paint(axes: Axes) -> None:
-        for contact in exact.contacts:
-            if stops[contact.stop].x == x:
-                axes.axvspan(contact.start * 1e3, contact.end * 1e3, color="#009E73", alpha=0.15, lw=0)
-        axes.plot(t * 1e3, exact.displacement(x, t)[0] * 1e3, color=COLOURS["analytic"], label="analytic")
-        axes.plot(t * 1e3, fe.displacement(x, t)[0] * 1e3, "--", color=COLOURS["fe"], label="FE")
-        for stop in stops:
-            if stop.x == x:
-                axes.axhline(stop.sign * stop.gap * 1e3, color="#666666", lw=0.8, ls=":")
-        axes.set(xlabel="t (ms)", ylabel=f"z at x = {x:g} m (mm)")
-        axes.legend(loc="upper right", fontsize=8)
+        plot_motion(exact, axes, x=x, label="analytic")
+        axes.plot(t, 1e3 * fe.displacement(x, t)[0], "--", color=COLOURS["fe"], label=f"FE, x = {x:g} m")
+        entitle(axes)
 
     return draw(title, paint)
 
@@ -86,7 +81,7 @@ def energy_drawing(title: str, exact: History, fe: History) -> Drawing:
             supplied = np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
             axes.plot(t * 1e3, held, style, color=COLOURS[colour], label=f"kinetic and elastic, {name}")
             axes.plot(t * 1e3, supplied - held, style, color=COLOURS[colour], lw=0.8, label=f"taken by damping, {name}")
-        axes.set(xlabel="t (ms)", ylabel="energy (kJ)")
+        axes.set(xlabel="time t [ms]", ylabel="energy [kJ]")
         axes.legend(loc="upper left", fontsize=8)
 
     return draw(title, paint)
