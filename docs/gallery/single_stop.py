@@ -2,7 +2,7 @@
 
 With one stop below the tip, as in the table, there are two states, each a linear beam with modes of its own.  At impact
 and rebound the motion passes from one set of modes to the other; displacement and velocity must not jump (36), (41).
-Elements keep them to rounding.  Modes do so in the limit: the velocity that few modes leave out falls with their cube.
+Elements keep them.  Modes do so in the limit: the velocity that few modes leave out falls with their cube.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ def jumps(history: History, T: float) -> list[str]:
     just = [np.nextafter(T, 0.0), np.nextafter(T, 1.0)]
     motions = (history.displacement, history.velocity)
     found = [np.ptp(motion(x, just), axis=1).max() / np.abs(motion(x, all_times)).max() for motion in motions]
-    return [f"{jump:.0e}" if jump > 1e-12 else "rounding" for jump in found]
+    return [f"{jump:.0e}" if jump > 1e-12 else "< 1e-12" for jump in found]
 
 
 for solver in (*(analytic.Solver(n_modes=n) for n in (30, 60, 120)), fe_lapjoint.Solver()):
