@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.figures.place import checked_position, heading, in_contact, line_width, times_drawn
-from lapjoint.figures.style import COLOURS, GREY, STYLES, THIN, draw_time, entitle, new_axes, style
+from lapjoint.figures.style import COLOURS, GREY, STYLES, THIN, draw_time, entitle, faint_if_thin, new_axes, style
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
 
@@ -104,10 +104,7 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
             [(c.start, c.duration) for c in history.contacts if c.stop == row],
             (bottom, height),
             transform=axes.get_xaxis_transform(),
-            color=colour,
-            alpha=0.6,
-            linewidth=0.15,
-            snap=False,
+            **faint_if_thin(colour, 0.6),
             label=f"_contacts of {name}",
         )
         axes.text(1.01, bottom + height / 2, name, transform=axes.transAxes, fontsize=6.5, va="center", color=colour)

@@ -159,13 +159,19 @@ def entitle(axes: Axes, title: str = "") -> None:
 
 
 def _columns(lengths: list[int], room: int) -> int:
-    """The most columns into which entries of these lengths, filled column by column, fit beside each other."""
-    for number in range(len(lengths), 1, -1):
-        rows, longer = divmod(len(lengths), number)  # the first columns have one row more
-        ends = [(i + 1) * rows + min(i + 1, longer) for i in range(number)]
+    """The columns of the fewest rows in which entries of these lengths, filled column by column, fit side by side."""
+    for rows in range(1, len(lengths)):
+        columns = -(-len(lengths) // rows)
+        most, longer = divmod(len(lengths), columns)  # the first columns have one row more
+        ends = [(i + 1) * most + min(i + 1, longer) for i in range(columns)]
         if sum(max(lengths[start:end]) for start, end in zip([0, *ends], ends, strict=False)) <= room:
-            return number
+            return columns
     return 1
+
+
+def faint_if_thin(colour: str, alpha: float = 1.0) -> dict[str, Any]:
+    """How bars are filled: those thinner than a pixel are faint, neither lost nor as broad as one."""
+    return {"facecolor": (colour, alpha), "edgecolor": (colour, 0.25 * alpha), "linewidth": 0.15, "snap": False}
 
 
 def draw_time(axes: Axes, start: float, end: float, label: str = "time t [s]") -> None:

@@ -9,6 +9,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import paper_joint
 from lapjoint.figures import plot_phase_portrait, plot_poincare_section
+from lapjoint.figures.style import entitle
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say
 from validation.drawing import COLOURS, draw
@@ -92,6 +93,7 @@ def _paint(axes: Axes, curves: Figure4) -> None:
         axes.plot(
             curves.published.omega,
             curves.published.impulse[:, stop] / 1e4,
+            "-",
             color=COLOURS["paper"],
             lw=0.7,
             label="scheme as published, 8 and 5 modes" if first else None,
@@ -99,6 +101,7 @@ def _paint(axes: Axes, curves: Figure4) -> None:
         axes.plot(
             curves.converged.omega,
             curves.converged.impulse[:, stop] / 1e4,
+            "-",
             color=COLOURS["analytic"],
             lw=1.3,
             label="converged, analytic" if first else None,
@@ -115,4 +118,4 @@ def _paint(axes: Axes, curves: Figure4) -> None:
     axes.axhline(1.5, color="0.6", lw=0.6, ls=":")
     axes.axhline(-1.5, color="0.6", lw=0.6, ls=":", label="axis of Figure 4")
     axes.set(xlabel="excitation frequency [rad/s]", ylabel="impulse [10⁴ N s]", xlim=(0, 5000))
-    axes.legend(fontsize=8, ncols=2, loc="upper left")
+    entitle(axes)

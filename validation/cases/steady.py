@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint import Outcome, Problem, SteadyState, paper_joint
+from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
 from validation.cases.transient import WITNESS_TOLERANCE
@@ -158,4 +159,4 @@ def _paint(axes: Axes, points: list[Point]) -> None:
             label=f"{name}, FE",
         )
     axes.set(xlabel="excitation frequency [rad/s]", ylabel="impulse [kN s]")
-    axes.legend(fontsize=7, ncols=4, loc="upper right")
+    entitle(axes)

@@ -82,6 +82,6 @@ def energy_drawing(title: str, exact: History, fe: History) -> Drawing:
             axes.plot(t * 1e3, held, style, color=COLOURS[colour], label=f"kinetic and elastic, {name}")
             axes.plot(t * 1e3, supplied - held, style, color=COLOURS[colour], lw=0.8, label=f"taken by damping, {name}")
         axes.set(xlabel="time t [ms]", ylabel="energy [kJ]")
-        axes.legend(loc="upper left", fontsize=8)
+        entitle(axes)
 
     return draw(title, paint)
