@@ -52,3 +52,21 @@ def history() -> History:
         contacts=(Contact(0, a, b, impulse, peak), Contact(1, 0.5 + a, 0.5 + b, -impulse, peak)),
         field=swinging,
     )
+
+
+@pytest.fixture(scope="session")
+def graphics(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """A machine that can draw."""
+    import analytic
+    from lapjoint import sdnl104
+    from lapjoint.errors import OutputError
+    from lapjoint.scene import Look, save_picture
+    from lapjoint.scene.process import NO_GRAPHICS
+
+    motion = analytic.Solver(n_modes=2).simulate(sdnl104(), 0.01)
+    try:
+        save_picture(motion, tmp_path_factory.mktemp("graphics") / "try.png", look=Look(size=(100, 100)))
+    except OutputError as error:
+        if str(error) != NO_GRAPHICS:
+            raise
+        pytest.skip(f"{error}")

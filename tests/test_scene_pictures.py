@@ -30,21 +30,6 @@ def solid(history: History) -> History:
     return History(**{**history.__dict__, "problem": history.problem.replace(beam=beam)})
 
 
-@pytest.fixture(scope="session")
-def graphics(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """A machine that can draw."""
-    import analytic
-    from lapjoint import sdnl104
-
-    motion = analytic.Solver(n_modes=2).simulate(sdnl104(), 0.01)
-    try:
-        save_picture(motion, tmp_path_factory.mktemp("graphics") / "try.png", look=Look(size=(100, 100)))
-    except OutputError as error:
-        if str(error) != process.NO_GRAPHICS:
-            raise
-        pytest.skip(f"{error}")
-
-
 @pytest.fixture
 def jobs(monkeypatch: pytest.MonkeyPatch) -> list[Job]:
     """What would be drawn; nothing is."""

@@ -24,6 +24,8 @@ class Layout:
     """Equidistant stations along the beam; the positions of supports and stops are added."""
     offset: float = 0.0
     """Shift along y, m, of a scene that stands beside another."""
+    pressed: float = 0.0
+    """How far a stop is pressed at most, m; its spring is longer."""
 
     def __post_init__(self) -> None:
         check_points(self.points)
@@ -60,7 +62,7 @@ class Layout:
     @property
     def reach(self) -> float:
         """Distance from the beam's surface to the rails that carry the stops, m, gaps not counted."""
-        return max(2 * self.half_depth, self.problem.beam.length / 15)
+        return max(2 * self.half_depth, self.problem.beam.length / 15, 1.6 * self.pressed)
 
     def widest_gap(self, sign: int) -> float:
         """The widest gap above (1) or below (-1) the beam, m; 0 where there is no stop.  It sets off the rail."""

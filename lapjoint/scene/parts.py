@@ -27,6 +27,7 @@ point value              unit       meaning
 ``bending_stress``       Pa         -E zeta z_xx at the height zeta above the axis, tension positive; on the beam's
                                     line that of the top surface (where the problem gives a section)
 ``contact_force``        N          vector, of the stops on the beam (beam only)
+``difference``           m          vector, of a later motion from the first (beam and solid of the later one)
 ======================== ========== ===============================================================================
 
 ================== ====== =================================================================

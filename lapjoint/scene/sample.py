@@ -51,6 +51,10 @@ class Source(Protocol):
     def solver(self) -> str:
         """Who found it."""
 
+    @property
+    def pressed(self) -> float:
+        """How far a stop is pressed at most, m."""
+
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
         """The motion at `times`."""
 
@@ -73,6 +77,12 @@ class Motion:
     def solver(self) -> str:
         """Who found it."""
         return self.history.solver
+
+    @property
+    def pressed(self) -> float:
+        """How far a stop is pressed at most, m."""
+        stops = self.history.problem.stops
+        return max((c.peak_force / stops[c.stop].stiffness for c in self.history.contacts), default=0.0)
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
         """The motion at `times`, s, within the history."""
@@ -97,6 +107,7 @@ class ModesInTurn:
     problem: Problem
     modes: Modes
     solver: str
+    pressed: float = 0.0
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
         """The shapes of the modes numbered `times`, from 1."""

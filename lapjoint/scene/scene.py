@@ -46,9 +46,10 @@ class Scene:
     def layouts(self) -> tuple[Layout, ...]:
         """Where each joint stands."""
         found: list[Layout] = []
+        pressed = max(source.pressed for _, source in self.sources)
         for _, source in self.sources:
             offset = found[-1].offset - (APART + 1) * found[-1].breadth if found else 0.0
-            found.append(Layout(source.problem, self.points, offset))
+            found.append(Layout(source.problem, self.points, offset, pressed))
         return tuple(found)
 
     @cached_property
