@@ -151,10 +151,10 @@ def test_export_writes_the_mode_shapes_of_all_states(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("output", ["x.png", "x.gif"])
 def test_show_says_what_it_wrote(output: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lapjoint.scene import look
+    from lapjoint.scene import pictures
 
     drawn = []
-    monkeypatch.setattr(look, "draw", lambda job, progress: drawn.append(job))
+    monkeypatch.setattr(pictures, "draw", lambda job, progress: (drawn.append(job), job.output.touch()))
     what = ("--duration", "0.01", "--absolute", "--scale", "3", "--size", "300x200", "--frames", "4")
     printed = run_well("show", PAPER, "-o", tmp_path / output, *what, *FEW, "--colour", "velocity")
     assert printed == f"Wrote {tmp_path / output}\n"

@@ -346,6 +346,20 @@ def test_a_directory_that_cannot_be_made_is_refused(history: History, tmp_path: 
             export_motion(history, tmp_path / "file" / "out", format=kind)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("kind", FORMATS)
+def test_an_interrupted_export_leaves_no_series_that_looks_complete(solid: History, tmp_path: Path, kind: Any) -> None:
+    def interrupt(done: float, total: float) -> None:
+        raise KeyboardInterrupt
+
+    export_motion(solid, tmp_path, format=kind, frames=3)
+    with pytest.raises(KeyboardInterrupt):
+        export_motion(solid, tmp_path, format=kind, frames=200, progress=interrupt)
+    left = {path.name for path in tmp_path.iterdir() if path.is_file()}
+    assert left <= {"motion.vtkhdf"}  # the complete one of before
+    if left:
+        assert len(vtkhdf_by_vtk(tmp_path / "motion.vtkhdf")) == 3 + solid.switch_times.size
+
+
 def test_motions_without_a_time_in_common_are_refused(history: History, tmp_path: Path) -> None:
     later = History(**{**history.__dict__, "start": 2.0, "end": 3.0})
     with pytest.raises(InputError, match="no time in common"):

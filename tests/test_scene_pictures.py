@@ -15,7 +15,7 @@ from PIL import Image
 from lapjoint import Contact, History, InputError, Material, Rectangle
 from lapjoint.beam import Beam
 from lapjoint.errors import OutputError
-from lapjoint.scene import Look, check_can_show, look, process, save_film, save_picture, show_window
+from lapjoint.scene import Look, check_can_show, pictures, process, save_film, save_picture, show_window
 from lapjoint.scene.job import Job
 
 LIT = np.array([0xE6, 0x9F, 0x00])
@@ -31,10 +31,17 @@ def solid(history: History) -> History:
 
 
 @pytest.fixture
-def jobs(monkeypatch: pytest.MonkeyPatch) -> list[Job]:
+def jobs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Job]:
     """What would be drawn; nothing is."""
     kept: list[Job] = []
-    monkeypatch.setattr(look, "draw", lambda job, progress: kept.append(job))
+
+    def keep(job: Job, progress: Any) -> None:
+        kept.append(job)
+        assert job.output is not None
+        job.output.touch()
+
+    monkeypatch.setattr(pictures, "draw", keep)
+    monkeypatch.chdir(tmp_path)
     return kept
 
 

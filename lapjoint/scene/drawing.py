@@ -12,185 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from lapjoint.problem import FloatArray
-from lapjoint.scene.job import Job, Plates, Skin, Springs
-
-BACKGROUND, INK, PALE, STEEL = "white", "#222222", "#C9CCD1", "#7A828C"
-LIT, SILENT = "#E69F00", "#8A929C"
-COLOURS = "RdBu_r"
-VIEWPOINT = np.array([0.35, -1.0, 0.32])
-"""From the middle of the scene to the eye."""
-TURNS, ROUND = 6, 20
-"""Turns of a coil, and points on each."""
-
-
-class Stage:
-    """A job set up for drawing; `at` shows a frame of it."""
-
-    def __init__(self, job: Job, off_screen: bool) -> None:
-        import pyvista
-
-        self.job = job
-        self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=list(job.size), border=False)
-        self.plotter.set_background(BACKGROUND)
-        self.font = max(8, round(job.size[0] / 75))
-        self._skins = [self._add_skin(skin, first=i == 0) for i, skin in enumerate(job.skins)]
-        self._coils = [self._add_springs(springs) for springs in job.springs]
-        self._plates = [self._add_plates(plates) for plates in job.plates]
-        self._add_words()
-        self._aim()
-        self.at(0)
-
-    def at(self, frame: int) -> None:
-        """Show a frame."""
-        for skin, (shown, ids) in zip(self.job.skins, self._skins, strict=True):
-            if ids is None:
-                shown.copy_from(_tube(skin, frame))
-            else:
-                shown.points = skin.points[frame][ids]
-                shown.point_data["value"] = skin.values[frame][ids]
-        for springs, pieces in zip(self.job.springs, self._coils, strict=True):
-            for stop, (coil, actors) in enumerate(pieces):
-                coil.points = _coil(springs.points[frame, stop], springs.radius)
-                for actor in actors:
-                    actor.prop.color = LIT if springs.acts[frame, stop] else SILENT
-        for plates, shown in zip(self.job.plates, self._plates, strict=True):
-            shown.points = plates.points[frame]
-        self._caption.input = self.job.captions[frame]
-
-    def image(self) -> Any:
-        """The frame as it is shown, RGB."""
-        self.plotter.render()
-        return self.plotter.screenshot(return_img=True)
-
-    def _add_skin(self, skin: Skin, first: bool) -> tuple[Any, Any]:
-        """A beam and the colour scale; gives its mesh, and which points of the job are its own."""
-        import pyvista
-
-        if skin.cells.shape[1] == 2:
-            shown, ids = _tube(skin, 0), None
-        else:
-            grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: skin.cells}, skin.points[0])
-            grid.point_data["id"] = np.arange(grid.n_points)
-            shown = grid.extract_surface(algorithm="dataset_surface").copy()
-            ids = np.asarray(shown.point_data["id"])
-            shown.point_data["value"] = skin.values[0][ids]
-        bar = {
-            "title": self.job.label,
-            "color": INK,
-            "title_font_size": self.font,
-            "label_font_size": self.font,
-            "n_labels": 3,
-            "fmt": "%.5g",
-            "width": 0.34,
-            "height": 0.11,
-            "position_x": 0.33,
-            "position_y": 0.01,
-        }
-        self.plotter.add_mesh(
-            shown,
-            scalars="value",
-            cmap=COLOURS,
-            clim=list(self.job.limits),
-            scalar_bar_args=bar,
-            show_scalar_bar=first,
-            ambient=0.35,
-            diffuse=0.75,
-            specular=0.1,
-        )
-        if first:
-            self.plotter.scalar_bars[self.job.label].GetTitleTextProperty().SetLineOffset(-self.font / 2)
-        return shown, ids
-
-    def _add_springs(self, springs: Springs) -> list[tuple[Any, list[Any]]]:
-        """Coils with their names; gives for each its line, and what lights up."""
-        import pyvista
-
-        pieces = []
-        for stop in range(len(springs.names)):
-            coil = pyvista.lines_from_points(_coil(springs.points[0, stop], springs.radius))
-            width = max(2.0, self.job.size[0] / 300)
-            pieces.append(
-                (coil, [self.plotter.add_mesh(coil, color=SILENT, line_width=width, render_lines_as_tubes=True)])
-            )
-        return pieces
-
-    def _add_plates(self, plates: Plates) -> Any:
-        import pyvista
-
-        shown = pyvista.PolyData.from_regular_faces(plates.points[0], plates.cells)
-        self.plotter.add_mesh(shown, color=PALE, opacity=0.55, show_edges=True, edge_color=STEEL, ambient=0.4)
-        return shown
-
-    def _add_words(self) -> None:
-        """Title, notes, names of joints and stops, and a place for each frame's caption."""
-        self._corner("\n".join([self.job.title, *self.job.notes]), 0.008, "left")
-        self._caption = self._corner("", 0.992, "right")
-        words = list(self.job.names)
-        for springs in self.job.springs:
-            for name, (face, foot) in zip(springs.names, springs.points[0], strict=True):
-                words.append((name, tuple(foot + 0.18 * (foot - face))))
-        if words:
-            self.plotter.add_point_labels(
-                np.array([place for _, place in words]),
-                [word for word, _ in words],
-                font_size=self.font,
-                text_color=INK,
-                shape=None,
-                show_points=False,
-                always_visible=True,
-                justification_horizontal="center",
-                justification_vertical="center",
-            )
-
-    def _corner(self, text: str, x: float, side: str) -> Any:
-        """Words in an upper corner."""
-        actor = self.plotter.add_text(text, position=(x, 0.985), viewport=True, font_size=self.font, color=INK)
-        actor.prop.font_size = self.font
-        actor.prop.justification_horizontal = side
-        actor.prop.justification_vertical = "top"
-        return actor
-
-    def _aim(self) -> None:
-        """Look from the front, a little from above and from the tip, and hold still while everything moves."""
-        moving: list[Skin | Springs | Plates] = [*self.job.skins, *self.job.springs, *self.job.plates]
-        points = np.concatenate([thing.points.reshape(-1, 3) for thing in moving])
-        forward = -VIEWPOINT / np.linalg.norm(VIEWPOINT)
-        right = np.cross(forward, [0.0, 0.0, 1.0])
-        right /= np.linalg.norm(right)
-        above = np.cross(right, forward)
-        (left_end, right_end), (low, high) = ((np.min(points @ axis), np.max(points @ axis)) for axis in (right, above))
-        width, height = self.job.size
-        # Words above and the colour scale below take a part of the height.
-        head, foot = 1.3 * (len(self.job.notes) + 1.5) * self.font / height, 6.0 * self.font / height
-        shown = max((high - low) / max(1 - head - foot, 0.3), (right_end - left_end) * 1.1 * height / width)
-        middle = (left_end + right_end) / 2 * right + ((low + high) / 2 + (head - foot) / 2 * shown) * above
-        distance = 2 * float(np.ptp(points, axis=0).max())
-        camera = self.plotter.camera
-        self.plotter.enable_parallel_projection()
-        camera.focal_point = middle + np.mean(points @ forward) * forward
-        camera.position = np.asarray(camera.focal_point) - distance * forward
-        camera.up = (0.0, 0.0, 1.0)
-        camera.parallel_scale = shown / 2
-        self.plotter.reset_camera_clipping_range()
-
-
-def _tube(skin: Skin, frame: int) -> Any:
-    import pyvista
-
-    line = pyvista.lines_from_points(skin.points[frame])
-    line.point_data["value"] = skin.values[frame]
-    return line.tube(radius=skin.radius, n_sides=16)
-
-
-def _coil(ends: FloatArray, radius: float) -> FloatArray:
-    """A helix from face to foot, whose coordinates are the rows of `ends`."""
-    face, foot = ends
-    turn = np.linspace(0.0, 2 * np.pi * TURNS, TURNS * ROUND + 1)
-    along = np.linspace(0.0, 1.0, turn.size)[:, None]
-    wave = radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
-    helix: FloatArray = face + along * (foot - face) + wave
-    return helix
+from lapjoint.scene.job import Job
+from lapjoint.scene.stage import INK, Stage
 
 
 def draw_picture(job: Job) -> None:
@@ -198,7 +21,7 @@ def draw_picture(job: Job) -> None:
     from PIL import Image
 
     assert job.output is not None
-    _save(Image.fromarray(Stage(job, off_screen=True).image()), job.output, optimize=True)
+    Image.fromarray(Stage(job, off_screen=True).image()).save(job.output, optimize=True)
     print("frame 1", flush=True)
 
 
@@ -228,6 +51,8 @@ def _save_gif(frames: Any, job: Job) -> None:
     """A GIF with one palette for all frames, so that what does not move is stored once."""
     from PIL import Image
 
+    assert job.output is not None
+
     images = [Image.fromarray(frame) for frame in frames]
     width, height = images[0].size
     some = images[:: max(1, len(images) // 8)]
@@ -236,17 +61,7 @@ def _save_gif(frames: Any, job: Job) -> None:
         sheet.paste(image, (0, height * i))
     palette = sheet.quantize(colors=255, dither=Image.Dither.NONE)
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    _save(flat[0], job.output, save_all=True, append_images=flat[1:], duration=1000 / job.pace, loop=0, optimize=False)
-
-
-def _save(image: Any, path: Path | None, **options: Any) -> None:
-    assert path is not None
-    unfinished = path.with_name(f".{path.name}.part")
-    try:
-        image.save(unfinished, format=path.suffix[1:], **options)
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    flat[0].save(job.output, save_all=True, append_images=flat[1:], duration=1000 / job.pace, loop=0, optimize=False)
 
 
 def open_window(job: Job) -> None:

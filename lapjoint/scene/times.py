@@ -78,10 +78,10 @@ def chosen_times(
     return _not_too_many(found)
 
 
-def check_frames(frames: int) -> None:
-    """Refuse a number of frames that is not 2 to `MOST_FRAMES`."""
-    if not 2 <= frames <= MOST_FRAMES:
-        raise InputError(f"frames = {frames}: allowed are 2 to {MOST_FRAMES}")
+def check_frames(frames: int, most: int = MOST_FRAMES) -> None:
+    """Refuse a number of frames that is not 2 to `most`."""
+    if not 2 <= frames <= most:
+        raise InputError(f"frames = {frames}: allowed are 2 to {most}")
 
 
 def _given(times: FloatArray | Sequence[float], start: float, end: float) -> FloatArray:

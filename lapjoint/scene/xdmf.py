@@ -6,7 +6,7 @@ Written by meshio, whose reader opens a part as one series.  ParaView's "XDMF Re
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,19 @@ _CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
 
 
 def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part; returns the first."""
+    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them; returns the first."""
     paths = [folder / f"{name}_{label}.xdmf" for label, _ in scene.parts]
+    try:
+        _write_all(scene, blocks, paths)
+    except BaseException:
+        for path in paths:
+            path.unlink(missing_ok=True)
+            path.with_suffix(".h5").unlink(missing_ok=True)
+        raise
+    return paths[0]
+
+
+def _write_all(scene: Scene, blocks: Iterable[Block], paths: Sequence[Path]) -> None:
     with ExitStack() as stack:
         series = [stack.enter_context(_series(path)) for path in paths]
         for writer, (_, part) in zip(series, scene.parts, strict=True):
@@ -31,7 +42,6 @@ def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, n
                     point = {key: array[at] for key, array in values.point.items()}
                     cell = {key: [array[at]] for key, array in values.cell.items()}
                     writer.write_data(repr(float(time)), point_data=point, cell_data=cell)
-    return paths[0]
 
 
 def _series(path: Path) -> Any:

@@ -1,0 +1,147 @@
+"""A motion made visible: a picture, a film, or a window where there is a display; drawn by pyvista.
+
+Nothing is drawn in this process: VTK ends its process when it finds no graphics, and that must not end yours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray
+from lapjoint.scene.compose import job_of
+from lapjoint.scene.job import Job
+from lapjoint.scene.look import Look
+from lapjoint.scene.process import check_can_show, draw
+from lapjoint.scene.scene import histories_of
+from lapjoint.scene.times import check_frames, span_of
+from lapjoint.solution import History
+from lapjoint.solver import Progress
+
+PICTURES = (".png",)
+FILMS = (".gif", ".mp4")
+PICTURE_SIZE, FILM_SIZE = (1200, 520), (900, 400)
+DEFAULT = Look()
+MOST_FRAMES = 5000
+"""Of a film; all are kept in memory."""
+
+
+def save_picture(
+    motion: History | Mapping[str, History], path: str | Path, *, at: float | None = None, look: Look = DEFAULT
+) -> Path:
+    """Draw a motion at one time, as PNG.
+
+    Parameters
+    ----------
+    motion : History or mapping
+        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``, which stand side by side.
+    path : path
+        Where the picture goes, ``.png``.
+    at : float, optional
+        Time, s, within the history; by default that of the largest contact force, or the largest deflection.
+    look : Look
+        Colours, scale, frame of reference and size.
+
+    Returns
+    -------
+    Path
+        The picture.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of its range, or the file cannot be written.
+    OutputError
+        If this machine cannot draw; the message says what it lacks.
+    """
+    _check_ending(path, PICTURES)
+    histories = histories_of(motion)
+    start, end = span_of(histories)
+    if at is not None and not start <= at <= end:
+        raise InputError(f"at = {at:g}: allowed is a time within the history, {start:g} to {end:g} s")
+    time = _telling_time(histories[0], start, end) if at is None else at
+    return _drawn(job_of(motion, np.array([time]), 0.0, look, PICTURE_SIZE, 0.0, Path(path)), Path(path), None)
+
+
+def save_film(
+    motion: History | Mapping[str, History],
+    path: str | Path,
+    *,
+    frames: int = 60,
+    pace: float = 20.0,
+    look: Look = DEFAULT,
+    progress: Progress | None = None,
+) -> Path:
+    """Draw a motion as a film, GIF or MP4, that begins again where it ends.
+
+    A stop that acts only between two frames lights up in the nearer one.
+
+    Parameters
+    ----------
+    motion, look, Returns, Raises
+        As in `save_picture`.
+    path : path
+        Where the film goes: ``.gif``, or ``.mp4`` where the extra ``film`` is installed.
+    frames : int
+        Number of frames, equidistant in time; that of the motion's end is left out, for a cycle to close.
+    pace : float
+        Frames a second.
+    progress : callable, optional
+        Called with the number of frames done and of all.
+    """
+    _check_ending(path, FILMS)
+    times = _film_times(histories_of(motion), frames)
+    if not 0 < pace <= 100:
+        raise InputError(f"pace = {pace:g}: must be above 0, and at most 100 frames a second")
+    step = float(times[1] - times[0])
+    return _drawn(job_of(motion, times, step, look, FILM_SIZE, pace, Path(path)), Path(path), progress)
+
+
+def show_window(motion: History | Mapping[str, History], *, frames: int = 120, look: Look = DEFAULT) -> None:
+    """Open a window with the motion: the slider is time, the space bar plays and pauses, q closes it.
+
+    For parameters and errors, see `save_film`; InputError also where there is no display.
+    """
+    check_can_show(None)
+    times = _film_times(histories_of(motion), frames)
+    draw(job_of(motion, times, float(times[1] - times[0]), look, PICTURE_SIZE, 25.0, None), None)
+
+
+def _check_ending(path: str | Path, endings: Sequence[str]) -> None:
+    ending = Path(path).suffix.lower()
+    if ending not in endings:
+        raise InputError(f"{path}: must end in {' or '.join(endings)}, not {ending or 'without an ending'}")
+
+
+def _film_times(histories: Sequence[History], frames: int) -> FloatArray:
+    """Equidistant times without the last, s."""
+    check_frames(frames, MOST_FRAMES)
+    start, end = span_of(histories)
+    return np.linspace(start, end, frames, endpoint=False)
+
+
+def _telling_time(history: History, start: float, end: float) -> float:
+    """When the stops push hardest; where none does, when the beam is bent most."""
+    times = np.linspace(start, end, 2001)
+    force = np.abs(history.contact_force(times)).sum(axis=0)
+    x = np.linspace(0.0, history.problem.beam.length, 9)
+    telling = force if force.any() else np.abs(history.displacement(x, times)).max(axis=0)
+    return float(times[int(np.argmax(telling))])
+
+
+def _drawn(job: Job, path: Path, progress: Progress | None) -> Path:
+    """Draw to a file that takes the name `path` when it is complete."""
+    unfinished = path.with_name(f".{path.stem}.unfinished{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draw(replace(job, output=unfinished), progress)
+        unfinished.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        unfinished.unlink(missing_ok=True)
+    return path
