@@ -13,7 +13,7 @@ from analytic.steady import Orbit, Search, Wandering, find_steady
 from lapjoint.problem import Problem
 from lapjoint.solution import History
 from lapjoint.solver import Progress
-from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
+from lapjoint.steady import Section, SteadyState, periodic_outcome, steady_impulses
 
 __all__ = ["Search", "simulate", "steady_state"]
 
@@ -57,9 +57,7 @@ def _answer(joint: Joint, name: str, found: Orbit | Wandering, period: float, lo
     if isinstance(found, Orbit):
         outcome, impulses, exponent = periodic_outcome(history), steady_impulses(history, periods), None
     else:
-        exponent = found.exponent
-        neither = Outcome.QUASIPERIODIC if found.quasiperiodic else Outcome.UNDECIDED
-        outcome = Outcome.APERIODIC if exponent.positive else neither
+        outcome, exponent = found.outcome, found.exponent
         impulses = np.array([stop.sign * stop.stiffness for stop in problem.stops]) * found.penetration
     return SteadyState(
         problem=problem,

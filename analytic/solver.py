@@ -47,7 +47,7 @@ class Solver:
     contact_modes: int | None = None
     tolerance: float = 1e-5
     max_order: int = 8
-    max_periods: int = 4000
+    max_periods: int = 16000
 
     def __post_init__(self) -> None:
         for field in ("n_modes", "free_modes", "contact_modes"):

@@ -15,10 +15,11 @@ So a motion is found long before it has settled, and among motions that coexist 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analytic.exponent import exponent_of, outcome_of
 from analytic.march import Coordinates, Joint, March, march
 from analytic.tables import mirrored
 from analytic.tangent import carried, monodromy
@@ -26,7 +27,7 @@ from lapjoint.contact import FREE
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, StepLoad
 from lapjoint.solver import Progress
-from lapjoint.steady import Exponent
+from lapjoint.steady import Exponent, Outcome
 
 _NEAR = 1e-2  # of the size of the motion
 _FAR = 2.0  # from here on Newton is tried for one period
@@ -35,7 +36,6 @@ _TURNS = 1e-6  # of a multiplier's modulus: an imaginary part above says that it
 _FIRST_STRETCH = 8  # periods
 _NEWTON_STEPS = 12
 _LONG = 512  # periods of transient before an exponent is measured, and the least over which it is
-_BATCHES = 16  # stretches over which the spread of an exponent is taken
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ class Wandering:
     residual: float
     """How far it is from repeating, at best, after up to the most periods looked for."""
     exponent: Exponent
-    quasiperiodic: bool
-    """Whether the exponent vanishes beside the slowest damping, and an unstable motion that it circles is known."""
+    outcome: Outcome
+    """What the exponent shows: aperiodic, quasi-periodic, or undecided."""
     penetration: FloatArray
     """Mean over the time measured of the integral of each stop's penetration over one period, m s."""
 
@@ -141,8 +141,12 @@ def is_symmetric(joint: Joint) -> bool:
 def find_steady(
     joint: Joint, begin: Coordinates, period: float, search: Search, progress: Progress | None
 ) -> Orbit | Wandering:
-    """March from `begin` for longer and longer, and try Newton's method after each stretch."""
-    maps, now, marched, stretch, positive = Map(joint, period), begin, 0, _FIRST_STRETCH, 0
+    """March from `begin` for longer and longer, and try Newton's method after each stretch.
+
+    What an exponent shows is believed when two stretches in a row agree, the second longer than the first: a long
+    transient, or chaos that pauses, deceives one of them more easily than both.
+    """
+    maps, now, marched, stretch, shown = Map(joint, period), begin, 0, _FIRST_STRETCH, Outcome.UNDECIDED
     while True:
         wandering = None
         if marched + stretch < min(_LONG, search.max_periods):
@@ -150,15 +154,17 @@ def find_steady(
         else:
             stretch = max(stretch, _LONG)
             wandering, now = _measured(maps, now, stretch, search.max_order)
-            positive = positive + 1 if wandering.exponent.positive else 0
         marched += stretch
         if progress is not None:
             progress(min(marched, search.max_periods), search.max_periods)
         orbit = _orbit_from(maps, now, search)
         if orbit is not None:
             return orbit
-        if wandering is not None and (positive == 2 or wandering.quasiperiodic or marched >= search.max_periods):
-            return wandering
+        if wandering is not None:
+            agreed = wandering.outcome is shown
+            if (agreed and shown is not Outcome.UNDECIDED) or marched >= search.max_periods:
+                return wandering if agreed else replace(wandering, outcome=Outcome.UNDECIDED)
+            shown = wandering.outcome
         stretch = min(2 * stretch, max(search.max_periods - marched, _FIRST_STRETCH))
 
 
@@ -235,9 +241,7 @@ def _measured(maps: Map, begin: Coordinates, periods: int, max_order: int) -> tu
         deviation /= size
         now = motion.end
         total += motion.penetration
-    batches = growth[: periods - periods % _BATCHES].reshape(_BATCHES, -1).mean(axis=1) / maps.period
-    exponent = Exponent(float(growth.mean() / maps.period), float(batches.std(ddof=1) / np.sqrt(_BATCHES)), periods)
-    decay = joint.family.state(FREE, joint.count(FREE)).decay
-    quasi = maps.circled and exponent.vanishes(float(decay[decay > 0].min(initial=np.inf)))
+    exponent = exponent_of(growth, maps.period)
+    outcome = outcome_of(exponent, joint.family.state(FREE, joint.count(FREE)).decay, circled=maps.circled)
     closest = float(maps.returns(now, 2 * max_order)[1::2].min())
-    return Wandering(now, closest, exponent, quasi, total / periods), now
+    return Wandering(now, closest, exponent, outcome, total / periods), now

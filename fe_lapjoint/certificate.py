@@ -14,7 +14,7 @@ from fe_lapjoint.steady import Found
 from fe_lapjoint.turns import Point, Turns
 from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
+from lapjoint.steady import Section, SteadyState, periodic_outcome, steady_impulses
 
 _MIRRORED = 1e-6  # relative distance within which half a period mirrors a motion
 
@@ -43,7 +43,7 @@ def certificate(name: str, turns: Turns, found: Found, max_order: int) -> Steady
     return SteadyState(
         problem=model.problem,
         solver=name,
-        outcome=periodic_outcome(history) if orbit else _unrepeated(found),
+        outcome=periodic_outcome(history) if orbit else found.outcome,
         order=order,
         symmetric=orbit is not None and is_symmetric(turns, order, motion),
         residual=turns.size(end - point.y) / max(turns.size(point.y), np.finfo(float).tiny),
@@ -53,12 +53,6 @@ def certificate(name: str, turns: Turns, found: Found, max_order: int) -> Steady
         history=history,
         impulses=steady_impulses(history, periods),
     )
-
-
-def _unrepeated(found: Found) -> Outcome:
-    if found.exponential:
-        return Outcome.APERIODIC
-    return Outcome.QUASIPERIODIC if found.quasiperiodic else Outcome.UNDECIDED
 
 
 def order_of(turns: Turns, orbit: Orbit) -> int:

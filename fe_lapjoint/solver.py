@@ -38,7 +38,7 @@ class Solver:
     max_order : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
-        Most excitation periods marched in search of a steady state; about 440 more where an exponent is due.
+        Most excitation periods marched in search of a steady state, and at least 420 where an exponent is due.
 
     Raises
     ------
@@ -52,7 +52,7 @@ class Solver:
     rtol: float = 1e-9
     atol: float = 1e-12
     max_order: int = 8
-    max_periods: int = 2000
+    max_periods: int = 10000
 
     def __post_init__(self) -> None:
         for field, most in (("elements", MOST_ELEMENTS), ("max_order", 1000), ("max_periods", 10**7)):

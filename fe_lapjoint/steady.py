@@ -7,16 +7,14 @@ the march from the given start leads to.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from fe_lapjoint.exponent import Growth
 from fe_lapjoint.newton import Orbit, bound_for, least, newton
 from fe_lapjoint.turns import Point, Turns
-from lapjoint.contact import FREE
 from lapjoint.solver import Progress
-from lapjoint.steady import Exponent
+from lapjoint.steady import Exponent, Outcome
 
 TOLERANCE = 1e-9  # relative residual of an orbit
 _FIRST = 8  # periods marched before Newton is first tried; then after twice as many
@@ -32,8 +30,8 @@ class Found:
     orbit: Orbit | None
     last: Point
     exponent: Exponent | None
-    exponential: bool
-    quasiperiodic: bool = False
+    outcome: Outcome = Outcome.UNDECIDED
+    """What the exponent shows of a motion that does not repeat."""
 
 
 @dataclass
@@ -63,21 +61,24 @@ class Search:
             if orbit is None and part == 0:
                 if progress is not None and marched % 8 == 0:
                     progress(min(marched, self.max_periods), self.max_periods)
-                judge = growth.enough and marched % 100 == 0
-                if marched >= trial or judge:
+                if marched >= trial or growth.due:
                     trial = 2 * marched if marched >= trial else trial
                     orbit = self._try_newton()
-                over = growth.enough and marched >= self.max_periods
-                if orbit is None and (over or (judge and not self.candidates and growth.unmistakable)):
-                    return Found(None, self.points[-1], growth.exponent, growth.exponential, self._quasi(growth))
+                if orbit is None and self._over(growth, marched):
+                    return Found(None, self.points[-1], growth.exponent, growth.outcome)
             if orbit is not None:
-                return Found(orbit, self.points[-1], None, False)
+                return Found(orbit, self.points[-1], None)
 
-    def _quasi(self, growth: Growth) -> bool:
-        """Whether the march circles an unstable orbit, and deviations neither grow nor shrink."""
-        decay = self.turns.model.system(FREE).decay
-        slowest = float(decay[decay > 0].min(initial=math.inf))
-        return self.circled and growth.exponent.vanishes(slowest)
+    def _over(self, growth: Growth, marched: int) -> bool:
+        """Whether the exponent is certain to show what the motion is, or the effort allowed is spent."""
+        certain = False
+        if growth.due:
+            growth.judge(circled=self.circled)
+            certain = growth.outcome is not Outcome.UNDECIDED and not self.candidates
+        over = certain or (growth.enough and marched >= self.max_periods)
+        if growth.due and not over:
+            growth.go_on()
+        return over
 
     def _arrived(self) -> Orbit | None:
         """The candidate that the march is bound for; each is looked at when the march comes by its phase."""

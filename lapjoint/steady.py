@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise
@@ -11,6 +12,11 @@ import numpy as np
 from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
+
+CERTAIN = 4.0  # standard errors: the error is itself an estimate from few stretches, and looked at more than once
+LEAST_GROWTH = 10.0  # logarithm: on a torus a deviation grows and shrinks by less, over however long a time
+ALIKE = 0.1  # of the value: halves that differ by less agree, even if the growth hardly scatters
+SMALL = 0.1  # of the slowest decay: nearby motions would take ten times as long to part as free vibration to die away
 
 
 class Outcome(Enum):
@@ -35,23 +41,49 @@ class Section:
 
 @dataclass(frozen=True)
 class Exponent:
-    """The largest Lyapunov exponent of a motion: the rate at which nearby motions part."""
+    """The largest Lyapunov exponent of a motion: the rate at which nearby motions part.
+
+    That it is above zero, below, or zero is said only for certain, and of one measurement at most one of the three
+    holds.  Above or below zero it must be in each half, which a transient that dies away is not.  Zero is not what
+    cannot be told from it: every part of the measurement must find it within a narrow interval.
+    """
 
     value: float
     """Mean rate of growth, 1/s; positive: chaos."""
     spread: float
-    """Standard error of the mean over stretches of the motion, 1/s."""
+    """Standard error of the mean, 1/s, with the correlation of the growth from period to period."""
     periods: int
     """Excitation periods over which it was measured."""
+    time: float
+    """Their duration, s."""
+    halves: tuple[float, float]
+    """Mean rates over the first half of the measurement and over the second, 1/s."""
+    quarters: tuple[float, ...]
+    """Rates over its quarters, 1/s, as weighted means that converge fast where the motion is quasi-periodic."""
 
     @property
     def positive(self) -> bool:
-        """Whether it is above zero by four spreads or more."""
-        return self.value > 4 * self.spread
+        """Whether it is certainly above zero: in each half by `CERTAIN` spreads, and over `LEAST_GROWTH` e-folds."""
+        return min(self.halves) > CERTAIN * self.spread and self._steady and self.value * self.time > LEAST_GROWTH
+
+    @property
+    def negative(self) -> bool:
+        """Whether it is certainly below zero, as it is on a stable periodic motion, however long its period."""
+        return max(self.halves) < -CERTAIN * self.spread and self._steady and self.value * self.time < -LEAST_GROWTH
 
     def vanishes(self, rate: float) -> bool:
-        """Whether it is zero within four spreads, and three or more of them above -`rate`, a decay in 1/s."""
-        return abs(self.value) <= 4 * self.spread and self.value >= -rate + 3 * self.spread
+        """Whether it is certainly zero: in every quarter within `SMALL` of `rate`, the slowest decay by damping, 1/s.
+
+        Without damping, `rate` zero or infinite, there is nothing that it could be small against.
+        """
+        if self.positive or self.negative or not 0 < rate < math.inf:
+            return False
+        return all(abs(quarter) <= SMALL * rate for quarter in self.quarters)
+
+    @property
+    def _steady(self) -> bool:
+        """Whether the halves agree: the standard error of their difference is twice that of the mean."""
+        return abs(self.halves[1] - self.halves[0]) <= max(3 * 2 * self.spread, ALIKE * abs(self.value))
 
 
 @dataclass(frozen=True)

@@ -340,7 +340,7 @@ def test_a_solver_that_gives_up_ends_with_status_1(monkeypatch: pytest.MonkeyPat
 
 def test_an_undecided_motion_ends_with_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Solver(n_modes=8).steady_state(paper_joint())
-    exponent = Exponent(0.1, 0.2, 400)
+    exponent = Exponent(0.1, 0.2, 400, time=4.0, halves=(0.0, 0.2), quarters=(0.0, 0.0, 0.2, 0.2))
     undecided = replace(found, outcome=Outcome.UNDECIDED, order=0, multipliers=np.zeros(0), exponent=exponent)
     monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided)
     result = run("steady", PAPER)

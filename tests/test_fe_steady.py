@@ -79,7 +79,7 @@ def test_undamped_transients_never_settle_and_this_is_said(omega: float, amplitu
     assert (steady.order, steady.multipliers.size) == (0, 0)
     assert steady.exponent is not None
     assert steady.exponent.periods >= 400
-    assert (steady.outcome is Outcome.APERIODIC) == steady.exponent.positive
+    assert steady.exponent.positive or steady.outcome is Outcome.UNDECIDED
     assert bool(steady.history.contacts) == (omega == 3000.0)
     if not steady.history.contacts:
         assert steady.outcome is Outcome.UNDECIDED
@@ -174,4 +174,4 @@ def test_a_motion_that_circles_an_unstable_orbit_is_certified_quasiperiodic() ->
     steady = fe_lapjoint.Solver(elements=8).steady_state(problem)
     assert steady.outcome is Outcome.QUASIPERIODIC
     assert steady.exponent is not None
-    assert abs(steady.exponent.value) <= 4 * steady.exponent.spread
+    assert steady.exponent.vanishes(rate=0.01 * 41.5)  # the damping of the first mode

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -59,12 +61,30 @@ def test_a_joint_that_bounces_to_rest_on_its_stop_in_every_cycle_is_said_to_chat
     assert analytic.Solver().steady_state(paper_joint(angular_frequency=20.0)).outcome is Outcome.CHATTERING
 
 
-def test_exponents_are_judged_by_their_spread() -> None:
-    assert Exponent(1.0, 0.2, 400).positive
-    assert not Exponent(1.0, 0.3, 400).positive
-    assert Exponent(0.1, 0.1, 400).vanishes(rate=0.4)
-    assert not Exponent(0.1, 0.2, 400).vanishes(rate=0.4)  # a decay at this rate would not have been seen
-    assert not Exponent(1.0, 0.1, 400).vanishes(rate=10.0)
+def measured(value: float, spread: float, *, trend: float = 0.0, time: float = 100.0) -> Exponent:
+    """An exponent whose second half exceeds the first by ``trend``."""
+    halves = value - trend / 2, value + trend / 2
+    return Exponent(value, spread, 1000, time, halves, tuple(np.repeat(halves, 2)))
+
+
+def test_an_exponent_is_positive_or_negative_only_in_both_halves_and_over_many_e_folds() -> None:
+    assert measured(1.0, 0.2).positive
+    assert measured(-1.0, 0.2).negative
+    assert not measured(1.0, 0.3).positive  # less than four standard errors
+    assert not measured(1.0, 0.2, trend=0.6).positive  # the first half alone is not certain
+    assert not measured(1.0, 0.1, trend=0.7).positive  # the halves differ: it has not settled
+    assert not measured(1.0, 0.1, time=9.0).positive  # fewer than ten e-folds
+
+
+def test_an_exponent_vanishes_only_where_it_is_known_to_be_small() -> None:
+    assert measured(0.02, 0.1).vanishes(rate=0.4)
+    assert not measured(0.31, 0.17).vanishes(rate=1.2)  # within two standard errors of zero, and not known to be
+    assert not measured(0.48, 0.13).vanishes(rate=1.2)
+    assert not measured(-0.15, 0.07, trend=-0.2).vanishes(rate=0.48)
+    assert not measured(0.0, 0.1, trend=0.2).vanishes(rate=0.4)
+    assert not measured(0.02, 0.001, time=1e4).vanishes(rate=0.4)  # small, and certainly not zero
+    for undamped in (0.0, math.inf):
+        assert not measured(0.0, 0.1).vanishes(undamped)
 
 
 def test_impulses_are_means_over_the_periods() -> None:

@@ -1,0 +1,74 @@
+r"""The largest Lyapunov exponent from a series of growths, one a period, and what certificate it allows.
+
+Growths of neighbouring periods are correlated, in weak chaos over many periods, and an error that takes them for
+independent is too small.  Blocking (H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461) averages blocks of
+growing length L: the standard error s(L) from the scatter of the means rises until L exceeds the time of correlation,
+then levels off.  The number of blocks falls meanwhile, to `_BLOCKS` at least.  Where s still rises from blocks a
+quarter as long, it is taken to rise as much again,
+
+    s = s(L) max(1, s(L) / s(L / 4)),
+
+by a factor of 2 at most, for that is what blocks bring whose neighbours are all alike.  This makes the error of an
+AR(1) series right even if L is only its time of correlation.
+
+Of a quasi-periodic motion the plain mean converges as 1/n.  The weights w(t) = exp(-1 / (t (1 - t))), 0 < t < 1, let it
+converge faster than any power if the motion is smooth (S. Das, Y. Saiki, E. Sander and J. Yorke, Nonlinearity 30 (2017)
+4111), and of chaos little slower than without; so the weighted means over the quarters tell one from the other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lapjoint.problem import FloatArray
+from lapjoint.steady import Exponent, Outcome
+
+_BLOCKS = 16
+
+
+def exponent_of(growths: FloatArray, period: float) -> Exponent:
+    """From the logarithm of the growth in each period, shape ``(n,)``, n at least 64."""
+    rates = growths / period
+    first, second = np.array_split(rates, 2)
+    return Exponent(
+        value=float(rates.mean()),
+        spread=standard_error(rates),
+        periods=rates.size,
+        time=rates.size * period,
+        halves=(float(first.mean()), float(second.mean())),
+        quarters=tuple(weighted_mean(part) for part in np.array_split(rates, 4)),
+    )
+
+
+def standard_error(series: FloatArray) -> float:
+    """Standard error of the mean of a correlated series, by blocking."""
+    short, long = _blocked(series, 4 * _BLOCKS), _blocked(series, _BLOCKS)
+    return long * float(np.clip(long / short, 1.0, 2.0)) if short > 0 else long
+
+
+def weighted_mean(series: FloatArray) -> float:
+    """Weighted Birkhoff average."""
+    t = (np.arange(series.size) + 0.5) / series.size
+    return float(np.average(series, weights=np.exp(-1 / (t * (1 - t)))))
+
+
+def outcome_of(exponent: Exponent, decay: FloatArray, *, circled: bool) -> Outcome:
+    """What one measurement establishes of a motion that does not repeat.
+
+    Parameters
+    ----------
+    decay : ndarray
+        Decay of each mode of the free joint by damping, 1/s.
+    circled : bool
+        Whether an unstable periodic motion that nearby motions leave in spirals is known.
+    """
+    if exponent.positive:
+        return Outcome.APERIODIC
+    slowest = float(decay[decay > 0].min(initial=np.inf))
+    return Outcome.QUASIPERIODIC if circled and exponent.vanishes(slowest) else Outcome.UNDECIDED
+
+
+def _blocked(series: FloatArray, count: int) -> float:
+    """Standard error of the mean if the means of `count` blocks were independent."""
+    means = [block.mean() for block in np.array_split(series, count)]
+    return float(np.std(means, ddof=1) / np.sqrt(count))
