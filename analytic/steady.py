@@ -74,6 +74,15 @@ class Wandering:
     penetration: FloatArray
     """Mean over the time measured of the integral of each stop's penetration over one period, m s."""
 
+    def confirms(self, before: Wandering) -> bool:
+        """Whether this shows what the measurement before it showed, so that more would tell nothing new.
+
+        If deviations died out in both, the motion repeats, after more periods than were looked for.
+        """
+        if self.outcome is Outcome.UNDECIDED:
+            return before.exponent.negative and self.exponent.negative
+        return self.outcome is before.outcome
+
 
 @dataclass(frozen=True)
 class Shot:
@@ -146,7 +155,7 @@ def find_steady(
     What an exponent shows is believed when two stretches in a row agree, the second longer than the first: a long
     transient, or chaos that pauses, deceives one of them more easily than both.
     """
-    maps, now, marched, stretch, shown = Map(joint, period), begin, 0, _FIRST_STRETCH, Outcome.UNDECIDED
+    maps, now, marched, stretch, before = Map(joint, period), begin, 0, _FIRST_STRETCH, None
     while True:
         wandering = None
         if marched + stretch < min(_LONG, search.max_periods):
@@ -161,10 +170,10 @@ def find_steady(
         if orbit is not None:
             return orbit
         if wandering is not None:
-            agreed = wandering.outcome is shown
-            if (agreed and shown is not Outcome.UNDECIDED) or marched >= search.max_periods:
-                return wandering if agreed else replace(wandering, outcome=Outcome.UNDECIDED)
-            shown = wandering.outcome
+            certain = before is not None and wandering.confirms(before)
+            if certain or marched >= search.max_periods:
+                return wandering if certain else replace(wandering, outcome=Outcome.UNDECIDED)
+            before = wandering
         stretch = min(2 * stretch, max(search.max_periods - marched, _FIRST_STRETCH))
 
 

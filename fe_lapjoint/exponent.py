@@ -67,14 +67,17 @@ class Growth:
 
     It is judged after 400 periods, then over the latest 800, 1600 ..., each time without the first half of what was
     judged before.  What it shows is believed when two judgements in a row agree, since a long transient, or chaos that
-    pauses, deceives one of them more easily than both.
+    pauses, deceives one of them more easily than both.  If both find that deviations die out, the march has long been
+    on a periodic motion; that no orbit was found then means that it has more periods than were looked for.
     """
 
     turns: Turns
     logs: list[float] = field(default_factory=list)
     outcome: Outcome = Outcome.UNDECIDED
     """What the last two judgements agreed on."""
-    _last: Outcome = Outcome.UNDECIDED
+    certain: bool = False
+    """Whether they did, so that there is no need to go on."""
+    _last: tuple[Outcome, bool] = (Outcome.UNDECIDED, False)
     _due: int = LEAST_PERIODS
     _deviation: FloatArray | None = None
     _turns: int = 0
@@ -104,19 +107,20 @@ class Growth:
 
     def judge(self, *, circled: bool) -> None:
         """Compare with the judgement before; `circled`: an unstable orbit that the march may circle is known."""
-        now = self._shown(circled)
-        self.outcome = now if now is self._last else Outcome.UNDECIDED
-        self._last = now
+        exponent = self.exponent
+        now = self._shown(exponent, circled), exponent.negative
+        self.certain = now == self._last and now != (Outcome.UNDECIDED, False)
+        self.outcome, self._last = now[0] if self.certain else Outcome.UNDECIDED, now
 
     def go_on(self) -> None:
         """Forget the first half, and measure until there is twice as much as before."""
         del self.logs[: len(self.logs) // 2]
         self._due *= 2
 
-    def _shown(self, circled: bool) -> Outcome:
-        exponent, decay = self.exponent, self.turns.model.system(FREE).decay
+    def _shown(self, exponent: Exponent, circled: bool) -> Outcome:
         if exponent.positive:
             return Outcome.APERIODIC
+        decay = self.turns.model.system(FREE).decay
         slowest = float(decay[decay > 0].min(initial=math.inf))
         return Outcome.QUASIPERIODIC if circled and exponent.vanishes(slowest) else Outcome.UNDECIDED
 

@@ -74,7 +74,7 @@ class Search:
         certain = False
         if growth.due:
             growth.judge(circled=self.circled)
-            certain = growth.outcome is not Outcome.UNDECIDED and not self.candidates
+            certain = growth.certain and not self.candidates
         over = certain or (growth.enough and marched >= self.max_periods)
         if growth.due and not over:
             growth.go_on()

@@ -348,6 +348,15 @@ def test_an_undecided_motion_ends_with_status_1(monkeypatch: pytest.MonkeyPatch)
     assert "the motion did not repeat" in result.stdout
     assert "exponent: 0.1 1/s +- 0.2, over 400 periods" in result.stdout
     assert "Repeats" not in result.stdout
+    assert "max_order" not in result.stdout
+
+
+def test_a_motion_of_more_periods_than_were_looked_for_is_said_to_be_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = Solver(n_modes=8).steady_state(paper_joint())
+    exponent = Exponent(-0.3, 0.01, 4000, time=200.0, halves=(-0.3, -0.3), quarters=(-0.3,) * 4)
+    longer = replace(found, outcome=Outcome.UNDECIDED, order=0, multipliers=np.zeros(0), exponent=exponent)
+    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: longer)
+    assert "repeats, but after more periods than max_order" in run("steady", PAPER).stdout
 
 
 @pytest.mark.parametrize("status", [0, 1])

@@ -72,6 +72,8 @@ def print_steady_state(found: SteadyState) -> None:
     if found.exponent is not None:
         rate, spread = found.exponent.value, found.exponent.spread
         click.echo(f"Largest Lyapunov exponent: {rate:.4g} 1/s +- {spread:.2g}, over {found.exponent.periods} periods")
+        if found.exponent.negative:
+            click.echo("Nearby motions come together: it repeats, but after more periods than max_order")
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]")
 
 

@@ -1,0 +1,123 @@
+"""Motions that do not repeat, by both solvers: never two certificates that contradict each other.
+
+What is true of each motion was found by marches of 64 000 periods, and is checked here in ways of its own: by two
+motions marched side by side, and by the multipliers of an orbit that is found when longer ones are looked for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analytic
+import fe_lapjoint
+from analytic.march import Coordinates, Joint, march
+from analytic.start import initial_coordinates, initial_state
+from lapjoint import (
+    FREE,
+    BaseMotion,
+    Beam,
+    Material,
+    ModalDamping,
+    Outcome,
+    Problem,
+    SteadyState,
+    Stop,
+    Support,
+    Tube,
+)
+
+PIPE = Problem(  # that of docs/gallery/own_joint.py at half its frequency
+    beam=Beam(
+        length=1.8,
+        material=Material(youngs_modulus=1.93e11, density=8000.0),
+        section=Tube(outer_diameter=0.050, inner_diameter=0.046),
+    ),
+    supports=(Support(x=0.0, translational=4e6, torsional=6e3), Support(x=1.8, translational=5e3)),
+    stops=(
+        Stop(name="hanger, below", x=1.2, side="bottom", gap=0.5e-3, stiffness=8e5),
+        Stop(name="hanger, above", x=1.2, side="top", gap=1.0e-3, stiffness=8e5),
+        Stop(name="tail", x=1.8, side="top", gap=1.5e-3, stiffness=2e5),
+    ),
+    damping=ModalDamping(ratio=(0.02, 0.03, 0.05)),
+    base_motion=BaseMotion(amplitude=1e-3, angular_frequency=80.0),
+)
+WEAK_CHAOS = 0.464  # 1/s, +- 0.004: over 64 000 periods with 10, 20 and 40 modes, and 32 000 with 24 elements
+
+CANTILEVER = Problem(
+    beam=Beam(length=1.0, bending_stiffness=450.0, mass_per_length=2.4),
+    supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+    stops=(Stop(name="tip", x=1.0, side="top", gap=0.0, stiffness=1e5),),
+    damping=ModalDamping(ratio=0.01),
+    base_motion=BaseMotion(amplitude=2e-3, angular_frequency=130.0),
+)
+PERIOD = 2 * math.pi / 130.0
+
+
+def assert_weakly_chaotic(found: SteadyState) -> None:
+    assert found.outcome is Outcome.APERIODIC
+    assert found.exponent is not None
+    assert abs(found.exponent.value - WEAK_CHAOS) <= 4 * found.exponent.spread
+    assert found.exponent.spread < 0.25 * WEAK_CHAOS
+
+
+@pytest.mark.parametrize("n_modes", [None, 20, 40])
+def test_weak_chaos_is_not_taken_for_a_torus_analytic(n_modes: int | None) -> None:
+    assert_weakly_chaotic(analytic.Solver(n_modes=n_modes).steady_state(PIPE))
+
+
+@pytest.mark.parametrize("elements", [12, *(pytest.param(n, marks=pytest.mark.slow) for n in (16, 24, 40))])
+def test_weak_chaos_is_not_taken_for_a_torus_fe(elements: int) -> None:
+    assert_weakly_chaotic(fe_lapjoint.Solver(elements=elements).steady_state(PIPE))
+
+
+def test_two_motions_side_by_side_part_at_the_rate_of_weak_chaos() -> None:
+    """Without any tangent: the distance is brought back to 1e-7 of the motion once in ten periods."""
+    joint, span = Joint(PIPE, 10, 10), 10 * 2 * math.pi / 80.0
+    state = initial_state(PIPE)
+    here = Coordinates(state, *initial_coordinates(PIPE, joint.model(FREE).modes))
+    here = march(joint, here, 0.0, 40 * span, record=False).end
+    away, growths = np.random.default_rng(3).standard_normal(here.y.size), []
+    away *= 1e-7 * np.linalg.norm(here.y) / np.linalg.norm(away)
+    while len(growths) < 1500:
+        there = march(joint, here.moved(here.y + away), 0.0, span, record=False).end
+        end = march(joint, here, 0.0, span, record=False).end
+        if there.state == end.state:  # else one of them touches a stop just now: begin anew from here
+            growths.append(math.log(np.linalg.norm(there.y - end.y) / np.linalg.norm(away)))
+            away = (there.y - end.y) * math.exp(-growths[-1])
+        here = end
+    rates = np.array(growths[50:]) / span
+    batches = rates[: rates.size // 16 * 16].reshape(16, -1).mean(axis=1)
+    assert abs(rates.mean() - WEAK_CHAOS) <= 4 * batches.std(ddof=1) / 4
+
+
+SOLVERS: dict[str, Any] = {"analytic": analytic.Solver, "FE": fe_lapjoint.Solver}
+MESH: dict[str, Any] = {"analytic": {}, "FE": {"elements": 40}}
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_exponent(solver: str) -> None:
+    """A joint amid period doublings, after long transient chaos: other meshes show orders 28 and 56, a coarse one chaos.
+
+    The exponent measured where order 14 is beyond `max_order` is that of the orbit's multiplier.
+    """
+    short, long = (SOLVERS[solver](max_order=n, **MESH[solver]).steady_state(CANTILEVER) for n in (8, 14))
+    assert (long.outcome, long.order) == (Outcome.PERIODIC, 14)
+    assert short.outcome is Outcome.UNDECIDED
+    assert short.exponent is not None
+    assert short.exponent.negative
+    decay = math.log(long.multipliers[0]) / (14 * PERIOD)
+    assert abs(short.exponent.value - decay) <= 4 * short.exponent.spread
+    # Weighted means converge as fast as they may: seen from any quarter the rate is that of the orbit.
+    assert short.exponent.quarters[-1] == pytest.approx(decay, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_a_coarser_mesh_is_chaotic_and_says_so() -> None:
+    found = fe_lapjoint.Solver(elements=16).steady_state(CANTILEVER)
+    assert found.outcome is Outcome.APERIODIC
+    assert found.exponent is not None
+    assert found.exponent.value == pytest.approx(0.288, abs=4 * found.exponent.spread)  # over 32 000 periods
