@@ -27,8 +27,10 @@ class PublishedField(ModalField):
     def _frozen(self, segment: Segment, x: FloatArray, dx: int) -> FloatArray:
         """The frozen shape of a segment, or its dx-th derivative, m, shape ``(n,)``."""
         joint, total = self.joint, np.zeros(x.size)
+        assert isinstance(joint, PublishedJoint)
         rest = self.motion.rest[int(np.searchsorted(self.motion.log.start, segment.start, side="right")) - 1]
-        for slot, coefficients in enumerate(rest):
+        for slot in joint.frozen_tables.order:
+            coefficients = rest[slot]
             if coefficients.any():
                 shapes = joint.model(joint.state_in(slot)).modes.shapes(x, dx)
                 total += coefficients[: shapes.shape[0]] @ shapes

@@ -3,7 +3,8 @@
 In coordinates q_i = (Phi_i, z) of the whole displacement the published modal equations (26) are those that the
 kernel solves; see `analytic.published`.  What differs is the rest of the displacement, R = z - sum Phi_i q_i.  It does
 not move until the next switch.  R is kept as coefficients over the modes of every state met, ``(S, N)``, so its
-values at the stops are dot products.
+values at the stops are dot products.  They are summed in an order of the states that does not depend on which of them
+was met first, perhaps by another motion of the same process: a motion that never settles shows the last bit.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ def freeze(tables: Any, slot: int, rest: Any) -> None:
     """Write the values of R at the stops where `follow` looks for a constant part of z."""
     for u in range(tables.constant.shape[1]):
         z = 0.0
-        for other in range(rest.shape[0]):
+        for other in tables.order:
             for j in range(tables.modes[other]):
                 z += tables.weight[other, u, j] * rest[other, j]
         tables.constant[slot, u] = z
@@ -68,7 +69,7 @@ def switch(tables: Any, cross: Any, slot: int, target: int, carried: Any) -> Non
     carried.v[:] = 0.0
     for i in range(n_new):
         x, y = 0.0, 0.0
-        for other in range(rest.shape[0]):
+        for other in tables.order:
             for j in range(tables.modes[other]):
                 x += cross[target, other, i, j] * rest[other, j]
         for j in range(n_old):

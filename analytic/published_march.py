@@ -43,9 +43,12 @@ class Crossings:
         return self._products
 
     def _between(self, old: ContactState, new: ContactState) -> FloatArray:
+        """From the modes of `old` to those of `new`: computed one way only, as the other has other last bits."""
         slots = self._slots
         if old == new:
             return np.eye(slots.count(old))
+        if old.closed > new.closed:
+            return self._between(new, old).T
         return slots.family.passage(old, slots.count(old), new, slots.count(new)).S
 
 

@@ -33,7 +33,8 @@ def started(joint: PublishedJoint, start: Section | None) -> tuple[int, Carried]
 def packed(joint: PublishedJoint, slot: int, carried: Carried) -> Section:
     """The section of a motion."""
     blocks = [carried.q]
-    for other, coefficients in enumerate(carried.rest):
+    for other in joint.frozen_tables.order:
+        coefficients = carried.rest[other]
         if coefficients.any():
             bits = float(sum(1 << stop for stop in joint.state_in(other).closed))
             blocks.append(np.concatenate([[bits], coefficients]))
@@ -79,5 +80,7 @@ def _at_stops(joint: PublishedJoint, slot: int, carried: Carried) -> FloatArray:
     tables, size = joint.frozen_tables, carried.q.size
     whole = carried.rest.copy()
     whole[slot] += carried.q
-    values = np.einsum("sun,sn->u", tables.weight[: whole.shape[0], :, :size], whole)
+    values = np.zeros(tables.weight.shape[1])
+    for other in tables.order:  # as in `analytic.published_kernel.freeze`
+        values += tables.weight[other, :, :size] @ whole[other]
     return np.asarray(values[tables.position])

@@ -74,14 +74,18 @@ def resumed(joint: Joint, section: Section) -> Coordinates:
             if stop.sign * z[k] > stop.gap or (k in section.state and stop.sign * z[k] > stop.gap * (1 - TOUCHING))
         )
     )
-    if closed == section.state:
-        return Coordinates(closed, q, v)
-    passage = joint.passage(section.state, closed)
-    omega = joint.harmonics.omega
+    return translated(joint, Coordinates(section.state, q, v), closed)
+
+
+def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordinates:
+    """The same motion at a multiple of the period in the modes of another contact state."""
+    if state == begin.state:
+        return begin
+    passage, theta, omega = joint.passage(begin.state, state), joint.harmonics.theta(0.0), joint.harmonics.omega
     return Coordinates(
-        closed,
-        passage.S @ q + loads @ passage.residual,
-        passage.S @ v + (omega * np.cos(theta)) @ passage.residual[1:],
+        state,
+        passage.S @ begin.q + np.concatenate([[1.0], np.sin(theta)]) @ passage.residual,
+        passage.S @ begin.v + (omega * np.cos(theta)) @ passage.residual[1:],
     )
 
 

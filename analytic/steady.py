@@ -10,7 +10,8 @@ it: either the march has come within `_NEAR` of repeating, or it moves as the li
 
     |P(y) - y* - M (y - y*)| <= _LINEAR |y - y*|.
 
-So a motion is found long before it has settled, and among motions that coexist it is the one marched to.
+So a motion is found long before it has settled, and among motions that coexist it is the one marched to.  What holds a
+march at a motion that is not stable, or parts a stable one into several, is dealt with in `analytic.held`.
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analytic.exponent import exponent_of, outcome_of
-from analytic.march import Coordinates, Joint, March, march
-from analytic.tables import mirrored
-from analytic.tangent import carried, monodromy
+from analytic.held import NARROW, PUSHES, REPEATS, disturbed, parted_by_a_jump, pushed
+from analytic.maps import Map, Shot
+from analytic.march import Coordinates, Joint, march
+from analytic.tangent import carried
 from lapjoint.contact import FREE
 from lapjoint.errors import SolverError
-from lapjoint.problem import FloatArray, StepLoad
+from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 from lapjoint.steady import Exponent, Outcome
 
@@ -36,6 +38,7 @@ _TURNS = 1e-6  # of a multiplier's modulus: an imaginary part above says that it
 _FIRST_STRETCH = 8  # periods
 _NEWTON_STEPS = 12
 _LONG = 512  # periods of transient before an exponent is measured, and the least over which it is
+_WATCHED = 64  # periods over which it is looked how far a march wanders
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,11 @@ class Wandering:
     """How far it is from repeating, at best, after up to the most periods looked for."""
     exponent: Exponent
     outcome: Outcome
-    """What the exponent shows: aperiodic, quasi-periodic, or undecided."""
+    """What the exponent shows of a march that does not repeat: aperiodic, quasi-periodic, or undecided."""
+    breadth: float
+    """How far it wanders from repeating, relative to its size: the farthest of all returns, at the best order."""
+    deviation: FloatArray
+    """A deviation of unit size that has grown with the motion to its end."""
     penetration: FloatArray
     """Mean over the time measured of the integral of each stop's penetration over one period, m s."""
 
@@ -84,69 +91,6 @@ class Wandering:
         return self.outcome is before.outcome
 
 
-@dataclass(frozen=True)
-class Shot:
-    """What becomes of a section after some turns."""
-
-    motion: March
-    end: Coordinates
-    """Mirrored after an odd number of turns."""
-    residual: float
-    """Distance from the start, relative to the size of the motion; infinite in another contact state."""
-
-
-class Map:
-    """The maps of a section over half periods."""
-
-    def __init__(self, joint: Joint, period: float) -> None:
-        self.joint, self.period = joint, period
-        self.symmetric = is_symmetric(joint)
-        self.circled = False
-        """Whether an unstable periodic motion with complex multipliers outside the unit circle has been met."""
-
-    def norm(self, y: FloatArray) -> float:
-        """Size of a deviation: displacements, and velocities times period / 2 pi."""
-        q, v = np.split(y, 2)
-        return float(np.linalg.norm(q) + np.linalg.norm(v) * self.period / (2 * np.pi))
-
-    def shoot(self, begin: Coordinates, turns: int) -> Shot:
-        """March over some turns, and compare the end with the start."""
-        motion = march(self.joint, begin, 0.0, turns * self.period / 2)
-        end = motion.end if turns % 2 == 0 else self._mirrored(motion.end)
-        if end.state != begin.state:
-            return Shot(motion, end, np.inf)
-        return Shot(motion, end, self.norm(end.y - begin.y) / (self.norm(begin.y) + 1e-300))
-
-    def returns(self, begin: Coordinates, turns: int) -> FloatArray:
-        """The residuals after 1, 2, ... `turns` turns of one march, shape ``(turns,)``; odd ones only if symmetric."""
-        half, now, residuals = self.period / 2, begin, np.full(turns, np.inf)
-        for i in range(turns):
-            now = march(self.joint, now, i * half, (i + 1) * half, record=False).end
-            odd = i % 2 == 0
-            end = self._mirrored(now) if odd and self.symmetric else now
-            if end.state == begin.state and (self.symmetric or not odd):
-                residuals[i] = self.norm(end.y - begin.y) / (self.norm(begin.y) + 1e-300)
-        return residuals
-
-    def matrix(self, shot: Shot, turns: int) -> FloatArray:
-        """d(end) / d(start) of a shot."""
-        return monodromy(shot.motion) * (1 if turns % 2 == 0 else -1)
-
-    def _mirrored(self, section: Coordinates) -> Coordinates:
-        state = mirrored(self.joint.problem, section.state)
-        assert state is not None
-        return Coordinates(state, -section.q, -section.v)
-
-
-def is_symmetric(joint: Joint) -> bool:
-    """Whether z -> -z and half a period later is the same problem again."""
-    problem, omega = joint.problem, joint.harmonics.omega
-    if any(isinstance(load, StepLoad) and load.force for load in problem.point_loads) or np.ptp(omega) > 0:
-        return False
-    whole = joint.every_stop_closed
-    return mirrored(problem, whole) == whole
-
-
 def find_steady(
     joint: Joint, begin: Coordinates, period: float, search: Search, progress: Progress | None
 ) -> Orbit | Wandering:
@@ -155,18 +99,19 @@ def find_steady(
     What an exponent shows is believed when two stretches in a row agree, the second longer than the first: a long
     transient, or chaos that pauses, deceives one of them more easily than both.
     """
-    maps, now, marched, stretch, before = Map(joint, period), begin, 0, _FIRST_STRETCH, None
+    maps, now, marched, stretch, pushes = Map(joint, period), begin, 0, _FIRST_STRETCH, 0
+    before: Wandering | None = None
     while True:
         wandering = None
         if marched + stretch < min(_LONG, search.max_periods):
             now = march(joint, now, 0.0, stretch * period, record=False).end
         else:
             stretch = max(stretch, _LONG)
-            wandering, now = _measured(maps, now, stretch, search.max_order)
+            wandering, now = _measured(maps, now, stretch, search.max_order, pushes)
         marched += stretch
         if progress is not None:
             progress(min(marched, search.max_periods), search.max_periods)
-        orbit = _orbit_from(maps, now, search)
+        orbit, returns = _orbit_from(maps, now, search)
         if orbit is not None:
             return orbit
         if wandering is not None:
@@ -174,20 +119,32 @@ def find_steady(
             if certain or marched >= search.max_periods:
                 return wandering if certain else replace(wandering, outcome=Outcome.UNDECIDED)
             before = wandering
-        stretch = min(2 * stretch, max(search.max_periods - marched, _FIRST_STRETCH))
+        away = pushed(maps, now, returns, pushes)
+        off = away is not None
+        if away is None and wandering is not None and wandering.exponent.positive:
+            away = disturbed(maps, now, wandering.breadth, wandering.deviation, pushes)
+            off = wandering.breadth <= NARROW and pushes < PUSHES
+        now = away or now
+        if off:
+            pushes, before = pushes + 1, None
+        stretch = min(stretch if off else 2 * stretch, max(search.max_periods - marched, _FIRST_STRETCH))
 
 
-def _orbit_from(maps: Map, now: Coordinates, search: Search) -> Orbit | None:
-    """The first stable motion that a section leads to: of one period, symmetric ones first, then of several."""
+def _orbit_from(maps: Map, now: Coordinates, search: Search) -> tuple[Orbit | None, FloatArray]:
+    """The first stable motion that a section leads to: of one period, symmetric ones first, then of several.
+
+    Without one, the residuals after 1, 2, ... turns are of use.
+    """
     for turns in (1, 2) if maps.symmetric else (2,):
         orbit = _newton(maps, now, turns, search.tolerance, _FAR)
         if orbit is not None:
-            return _least(maps, orbit, search.tolerance)
-    for i in np.flatnonzero(maps.returns(now, 2 * search.max_order) <= _NEAR):
+            return _least(maps, orbit, search.tolerance), np.zeros(0)
+    returns = maps.returns(now, 2 * search.max_order)
+    for i in np.flatnonzero(returns <= _NEAR):
         orbit = _newton(maps, now, int(i) + 1, search.tolerance, _NEAR)
         if orbit is not None and orbit.order <= search.max_order:
-            return _least(maps, orbit, search.tolerance)
-    return None
+            return _least(maps, orbit, search.tolerance), returns
+    return None, returns
 
 
 def _least(maps: Map, orbit: Orbit, tolerance: float) -> Orbit:
@@ -198,7 +155,16 @@ def _least(maps: Map, orbit: Orbit, tolerance: float) -> Orbit:
             shorter = _newton(maps, orbit.begin, turns, tolerance, _NEAR)
             if shorter is not None:
                 return shorter
+            parted = parted_by_a_jump(maps, orbit.begin, turns, found // turns)
+            if parted is not None:
+                return _orbit(orbit.begin, turns, *parted)
     return orbit
+
+
+def _orbit(begin: Coordinates, turns: int, residual: float, moduli: FloatArray) -> Orbit:
+    """A motion that repeats after some turns, `moduli` being those of the multipliers over these."""
+    odd = turns % 2 == 1
+    return Orbit(begin, turns if odd else turns // 2, odd, residual, moduli**2 if odd else moduli)
 
 
 def _newton(maps: Map, guess: Coordinates, turns: int, tolerance: float, allowed: float) -> Orbit | None:
@@ -220,8 +186,7 @@ def _newton(maps: Map, guess: Coordinates, turns: int, tolerance: float, allowed
             maps.circled |= bool(multipliers[0] > 1 and abs(leading.imag) > _TURNS * abs(leading))
             if multipliers[0] >= 1 or not _leads_to(maps, guess, first, now, matrix):
                 return None
-            odd = turns % 2 == 1
-            return Orbit(now, turns if odd else turns // 2, odd, shot.residual, multipliers**2 if odd else multipliers)
+            return _orbit(now, turns, shot.residual, multipliers)
         allowed = 2 * max(shot.residual, 1e-6)
         now = now.moved(now.y + np.linalg.solve(np.eye(now.y.size) - matrix, shot.end.y - now.y))
     return None
@@ -235,13 +200,19 @@ def _leads_to(maps: Map, guess: Coordinates, first: Shot, orbit: Coordinates, ma
     return maps.norm(first.end.y - orbit.y - matrix @ deviation) <= _LINEAR * maps.norm(deviation)
 
 
-def _measured(maps: Map, begin: Coordinates, periods: int, max_order: int) -> tuple[Wandering, Coordinates]:
-    """March over `periods` and measure the largest Lyapunov exponent; also returns where the march ends."""
+def _measured(
+    maps: Map, begin: Coordinates, periods: int, max_order: int, pushes: int
+) -> tuple[Wandering, Coordinates]:
+    """March over `periods` and measure the largest Lyapunov exponent; also returns where the march ends.
+
+    The exponent says nothing of a march that repeats, nor of one that is so narrow that it may be held and has not
+    been pushed off for certain: at an unstable motion it is the growth of deviations that the march does not make.
+    """
     joint, now = maps.joint, begin
     rng = np.random.default_rng(0)
     deviation = rng.standard_normal((begin.y.size, 1))
     deviation /= maps.norm(deviation[:, 0])
-    growth, total = np.zeros(periods), np.zeros(len(joint.problem.stops))
+    growth, total, sections = np.zeros(periods), np.zeros(len(joint.problem.stops)), [begin]
     for i in range(periods):
         motion = march(joint, now, 0.0, maps.period)
         deviation = carried(motion, deviation)
@@ -250,7 +221,18 @@ def _measured(maps: Map, begin: Coordinates, periods: int, max_order: int) -> tu
         deviation /= size
         now = motion.end
         total += motion.penetration
+        sections.append(now)
     exponent = exponent_of(growth, maps.period)
     outcome = outcome_of(exponent, joint.family.state(FREE, joint.count(FREE)).decay, circled=maps.circled)
-    closest = float(maps.returns(now, 2 * max_order)[1::2].min())
-    return Wandering(now, closest, exponent, outcome, total / periods), now
+    breadth = maps.breadth(sections[-_WATCHED - 1 :], max_order)
+    if breadth <= REPEATS or (outcome is Outcome.APERIODIC and breadth <= NARROW and pushes < PUSHES):
+        outcome = Outcome.UNDECIDED
+    return Wandering(
+        begin=now,
+        residual=float(maps.returns(now, 2 * max_order)[1::2].min()),
+        exponent=exponent,
+        outcome=outcome,
+        breadth=breadth,
+        deviation=deviation[:, 0],
+        penetration=total / periods,
+    ), now

@@ -86,6 +86,8 @@ class Tables(NamedTuple):
     """m, shape ``(P,)``."""
     longest: float
     """The longest tabulated step, s."""
+    order: Any
+    """The slots in the order in which to sum over states, whichever was met first, shape ``(states met,)``."""
 
 
 class Slots:
@@ -145,6 +147,7 @@ class Slots:
             omega=harmonics.omega,
             phase=harmonics.phase,
             harmonic_turn=np.exp(1j * np.outer(steps, harmonics.omega)),
+            order=np.array(sorted(range(used), key=lambda slot: self.states[slot].closed), dtype=np.int64),
         )
         return tables if np.array_equal(omega, self._omega) else self._moved(tables, omega)
 
@@ -235,6 +238,7 @@ def _empty_tables(problem: Problem, size: int, slots: int = _SPARE) -> Tables:
         sign=np.array([stop.sign for stop in problem.stops], dtype=float),
         gap=np.array([stop.gap for stop in problem.stops], dtype=float),
         longest=math.sqrt(beam.m / beam.EI) * beam.length**2,
+        order=np.zeros(0, dtype=np.int64),
     )
 
 

@@ -112,6 +112,10 @@ class Growth:
         self.certain = now == self._last and now != (Outcome.UNDECIDED, False)
         self.outcome, self._last = now[0] if self.certain else Outcome.UNDECIDED, now
 
+    def withdraw(self) -> None:
+        """Take the judgement back."""
+        self.outcome, self.certain = Outcome.UNDECIDED, False
+
     def go_on(self) -> None:
         """Forget the first half, and measure until there is twice as much as before."""
         del self.logs[: len(self.logs) // 2]

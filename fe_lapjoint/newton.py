@@ -18,6 +18,7 @@ _PATIENCE = 5  # steps in which the residual must halve
 _FARTHEST = 1.5  # relative residual from which on Newton is tried
 _FINEST = 1e-13  # relative residual not improved upon
 _MARGINAL = 1e-9  # multipliers nearer to the unit circle are on it as far as can be told
+_GROWING = 1e-6  # a multiplier above 1 by more than this is no rounding of 1
 _TURNING = 1e-6  # of the modulus: an imaginary part above tells a complex pair
 _THERE = 1e-8  # relative distance within which a march has reached an orbit
 _LINEAR = 0.25  # or else: largest departure from the linearised map, over the step that this map makes
@@ -45,6 +46,11 @@ class Orbit:
     def stable(self) -> bool:
         """Whether all multipliers are within the unit circle, for certain."""
         return bool(self.moduli[0] < 1 - _MARGINAL)
+
+    @property
+    def unstable(self) -> bool:
+        """Whether a multiplier is outside the unit circle, for certain."""
+        return bool(self.moduli[0] > 1 + _GROWING)
 
     @property
     def spirals_out(self) -> bool:

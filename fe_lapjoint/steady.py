@@ -2,7 +2,8 @@
 
 Newton's method starts long before the march has come near an orbit, but what it finds counts only if it is stable
 and the march is bound for it (`fe_lapjoint.newton.bound_for`): of several steady states the one is reported that
-the march from the given start leads to.
+the march from the given start leads to.  If the march sits on an unstable orbit it is pushed off
+(`fe_lapjoint.held`), and an exponent says nothing of a march that repeats.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from fe_lapjoint.exponent import Growth
+from fe_lapjoint.held import pushed_off, repeats
 from fe_lapjoint.newton import Orbit, bound_for, least, newton
 from fe_lapjoint.turns import Point, Turns
 from lapjoint.solver import Progress
@@ -46,6 +48,10 @@ class Search:
     """The stable orbits found, by their number of turns, and how many points had been passed then."""
     circled: bool = False
     """Whether an unstable orbit that nearby motions leave in spirals has been found."""
+    sat_on: Orbit | None = None
+    """The unstable orbit that Newton's method last found, from the present point."""
+    pushes: int = 0
+    """How often the march has been pushed off an unstable orbit."""
 
     def run(self, start: Point, first: int, progress: Progress | None) -> Found:
         """Until an orbit is certain, or chaos is, or `max_periods` and an exponent's worth of periods are over."""
@@ -64,21 +70,40 @@ class Search:
                 if marched >= trial or growth.due:
                     trial = 2 * marched if marched >= trial else trial
                     orbit = self._try_newton()
+                    if orbit is None and self._pushed_off():
+                        growth = Growth(self.turns)
+                        continue
                 if orbit is None and self._over(growth, marched):
                     return Found(None, self.points[-1], growth.exponent, growth.outcome)
             if orbit is not None:
                 return Found(orbit, self.points[-1], None)
 
     def _over(self, growth: Growth, marched: int) -> bool:
-        """Whether the exponent is certain to show what the motion is, or the effort allowed is spent."""
+        """Whether the exponent is certain to show what the motion is, or the effort allowed is spent.
+
+        It shows nothing of a march that repeats: on an unstable orbit it is the growth of what the march does not do.
+        """
         certain = False
         if growth.due:
             growth.judge(circled=self.circled)
+            if growth.certain and repeats(self.turns, self.points, self.max_order):
+                growth.withdraw()
             certain = growth.certain and not self.candidates
         over = certain or (growth.enough and marched >= self.max_periods)
         if growth.due and not over:
             growth.go_on()
         return over
+
+    def _pushed_off(self) -> bool:
+        """Push the march off the unstable orbit that it sits on, if it does."""
+        if self.sat_on is None:
+            return False
+        point = pushed_off(self.turns, self.sat_on, self.points[-1], self.pushes)
+        if point is None:
+            return False
+        self.points[-1] = point
+        self.pushes += 1
+        return True
 
     def _arrived(self) -> Orbit | None:
         """The candidate that the march is bound for; each is looked at when the march comes by its phase."""
@@ -91,9 +116,12 @@ class Search:
 
     def _try_newton(self) -> Orbit | None:
         """From the present point; returns the orbit found if the march is bound for it."""
+        self.sat_on = None
         for count in self._counts():
             orbit = newton(self.turns, self.points[-1], count, TOLERANCE)
             self.circled |= orbit is not None and orbit.spirals_out
+            if orbit is not None and orbit.unstable:
+                self.sat_on = self.sat_on or orbit
             if orbit is not None and orbit.stable:
                 orbit = least(self.turns, orbit, TOLERANCE)
                 self.candidates[orbit.turns] = orbit, len(self.points) - 1

@@ -27,7 +27,7 @@ class Outcome(Enum):
     CHATTERING = "The motion is periodic; in each period a stop chatters: contacts ever closer, then a lasting one."
     QUASIPERIODIC = "The motion is quasi-periodic: it circles an unstable periodic one, and nearby motions keep apart."
     APERIODIC = "The motion is aperiodic: nearby motions part exponentially."
-    UNDECIDED = "Within the effort allowed the motion did not repeat, and nearby motions did not part for certain."
+    UNDECIDED = "Within the effort allowed the motion did not settle, and nearby motions did not part for certain."
 
 
 @dataclass(frozen=True, eq=False)

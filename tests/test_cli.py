@@ -345,7 +345,7 @@ def test_an_undecided_motion_ends_with_status_1(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided)
     result = run("steady", PAPER)
     assert result.exit_code == 1
-    assert "the motion did not repeat" in result.stdout
+    assert "the motion did not settle" in result.stdout
     assert "exponent: 0.1 1/s +- 0.2, over 400 periods" in result.stdout
     assert "Repeats" not in result.stdout
     assert "max_order" not in result.stdout
