@@ -65,7 +65,7 @@ def graphics(tmp_path_factory: pytest.TempPathFactory) -> None:
 
     motion = analytic.Solver(n_modes=2).simulate(sdnl104(), 0.01)
     try:
-        save_picture(motion, tmp_path_factory.mktemp("graphics") / "try.png", look=Look(size=(100, 100)))
+        save_picture(motion, tmp_path_factory.mktemp("graphics") / "try.png", look=Look(size=(200, 200)))
     except OutputError as error:
         if str(error) != NO_GRAPHICS:
             raise

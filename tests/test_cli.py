@@ -155,7 +155,8 @@ def test_show_says_what_it_wrote(output: str, tmp_path: Path, monkeypatch: pytes
 
     drawn = []
     monkeypatch.setattr(pictures, "draw", lambda job, progress: (drawn.append(job), job.output.touch()))
-    what = ("--duration", "0.01", "--absolute", "--scale", "3", "--size", "300x200", "--frames", "4")
+    what: tuple[str, ...] = ("--duration", "0.01", "--absolute", "--scale", "3", "--size", "300x200")
+    what = what if output == "x.png" else (*what, "--frames", "4")
     printed = run_well("show", PAPER, "-o", tmp_path / output, *what, *FEW, "--colour", "velocity")
     assert printed == f"Wrote {tmp_path / output}\n"
     assert (drawn[0].size, drawn[0].label) == ((300, 200), "velocity [m/s]")
@@ -249,11 +250,11 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
         ("export", PAPER, "-o", "x", "--modes-of", "all", "--steady"),
         "--steady: mode shapes have none",
     ),
-    ("modes of no state", ("export", PAPER, "-o", "x", "--modes-of", "P9"), "P9: there is no such state"),
+    ("modes of no state", ("export", PAPER, "-o", "x", "--modes-of", "P9"), "--modes-of P9: there is no such state"),
     ("nobody beside", ("export", PAPER, "-o", "x", "--steady", "--beside", "magic"), "'magic' is not installed"),
     ("a picture as a report", ("show", PAPER, "-o", "x.pdf", "--steady"), "must end in .png, .gif, .mp4"),
     ("size in words", ("show", PAPER, "-o", "x.png", "--steady", "--size", "big"), "--size big: must be width and"),
-    ("tiny picture", ("show", PAPER, "-o", "x.png", "--steady", "--size", "9x9"), "size = 9x9: allowed are 100 to"),
+    ("tiny picture", ("show", PAPER, "-o", "x.png", "--steady", "--size", "9x9"), "size = 9x9: allowed are 200 to"),
     ("no scale", ("show", PAPER, "-o", "x.png", "--steady", "--scale", "0"), "scale = 0: must be positive"),
     (
         "export to a device",

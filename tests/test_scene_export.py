@@ -360,6 +360,57 @@ def test_an_interrupted_export_leaves_no_series_that_looks_complete(solid: Histo
         assert len(vtkhdf_by_vtk(tmp_path / "motion.vtkhdf")) == 3 + solid.switch_times.size
 
 
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_full_disk_is_said_before_it_is_met(
+    solid: History, tmp_path: Path, kind: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from lapjoint.scene import export
+
+    monkeypatch.setattr(export, "ROOM", 10**18)
+    with pytest.raises(InputError, match="No space left"):
+        export_motion(solid, tmp_path / "out", format=kind)
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_whatever_the_title_says_the_series_can_be_read(solid: History, tmp_path: Path) -> None:
+    for title in ("a---b-", "bell \a & <tag> \x85"):
+        problem = solid.problem.replace(title=title)
+        motion = History(**{**solid.__dict__, "problem": problem})
+        assert list(vtu_by_meshio(export_motion(motion, tmp_path, times=[0.0]))) == [0.0]
+        path = export_motion(motion, tmp_path, format="vtkhdf", times=[0.0, 0.05])
+        assert list(vtkhdf_by_vtk(path)) == [0.0, 0.05]
+
+
+@pytest.mark.parametrize("kind", ["pvd", "xdmf"])
+def test_an_export_leaves_no_part_of_another_joint(solid: History, history: History, tmp_path: Path, kind: Any) -> None:
+    export_motion({"one": solid, "two": solid}, tmp_path, format=kind, frames=2)
+    export_motion(history, tmp_path, format=kind, frames=2)
+    names = {path.name.split(".")[0] for path in tmp_path.rglob("*.*") if path.name != "motion.pvd"}
+    assert not any("one" in name or "two" in name or "solid" in name for name in names)
+
+
+def test_states_whose_stops_have_like_names_have_files_of_their_own(history: History, tmp_path: Path) -> None:
+    stops = [
+        stop.model_copy(update={"name": name}) for stop, name in zip(history.problem.stops, ("a b", "a-b"), strict=True)
+    ]
+    problem = history.problem.replace(stops=tuple(stops))
+    shapes = lambda x, derivative=0: np.zeros((1, x.size))  # noqa: E731
+    states = [Modes(ContactState((i,)), np.array([5.0]), shapes) for i in (0, 1)]
+    paths = export_modes(problem, states, tmp_path, format="vtkhdf")
+    assert len(set(paths)) == 2
+    import h5py
+
+    with h5py.File(paths[0]) as file:
+        assert file["VTKHDF/CellData/part"].attrs["units"] == "1"
+        assert file["VTKHDF/PointData/displacement"].attrs["units"] == "m m-1 kg-1/2"
+
+
+def test_a_motion_has_a_name_that_a_file_can_have(history: History, tmp_path: Path) -> None:
+    for name in ("../x", "a/b", ""):
+        with pytest.raises(InputError, match="names one; allowed are letters"):
+            export_motion({name: history}, tmp_path)
+
+
 def test_motions_without_a_time_in_common_are_refused(history: History, tmp_path: Path) -> None:
     later = History(**{**history.__dict__, "start": 2.0, "end": 3.0})
     with pytest.raises(InputError, match="no time in common"):

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from lapjoint import Contact, History, InputError, Material, Rectangle
+import analytic
+from lapjoint import FREE, Contact, History, InputError, Material, Rectangle, paper_joint
 from lapjoint.beam import Beam
 from lapjoint.errors import OutputError
 from lapjoint.scene import Look, check_can_show, pictures, process, save_film, save_picture, show_window
@@ -56,9 +57,6 @@ def test_the_scale_is_one_two_or_five_times_a_power_of_ten_and_stated(solid: His
 
 
 def test_a_picture_of_a_moving_base_says_where_one_stands(jobs: list[Job]) -> None:
-    import analytic
-    from lapjoint import paper_joint
-
     motion = analytic.Solver(n_modes=2).simulate(paper_joint(), 1e-3)
     for frame, words in (("relative", "seen from the base"), ("absolute", "seen from outside")):
         save_picture(motion, "x.png", look=Look(frame=frame))  # type: ignore[arg-type]
@@ -81,15 +79,77 @@ def test_colours_are_the_values_in_the_unit_of_their_label(solid: History, jobs:
         assert job.limits[1] == -job.limits[0] >= np.abs(job.skins[0].values).max()
 
 
-def test_a_stop_that_acts_between_two_frames_lights_up_in_the_nearer_one(history: History, jobs: list[Job]) -> None:
-    tap = Contact(0, 0.2600, 0.2601, 1.0, 1.0)
-    save_film(History(**{**history.__dict__, "contacts": (tap,)}), "x.gif", frames=10)
-    assert np.flatnonzero(jobs[0].springs[0].acts[:, 0]).tolist() == [3]
+@pytest.mark.parametrize(("start", "frame"), [(0.26, 3), (0.97, 9)])
+def test_a_stop_that_acts_between_two_frames_lights_up_faintly_in_the_nearer_one(
+    history: History, jobs: list[Job], start: float, frame: int
+) -> None:
+    tap = {"contacts": (Contact(0, start, start + 1e-4, 1.0, 1.0),), "switch_times": np.zeros(0), "states": (FREE,)}
+    save_film(History(**{**history.__dict__, **tap}), "x.gif", frames=10)
+    assert jobs[0].springs[0].acts[:, 0].tolist() == [int(i == frame) for i in range(10)]
+    assert [", above in between" in caption for caption in jobs[0].captions] == [i == frame for i in range(10)]
+
+
+def test_a_stop_that_is_closed_in_a_frame_is_lit_as_the_caption_says(history: History, jobs: list[Job]) -> None:
+    save_film(history, "x.gif", frames=4)
+    assert (jobs[0].springs[0].acts == 2).tolist() == [[False, False], [True, False], [False, False], [False, True]]
+    assert [caption.split(", ")[1] for caption in jobs[0].captions[1::2]] == ["state above", "state below"]
+
+
+def test_a_gif_says_the_pace_that_it_has(history: History, jobs: list[Job]) -> None:
+    save_film(history, "x.gif", frames=10, pace=30.0)  # three hundredths of a second each: 33.3 a second, of 0.1 s each
+    assert jobs[0].notes[-1].endswith("sped up 3.33×")
+    save_film(history, "x.mp4", frames=10, pace=30.0)
+    assert jobs[1].notes[-1].endswith("sped up 3×")
+
+
+def test_too_few_frames_a_period_are_said(jobs: list[Job]) -> None:
+    motion = analytic.Solver(n_modes=2).simulate(paper_joint(), 0.1)
+    save_film(motion, "x.gif", frames=20)
+    assert jobs[0].notes[-1] == "only 2.44 frames a period"
+
+
+def test_names_go_with_what_they_name(jobs: list[Job]) -> None:
+    motion = analytic.Solver(n_modes=2).simulate(paper_joint(), 0.01)
+    save_film({"analytic": motion, "fe": motion}, "x.gif", frames=20, look=Look(frame="absolute", scale=1.0))
+    base = 0.06 * np.sin(515.0 * jobs[0].times)
+    for word in jobs[0].words:
+        np.testing.assert_allclose(np.diff(word.places[:, 2]), np.diff(base), atol=1e-12)
+    assert [word.text for word in jobs[0].words if word.side == "right"] == ["analytic", "fe"]
+
+
+def test_stops_at_one_place_stand_side_by_side(history: History, jobs: list[Job]) -> None:
+    twin = history.problem.stops[0].model_copy(update={"name": "hard"})
+    problem = history.problem.replace(stops=(*history.problem.stops, twin))
+    save_picture(History(**{**history.__dict__, "problem": problem}), "x.png", at=0.0)
+    across = jobs[0].springs[0].points[0, :, 0, 1]
+    np.testing.assert_allclose(across, [-1 / 120, 0.0, 1 / 120], rtol=1e-12)
+
+
+def test_a_display_that_does_not_answer_is_said(history: History, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr(process, "_run", lambda *_: (0, "bad X server connection", False))
+    with pytest.raises(InputError, match="DISPLAY = ':77': no window can be opened there"):
+        show_window(history)
+    monkeypatch.setattr(process, "_run", lambda *_: (1, "the window was destroyed", True))
+    show_window(history)
+
+
+def test_a_film_that_is_not_complete_is_not_called_one(
+    history: History, jobs: list[Job], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import imageio_ffmpeg
+
+    from lapjoint.scene import drawing
+
+    save_film(history, "x.mp4", frames=2)
+    monkeypatch.setattr(imageio_ffmpeg, "count_frames_and_secs", lambda path: (1, 0.1))
+    with pytest.raises(OSError, match="is the disk full"):
+        drawing._save_mp4([np.zeros((20, 20, 3), dtype=np.uint8)] * 2, jobs[0])
 
 
 def test_a_film_leaves_out_the_end_which_is_the_beginning(history: History, jobs: list[Job]) -> None:
     save_film(history, "x.gif", frames=4, pace=2.0)
-    assert [caption.split("   ")[0] for caption in jobs[0].captions] == [
+    assert [caption.split(", ")[0] for caption in jobs[0].captions] == [
         "t = 0.000 ms", "t = 250.000 ms", "t = 500.000 ms", "t = 750.000 ms"
     ]  # fmt: skip
     assert jobs[0].notes[-1].endswith("slowed 2×")
@@ -97,7 +157,7 @@ def test_a_film_leaves_out_the_end_which_is_the_beginning(history: History, jobs
 
 def test_a_picture_is_taken_when_the_stops_push_hardest(history: History, jobs: list[Job]) -> None:
     save_picture(history, "x.png")
-    assert jobs[0].captions == ("t = 250.000 ms   state above",)
+    assert jobs[0].captions == ("t = 250.000 ms, state above",)
 
 
 def test_a_beam_without_a_section_is_a_tube_coloured_by_its_moment(history: History, jobs: list[Job]) -> None:
@@ -116,12 +176,17 @@ def test_a_beam_without_a_section_is_a_tube_coloured_by_its_moment(history: Hist
         (lambda h: save_picture(h, "x.png", at=2.0), "at = 2"),
         (lambda h: save_picture(h, "x.png", at=float("nan")), "at = nan"),
         (lambda h: save_film(h, "x.gif", frames=1), "frames = 1"),
-        (lambda h: save_film(h, "x.gif", pace=0.0), "pace = 0"),
+        (lambda h: save_film(h, "x.gif", pace=0.0), "pace = 0: allowed are 0.1 to 50"),
         (lambda h: save_picture({}, "x.png"), "none to show"),
         (lambda h: Look(colour="red"), "colour = 'red'"),
         (lambda h: Look(frame="moving"), "frame = 'moving'"),
         (lambda h: Look(scale=0.0), "scale = 0"),
         (lambda h: Look(size=(10, 10)), "size = 10x10"),
+        (lambda h: Look(size=(300,)), "size = 300"),
+        (lambda h: Look(size=(300.5, 300)), "size = 300.5x300"),
+        (lambda h: save_picture(h, "x.png", look=Look(scale=1e30)), "scale = 1e.30: draws displacements longer"),
+        (lambda h: save_film(h, "x.gif", pace=60.0), "pace = 60: allowed are 0.1 to 50"),
+        (lambda h: save_film(h, "no/such/x.gif"), "cannot be written"),
     ],
 )
 def test_bad_arguments_are_refused(history: History, call: Any, message: str) -> None:
@@ -148,9 +213,9 @@ def test_without_its_package_mp4_is_refused_before_any_work(monkeypatch: pytest.
 def test_a_crash_of_vtk_becomes_a_sentence(history: History, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     ways: list[dict[str, str]] = []
 
-    def crash(file: Path, way: dict[str, str], frames: int, progress: Any) -> tuple[int, str]:
+    def crash(file: Path, way: dict[str, str], frames: int, progress: Any) -> tuple[int, str, bool]:
         ways.append(way)
-        return -signal.SIGSEGV, "Failed to load an X11 library"
+        return -signal.SIGSEGV, "Failed to load an X11 library", False
 
     monkeypatch.setattr(process, "_run", crash)
     with pytest.raises(OutputError, match="install libosmesa6"):
@@ -183,7 +248,7 @@ class TestDrawn:
         shown: list[float] = []
         path = save_film(
             history,
-            tmp_path / "new" / "x.gif",
+            tmp_path / "x.gif",
             frames=6,
             pace=10.0,
             look=Look(size=(300, 200)),
@@ -197,6 +262,8 @@ class TestDrawn:
                 frames.append(np.asarray(film.convert("RGB")))
         assert all((a != b).any() for a, b in pairwise(frames))
         assert shown == [i / 6 for i in range(1, 7)]
+        assert all((frame[-1, 0] == 255).all() for frame in frames)
+        assert coloured(frames[1].astype(int), LIT) > 20  # as orange as in a picture
 
     def test_mp4_is_written_where_its_package_is(self, history: History, tmp_path: Path) -> None:
         import imageio_ffmpeg
@@ -213,7 +280,7 @@ class TestDrawn:
     def test_a_file_that_cannot_be_written_is_said(self, solid: History, tmp_path: Path) -> None:
         (tmp_path / "x.png").mkdir()
         with pytest.raises(InputError, match="cannot be written"):
-            save_picture(solid, tmp_path / "x.png", look=Look(size=(100, 100)))
+            save_picture(solid, tmp_path / "x.png", look=Look(size=(200, 200)))
         assert [path.name for path in tmp_path.iterdir()] == ["x.png"]
 
 

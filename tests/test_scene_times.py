@@ -31,13 +31,13 @@ def test_straight_lines_between_frames_are_as_good_as_asked_for(history: History
         (history.velocity(1.0, t)[0], history.velocity(1.0, times)[0]),
     ):
         error = np.abs(np.interp(t, times, at_frames) - exact).max() / np.abs(exact).max()
-        assert error <= 1.1 * tolerance  # tried at two places of each interval, not everywhere
+        assert error <= tolerance
 
 
 def test_a_finer_tolerance_takes_the_frames_a_sine_needs(history: History) -> None:
     # The error of a chord of sin(2 pi t) is (2 pi h)^2 / 8, and intervals are halved.
     needed = 2 * math.pi / math.sqrt(8 * 1e-4)
-    assert needed * 0.5 < chosen_times([history], tolerance=1e-4).size < 2.2 * needed
+    assert needed < chosen_times([history], tolerance=1e-4).size < 2.5 * needed
 
 
 def test_two_motions_are_shown_at_the_switches_of_both(history: History) -> None:

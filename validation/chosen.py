@@ -125,7 +125,7 @@ def axis_from(text: str) -> Axis:
     return Axis(path, tuple(np.linspace(first, last, count).tolist()))
 
 
-def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
+def states_from(problem: Problem, text: str, option: str = "--state") -> tuple[ContactState, ...]:
     """The contact states asked for: ``all``, a paper's number, or names of closed stops joined by ``+``."""
     if text == "all":
         return contact_states(problem)
@@ -133,7 +133,7 @@ def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
     if all(name in problem.stop_names for name in names):
         state = ContactState(tuple(problem.stop_names.index(name) for name in names))
         if state not in contact_states(problem):
-            raise InputError(f"--state {text}: these stops cannot be closed while the others are open")
+            raise InputError(f"{option} {text}: these stops cannot be closed while the others are open")
         return (state,)
     if is_paper_joint(problem):
         found = [state for state in contact_states(problem) if str(paper_state_number(problem, state)) == text]
@@ -141,7 +141,7 @@ def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
             return (found[0],)
     numbered = ", 1 to 9" if is_paper_joint(problem) else ""
     raise InputError(
-        f"--state {text}: there is no such state; allowed: all, free{numbered}, "
+        f"{option} {text}: there is no such state; allowed: all, free{numbered}, "
         f"or stops joined by +, of {', '.join(problem.stop_names) or 'none'}"
     )
 
@@ -170,11 +170,11 @@ def size_from(text: str | None) -> tuple[int, int] | None:
     return int(width), int(height)
 
 
-def check_no_motion(duration: float | None, steady_state: bool, beside: str | None) -> None:
-    """Refuse what has no meaning for mode shapes."""
-    for option, given in (("--duration", duration is not None), ("--steady", steady_state), ("--beside", beside)):
-        if given:
-            raise InputError(f"{option}: mode shapes have none; leave it out with --modes-of")
+def refuse(reason: str, **given: object) -> None:
+    """Refuse options that mean nothing here: those whose value is neither None nor False."""
+    for name, value in given.items():
+        if value is not None and value is not False:
+            raise InputError(f"--{name.replace('_', '-')}: {reason}; leave it out")
 
 
 def check_duration(duration: float) -> None:
@@ -205,6 +205,8 @@ def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> Non
 
 def check_directory(path: str) -> None:
     """Refuse, before any work is done, a directory that could not be made or written to after it."""
+    if not path:
+        raise InputError("--output: is empty; it must name a directory")
     there = Path(path).resolve()
     while not there.exists():
         there = there.parent

@@ -350,7 +350,7 @@ def motion_options(command: Command) -> Command:
 @motion_options
 @click.option("-o", "--output", "directory", required=True, metavar="DIR", help="Where the files go.")
 @click.option("--modes-of", "modes_of", metavar="STATE", help="Write mode shapes: of P2+P4, free, 1-9, or all states.")
-@click.option("--count", type=click.IntRange(1, 1000), default=8, show_default=True, help="Number of modes.")
+@click.option("--count", type=click.IntRange(min=1), default=8, show_default=True, help="Number of modes.")
 @click.option(
     "--format",
     "file_format",
@@ -390,9 +390,11 @@ def export(
     check_points(points)
     at = chosen.times_from(frames, times)
     if modes_of is not None:
-        chosen.check_no_motion(duration, steady_state, beside)
+        chosen.refuse(
+            "mode shapes have none", duration=duration, steady=steady_state, beside=beside, frames=frames, times=times
+        )
         this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)
-        answers = [answering.modes(this, state, count) for state in chosen.states_from(this, modes_of)]
+        answers = [answering.modes(this, state, count) for state in chosen.states_from(this, modes_of, "--modes-of")]
         written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
         click.echo("\n".join(f"Wrote {path}" for path in written))
         return
@@ -410,8 +412,8 @@ def export(
 @motion_options
 @click.option("-o", "--output", metavar="FILE", help="A picture (.png) or a film (.gif, .mp4).  [default: a window]")
 @click.option("--at", type=float, help="Time of a picture, s.  [default: when the stops push hardest]")
-@click.option("--frames", type=int, default=60, show_default=True, help="Number of frames of a film.")
-@click.option("--pace", type=float, default=20.0, show_default=True, help="Frames a second of a film.")
+@click.option("--frames", type=int, help="Number of frames of a film, or of a window.  [default: 60]")
+@click.option("--pace", type=float, help="Frames a second of a film.  [default: 20]")
 @click.option(
     "--colour",
     type=click.Choice(["stress", "velocity", "moment", "displacement"]),
@@ -430,8 +432,8 @@ def show(
     beside: str | None,
     output: str | None,
     at: float | None,
-    frames: int,
-    pace: float,
+    frames: int | None,
+    pace: float | None,
     colour: Literal["stress", "velocity", "moment", "displacement"] | None,
     scale: float | None,
     absolute: bool,
@@ -449,16 +451,26 @@ def show(
     look = scene.Look(colour, scale, "absolute" if absolute else "relative", chosen.size_from(size))
     if output is not None:
         chosen.check_file("--output", output, *scene.PICTURES, *scene.FILMS)
+    picture = output is not None and output.lower().endswith(scene.PICTURES)
+    if picture:
+        chosen.refuse("a picture has none", frames=frames, pace=pace)
+    else:
+        chosen.refuse("only a picture is of one time", at=at)
+    if output is None:
+        chosen.refuse("a window has none", pace=pace)
     scene.check_can_show(output)
     motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
+    number = 60 if frames is None else frames
     if output is None:
-        scene.show_window(motion, frames=frames, look=look)
+        scene.show_window(motion, frames=number, look=look)
         return
-    if output.lower().endswith(scene.PICTURES):
+    if picture:
         scene.save_picture(motion, output, at=at, look=look)
     else:
         with shown_progress("draw") as progress:
-            scene.save_film(motion, output, frames=frames, pace=pace, look=look, progress=progress)
+            scene.save_film(
+                motion, output, frames=number, pace=20.0 if pace is None else pace, look=look, progress=progress
+            )
     click.echo(f"Wrote {output}")
 
 

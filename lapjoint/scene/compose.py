@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,9 +12,9 @@ import numpy as np
 from lapjoint.contact import state_label
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
-from lapjoint.scene.job import Job, Plates, Skin, Springs
+from lapjoint.scene.job import Job, Plates, Skin, Springs, Word
 from lapjoint.scene.layout import Layout
-from lapjoint.scene.look import Colour, Frame, Look
+from lapjoint.scene.look import Colour, Look
 from lapjoint.scene.parts import Part, Values
 from lapjoint.scene.scene import Scene, histories_of, motion_scene
 from lapjoint.scene.section import IntArray
@@ -22,6 +22,11 @@ from lapjoint.solution import History
 
 DEFLECTION, PENETRATION = 0.12, 0.6
 """An exaggerated motion takes this part of the beam's length, and of a spring's, at most."""
+FARTHEST = 10.0
+"""Displacements are not drawn larger than this, in lengths of the beam."""
+FEWEST_A_PERIOD = 8
+"""Fewer frames a period of the excitation may show another motion than there is, which is said."""
+LONGEST_NAME = 24
 
 
 class _Shade(NamedTuple):
@@ -54,35 +59,39 @@ def job_of(
     shade = _SHADES[_colour(look, histories)]
     block = scene.block(times)
     carried = "displacement" if look.frame == "relative" else "displacement_absolute"
-    s = look.scale or _visible_scale(scene, block.values, carried)
+    s = _scale(look, scene, block.values, carried)
 
-    skins, springs, plates = [], [], []
+    skins, springs, plates, words = [], [], [], []
     rest = iter(block.values)
-    for layout, group, history in zip(scene.layouts, scene.groups, histories, strict=True):
+    for (name, _), layout, group, history in zip(scene.sources, scene.layouts, scene.groups, histories, strict=True):
         values = {part.name: (part, next(rest)) for part in group}
         skins.append(_skin(*values.get("solid", values["beam"]), layout, shade, s, carried))
         if "stops" in values:
             springs.append(_springs(*values["stops"], layout, s, carried, _acting(history, times, step)))
+            if len(springs) == 1 or springs[-1].names != springs[0].names:
+                words += _stop_words(springs[-1], layout)
         if "base" in values:
             part, carries = values["base"]
             plates.append(Plates(part.cells, _moved(part, carries, s, carried)))
+        if len(histories) > 1:
+            root = skins[-1].points[:, 0] * [1, 0, 1] + [-0.03 * layout.problem.beam.length, layout.offset, 0.0]
+            words.append(Word(_shortened(name), root, "right"))
     largest = _round_up(max(float(np.abs(skin.values).max()) for skin in skins))
-    keys = ("space: play and pause, q: close",) if output is None else ()
-    moving = any(history.problem.base_motion for history in histories)
-    several = len(histories) > 1
-    names = tuple(
-        (name, (-0.06 * layout.problem.beam.length, layout.offset, 0.0))
-        for (name, _), layout in zip(scene.sources, scene.layouts, strict=True)
-        if several
-    )
+    notes = [*(history.solver for history in histories), _scale_note(s, look, histories, pace * step)]
+    period = 2 * math.pi / (histories[0].problem.excitation_frequency or math.inf)
+    if FEWEST_A_PERIOD * step > period > 0:
+        notes.append(f"only {_three_digits(period / step)} frames a period")
+    if output is None:
+        notes.append("space: play and pause, q: close")
     return Job(
         skins=tuple(skins),
         springs=tuple(springs),
         plates=tuple(plates),
-        names=names,
+        words=tuple(words),
         title=histories[0].problem.title or "Motion",
-        notes=(*(h.solver for h in histories), _scale_note(s, look.frame if moving else None, pace * step), *keys),
-        captions=tuple(_caption(histories[0], float(t)) for t in times),
+        notes=tuple(notes),
+        times=times,
+        captions=tuple(_captions(histories[0], times, springs[0].acts if springs else None)),
         label=shade.label,
         limits=(-largest, largest),
         size=look.size or size,
@@ -98,8 +107,17 @@ def _colour(look: Look, histories: Sequence[History]) -> Colour:
     return look.colour or ("stress" if sections else "moment")
 
 
-def _visible_scale(scene: Scene, values: Sequence[Values], carried: str) -> float:
-    """The largest of 1, 2 or 5 times a power of ten that keeps the scene in shape."""
+def _scale(look: Look, scene: Scene, values: Sequence[Values], carried: str) -> float:
+    """The scale asked for, or the largest of 1, 2 or 5 times a power of ten that keeps the scene in shape."""
+    if look.scale is not None:
+        length = max(layout.problem.beam.length for layout in scene.layouts)
+        largest = max(float(np.abs(carries.point[carried]).max(initial=0.0)) for carries in values)
+        if look.scale * largest > FARTHEST * length:
+            raise InputError(
+                f"scale = {look.scale:g}: draws displacements longer than {FARTHEST:g} beams; "
+                f"allowed is at most {_three_digits(FARTHEST * length / largest)} here"
+            )
+        return look.scale
     limits = [math.inf]
     for (_, part), carries in zip(scene.parts, values, strict=True):
         length, reach = part.layout.problem.beam.length, part.layout.reach
@@ -131,11 +149,32 @@ def _three_digits(value: float) -> str:
     return f"{float(f'{value:.3g}'):.10g}"
 
 
-def _scale_note(scale: float, frame: Frame | None, slowed: float) -> str:
-    """Scale, point of view (None where the base does not move) and pace, in words."""
-    scaled = "true scale" if scale == 1 else f"displacements and gaps ×{scale:g}, beam at true scale"
-    seen = {None: "", "relative": ", seen from the base", "absolute": ", seen from outside"}[frame]
-    return scaled + seen + (f", slowed {_three_digits(1 / slowed)}×" if slowed else "")
+def _scale_note(scale: float, look: Look, histories: Sequence[History], slowed: float) -> str:
+    """Scale, point of view (where the base moves) and pace, in words."""
+    words = "true scale" if scale == 1 else f"displacements and gaps ×{scale:g}, beam at true scale"
+    if any(history.problem.base_motion for history in histories):
+        words += ", seen from the base" if look.frame == "relative" else ", seen from outside"
+    if slowed:
+        words += f", slowed {_three_digits(1 / slowed)}×" if slowed < 1 else f", sped up {_three_digits(slowed)}×"
+    return words
+
+
+def _shortened(name: str) -> str:
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+
+
+def _stop_words(springs: Springs, layout: Layout) -> list[Word]:
+    """The names of the stops, a little beyond the feet of their springs; those at one place share a word."""
+    stops = layout.problem.stops
+    places: dict[tuple[float, int], list[int]] = {}
+    for i, stop in enumerate(stops):
+        places.setdefault((stop.x, stop.sign), []).append(i)
+    words = []
+    for (_, sign), here in places.items():
+        foot = springs.points[:, here, 1].mean(axis=1)
+        text = _shortened(", ".join(springs.names[i] for i in here))
+        words.append(Word(text, foot + np.array([0.0, 0.0, 0.15 * sign * layout.reach]), "center"))
+    return words
 
 
 def _moved(part: Part, values: Values, scale: float, carried: str) -> FloatArray:
@@ -160,12 +199,27 @@ def _springs(part: Part, values: Values, layout: Layout, scale: float, carried: 
 
 
 def _acting(history: History, times: FloatArray, step: float) -> IntArray:
-    """Which stops are closed at any time within half a step of each time, ``(frames, stops)``."""
+    """Which stops are closed at each time (2), or only within half a step of it (1), ``(frames, stops)``.
+
+    The last time also stands for what is left after it.
+    """
     acts = np.zeros((times.size, len(history.problem.stops)), dtype=np.int64)
+    first, last = times - step / 2, times + step / 2
+    if step:
+        last[-1] = times[-1] + step
     for contact in history.contacts:
-        acts[(contact.start <= times + step / 2) & (contact.end >= times - step / 2), contact.stop] = 1
+        acts[(contact.start <= last) & (contact.end >= first), contact.stop] = 1
+    for at, time in enumerate(times):
+        acts[at, list(history.state_at(float(time)).closed)] = 2
     return acts
 
 
-def _caption(history: History, time: float) -> str:
-    return f"t = {1e3 * time:.3f} ms   state {state_label(history.problem, history.state_at(time))}"
+def _captions(history: History, times: FloatArray, acts: IntArray | None) -> Iterator[str]:
+    """Time and contact state of each frame, and which stops closed only in between."""
+    seconds = float(np.abs(times).max()) >= 10
+    for at, time in enumerate(times):
+        clock = f"t = {time:.4f} s" if seconds else f"t = {1e3 * time:.3f} ms"
+        names = history.problem.stop_names
+        brief = [] if acts is None else [names[stop] for stop in np.flatnonzero(acts[at] == 1)]
+        between = f", {' + '.join(brief)} in between" if brief else ""
+        yield f"{clock}, state {state_label(history.problem, history.state_at(float(time)))}{between}"

@@ -4,14 +4,17 @@
 format     files                                          opened by
 ========== ============================================== ===================================================
 ``pvd``    ``motion.pvd``, a folder of ``.vtu`` files     ParaView (5.11 and later), pyvista; meshio a file each
-``vtkhdf`` ``motion.vtkhdf``, one file                    ParaView 5.13 and later, VTK 9.4 and later
+``vtkhdf`` ``motion.vtkhdf``, one file                    ParaView 5.12 and later, VTK 9.3 and later
 ``xdmf``   ``motion_beam.xdmf``, ``motion_solid.xdmf`` .. meshio, pyvista, ParaView ("XDMF Reader")
 ========== ============================================== ===================================================
 """
 
 from __future__ import annotations
 
+import errno
+import os
 import re
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Literal, get_args
@@ -26,6 +29,8 @@ from lapjoint.scene.times import chosen_times
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
 
+ROOM = 1_000_000
+"""Bytes that are left free on a disk."""
 Format = Literal["pvd", "vtkhdf", "xdmf"]
 
 
@@ -91,9 +96,9 @@ def export_modes(
     angular frequency, rad/s.  `solver` is a note in the files; for the other parameters, what is returned and raised,
     see `export_motion`.
     """
+    names = _file_names(problem, modes)
     paths = []
-    for one in modes:
-        name = f"modes_{_file_name(problem, one)}"
+    for name, one in zip(names, modes, strict=True):
         note = f"{problem.title or 'modes'}; state {one.state.name(problem)}; {solver}; time is the number of the mode"
         numbers = np.arange(1.0, one.angular_frequencies.size + 1)
         scene = mode_scene(problem, one, solver, points)
@@ -101,9 +106,13 @@ def export_modes(
     return tuple(paths)
 
 
-def _file_name(problem: Problem, modes: Modes) -> str:
-    """The contact state in the name of a file: ``6_P2+P3``."""
-    return re.sub(r"[^\w+]+", "_", state_label(problem, modes.state).replace(" + ", "+"))
+def _file_names(problem: Problem, modes: Sequence[Modes]) -> list[str]:
+    """Names of files for contact states, ``modes_6_P2+P3``, all different however like the names of stops are."""
+    names: list[str] = []
+    for one in modes:
+        name = "modes_" + re.sub(r"[^\w+]+", "_", state_label(problem, one.state).replace(" + ", "+"))
+        names.append(name if name not in names else f"{name}_{len(names)}")
+    return names
 
 
 def _write(
@@ -125,16 +134,31 @@ def _write(
     folder = Path(directory)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return write(scene, _shown(scene, times, progress), folder, name, note)
+        return write(scene, _shown(scene, times, folder, progress), folder, name, _plain(note))
     except OSError as error:
         raise InputError(f"{folder}: cannot be written: {error.strerror or error}") from None
 
 
-def _shown(scene: Scene, times: FloatArray, progress: Progress | None) -> Iterator[Block]:
-    """The blocks of a scene, one after the other, and how far that is."""
+def _shown(scene: Scene, times: FloatArray, folder: Path, progress: Progress | None) -> Iterator[Block]:
+    """The blocks of a scene, one after the other, and how far that is.
+
+    HDF5 ends the process if it meets a full disk, so there must be room for a block before it is written.
+    """
     done = 0
     for block in scene.blocks(times):
+        if shutil.disk_usage(folder).free < 2 * _size(block) + ROOM:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         yield block
         done += block.times.size
         if progress is not None:
             progress(done, times.size)
+
+
+def _size(block: Block) -> int:
+    """Bytes of all values of a block."""
+    return sum(array.nbytes for values in block.values for array in (*values.point.values(), *values.cell.values()))
+
+
+def _plain(note: str) -> str:
+    """A note on one line, without what files cannot hold."""
+    return " ".join("".join(letter if letter.isprintable() else " " for letter in note).split())

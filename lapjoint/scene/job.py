@@ -31,7 +31,7 @@ class Springs:
     points: FloatArray
     """Face and foot of each, m, ``(frames, stops, 2, 3)``."""
     acts: IntArray
-    """1 in frames during which the stop is closed at any time, ``(frames, stops)``."""
+    """2 where the stop is closed, 1 where it was between this frame and the next or the last, ``(frames, stops)``."""
     radius: float
     """Of the coil, m."""
 
@@ -46,17 +46,30 @@ class Plates:
 
 
 @dataclass(frozen=True)
+class Word:
+    """A name that stands beside something, and goes with it."""
+
+    text: str
+    places: FloatArray
+    """m, ``(frames, 3)``."""
+    side: str
+    """Where the place is: at the ``right`` end of the word, or in its ``center``."""
+
+
+@dataclass(frozen=True)
 class Job:
     """A picture, a film or a window."""
 
     skins: tuple[Skin, ...]
     springs: tuple[Springs, ...]
     plates: tuple[Plates, ...]
-    names: tuple[tuple[str, tuple[float, float, float]], ...]
-    """Words that stand in the scene, and where; they tell joints apart that stand side by side."""
+    words: tuple[Word, ...]
+    """Names of stops, and of joints that stand side by side."""
     title: str
     notes: tuple[str, ...]
     """What every frame says: whose motion it is, at which scale."""
+    times: FloatArray
+    """Of the frames, s."""
     captions: tuple[str, ...]
     """What each frame says of itself."""
     label: str

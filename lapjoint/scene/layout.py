@@ -45,6 +45,16 @@ class Layout:
         """Index of each stop's station, shape ``(stops,)``."""
         return np.searchsorted(self.stations, [stop.x for stop in self.problem.stops]).astype(np.int64)
 
+    @cached_property
+    def across(self) -> FloatArray:
+        """Position of each stop across the beam, m, ``(stops,)``: those at one place stand side by side."""
+        stops = self.problem.stops
+        places = [(stop.x, stop.sign) for stop in stops]
+        order = np.array([places[:i].count(place) for i, place in enumerate(places)], dtype=float)
+        number = np.array([places.count(place) for place in places], dtype=float)
+        across: FloatArray = self.breadth * ((order + 0.5) / number - 0.5)
+        return across
+
     @property
     def half_depth(self) -> float:
         """Height of the beam's surface above its axis, m; 0 where the problem gives no section."""

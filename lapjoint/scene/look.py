@@ -10,7 +10,7 @@ from lapjoint.errors import InputError
 
 Colour = Literal["stress", "velocity", "moment", "displacement"]
 Frame = Literal["relative", "absolute"]
-MOST_PIXELS = 8192
+LEAST_PIXELS, MOST_PIXELS = 200, 8192
 
 
 @dataclass(frozen=True)
@@ -34,5 +34,9 @@ class Look:
                 raise InputError(f"{name} = {value!r}: allowed are {', '.join(allowed)}")
         if self.scale is not None and not 0 < self.scale < math.inf:
             raise InputError(f"scale = {self.scale:g}: must be positive and finite; 1 is true scale")
-        if self.size is not None and not all(100 <= pixels <= MOST_PIXELS for pixels in self.size):
-            raise InputError(f"size = {self.size[0]}x{self.size[1]}: allowed are 100 to {MOST_PIXELS} pixels each way")
+        if self.size is not None and not (
+            len(self.size) == 2
+            and all(isinstance(pixels, int) and LEAST_PIXELS <= pixels <= MOST_PIXELS for pixels in self.size)
+        ):
+            shown = "x".join(str(pixels) for pixels in self.size)
+            raise InputError(f"size = {shown}: allowed are {LEAST_PIXELS} to {MOST_PIXELS} pixels each way")

@@ -53,6 +53,7 @@ from lapjoint.scene.layout import Layout
 from lapjoint.scene.sample import Sample
 from lapjoint.scene.section import IntArray, section_mesh
 
+PARTS = ("beam", "solid", "stops", "gaps", "base")
 Arrays = dict[str, FloatArray | IntArray]
 UNITS = {
     "displacement": "m",
@@ -255,7 +256,7 @@ def _posts(layout: Layout, length: float) -> tuple[FloatArray, IntArray]:
     sign = np.array([stop.sign for stop in layout.problem.stops])
     x = np.repeat([stop.x for stop in layout.problem.stops], 2)
     z = np.column_stack([sign * layout.half_depth, sign * (layout.half_depth + length)]).ravel()
-    return layout.place(x, 0.0, z), np.arange(x.size, dtype=np.int64).reshape(-1, 2)
+    return layout.place(x, np.repeat(layout.across, 2), z), np.arange(x.size, dtype=np.int64).reshape(-1, 2)
 
 
 def _numbers(sample: Sample) -> IntArray:

@@ -28,6 +28,8 @@ PICTURE_SIZE, FILM_SIZE = (1200, 520), (900, 400)
 DEFAULT = Look()
 MOST_FRAMES = 5000
 """Of a film; all are kept in memory."""
+SLOWEST = 0.1
+"""Frames a second."""
 
 
 def save_picture(
@@ -89,14 +91,13 @@ def save_film(
     frames : int
         Number of frames, equidistant in time; that of the motion's end is left out, for a cycle to close.
     pace : float
-        Frames a second.
+        Frames a second, 0.1 to 100, in a GIF to 50, and there in whole hundredths of a second each.
     progress : callable, optional
         Called with the number of frames done and of all.
     """
     _check_ending(path, FILMS)
     times = _film_times(histories_of(motion), frames)
-    if not 0 < pace <= 100:
-        raise InputError(f"pace = {pace:g}: must be above 0, and at most 100 frames a second")
+    pace = _shown_pace(Path(path), pace)
     step = float(times[1] - times[0])
     return _drawn(job_of(motion, times, step, look, FILM_SIZE, pace, Path(path)), Path(path), progress)
 
@@ -124,20 +125,31 @@ def _film_times(histories: Sequence[History], frames: int) -> FloatArray:
     return np.linspace(start, end, frames, endpoint=False)
 
 
+def _shown_pace(path: Path, pace: float) -> float:
+    """The pace asked for, or what a GIF, which counts in hundredths of a second, makes of it."""
+    gif = path.suffix.lower() == ".gif"
+    most = 50.0 if gif else 100.0
+    if not SLOWEST <= pace <= most:
+        raise InputError(f"pace = {pace:g}: allowed are {SLOWEST:g} to {most:g} frames a second in {path.suffix}")
+    return 100 / round(100 / pace) if gif else pace
+
+
 def _telling_time(history: History, start: float, end: float) -> float:
     """When the stops push hardest; where none does, when the beam is bent most."""
+    contacts = [c for c in history.contacts if c.start <= end and c.end >= start]
+    if contacts:
+        hardest = max(contacts, key=lambda contact: contact.peak_force)
+        times = np.linspace(max(hardest.start, start), min(hardest.end, end), 401)
+        return float(times[int(np.argmax(np.abs(history.contact_force(times)).sum(axis=0)))])
     times = np.linspace(start, end, 2001)
-    force = np.abs(history.contact_force(times)).sum(axis=0)
     x = np.linspace(0.0, history.problem.beam.length, 9)
-    telling = force if force.any() else np.abs(history.displacement(x, times)).max(axis=0)
-    return float(times[int(np.argmax(telling))])
+    return float(times[int(np.argmax(np.abs(history.displacement(x, times)).max(axis=0)))])
 
 
 def _drawn(job: Job, path: Path, progress: Progress | None) -> Path:
     """Draw to a file that takes the name `path` when it is complete."""
     unfinished = path.with_name(f".{path.stem}.unfinished{path.suffix}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         draw(replace(job, output=unfinished), progress)
         unfinished.replace(path)
     except OSError as error:

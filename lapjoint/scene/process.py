@@ -21,6 +21,7 @@ NO_GRAPHICS = (
     "this machine cannot draw: VTK found neither a display nor a graphics library; "
     "on Debian and Ubuntu, install libosmesa6 (or libegl1 and libgl1-mesa-dri)"
 )
+DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 NO_DISPLAY = "output: is missing, and there is no display to open a window on; allowed: .png, .gif, .mp4"
 NO_MP4 = ".mp4: needs the package imageio[ffmpeg]; install lapjoint[film], or choose .gif"
 
@@ -38,15 +39,25 @@ def draw(job: Job, progress: Progress | None) -> None:
     with tempfile.TemporaryDirectory(prefix="lapjoint-") as folder:
         file = Path(folder) / "job.pickle"
         file.write_bytes(pickle.dumps(job))
-        ways = ({},) if job.output is None else ({}, SOFTWARE)
-        said = ""
-        for way in ways:
-            status, said = _run(file, way, len(job.captions), progress)
+        if job.output is None:
+            _draw_window(file)
+            return
+        status, said = 0, ""
+        for way in ({}, SOFTWARE):
+            status, said, _ = _run(file, way, len(job.captions), progress)
             if status == 0:
                 return
             if status > 0:  # Python said why: another way would say the same
                 break
         _explain(status, said)
+
+
+def _draw_window(file: Path) -> None:
+    """Open a window; however it ends once it is open, a person or the display closed it."""
+    _, _, opened = _run(file, {}, 1, None)
+    if not opened:
+        shown = " or ".join(f"{key} = {os.environ[key]!r}" for key in DISPLAYS if os.environ.get(key))
+        raise InputError(f"{shown or 'the display'}: no window can be opened there; give a file instead (output)")
 
 
 def check_can_show(output: str | Path | None) -> None:
@@ -67,11 +78,12 @@ def check_can_show(output: str | Path | None) -> None:
 
 def has_display() -> bool:
     """Whether windows can be opened: always on macOS and Windows, else where X or Wayland is."""
-    return sys.platform in ("darwin", "win32") or any(os.environ.get(key) for key in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return sys.platform in ("darwin", "win32") or any(os.environ.get(key) for key in DISPLAYS)
 
 
-def _run(file: Path, way: dict[str, str], frames: int, progress: Progress | None) -> tuple[int, str]:
-    """The exit status of the drawing process, and what it said on standard error."""
+def _run(file: Path, way: dict[str, str], frames: int, progress: Progress | None) -> tuple[int, str, bool]:
+    """The exit status of the drawing process, what it said on standard error, and whether it drew anything."""
+    drew = False
     with tempfile.TemporaryFile("w+") as errors:
         environment = {**os.environ, **way}
         command = [*COMMAND, str(file)]
@@ -79,13 +91,14 @@ def _run(file: Path, way: dict[str, str], frames: int, progress: Progress | None
             assert process.stdout is not None
             try:
                 for line in process.stdout:
+                    drew |= line.startswith("frame ")
                     if progress is not None and line.startswith("frame "):
                         progress(float(line.split()[1]), frames)
             except BaseException:
                 process.kill()
                 raise
         errors.seek(0)
-        return process.returncode, errors.read()
+        return process.returncode, errors.read(), drew
 
 
 def _explain(status: int, said: str) -> None:

@@ -5,6 +5,8 @@ Written by VTK.  The unit of an array is its ``UNITS_LABEL``, where VTK keeps un
 
 from __future__ import annotations
 
+import errno
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -30,32 +32,49 @@ def write_pvd(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, no
     """Write ``NAME.pvd`` and, in the folder NAME beside it, what it lists.
 
     Files of an earlier series of this name are removed first; the ``.pvd`` is written last, so that it never lists
-    what is not there.
+    what is not there.  A series that is not completed is removed.
     """
     path, pieces = folder / f"{name}.pvd", folder / name
     path.unlink(missing_ok=True)
+    _clear(pieces)
     pieces.mkdir(parents=True, exist_ok=True)
-    grids = [(label, part, grid_of(part)) for label, part in scene.parts]
-    for label, _, _ in grids:
-        for old in pieces.glob(f"{label}_[0-9]*.vtu"):
-            old.unlink()
+    try:
+        entries = _write_pieces(scene, blocks, folder, name)
+        path.write_text(
+            f'<?xml version="1.0"?>\n<!-- {re.sub("-(?=-)", "- ", note)} -->\n'
+            '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
+            f"{''.join(entries)}  </Collection>\n</VTKFile>\n",
+            encoding="utf-8",
+        )
+    except BaseException:
+        path.unlink(missing_ok=True)
+        _clear(pieces)
+        raise
+    return path
+
+
+def _clear(pieces: Path) -> None:
+    """Remove the files of a series, and their folder if there is nothing else in it."""
+    for old in pieces.glob("*_[0-9][0-9][0-9][0-9][0-9][0-9].vtu"):
+        old.unlink()
+    if pieces.is_dir() and not any(pieces.iterdir()):
+        pieces.rmdir()
+
+
+def _write_pieces(scene: Scene, blocks: Iterable[Block], folder: Path, name: str) -> list[str]:
+    """Write a file for each part and time, and give the lines that list them."""
+    grids = [(label, grid_of(part)) for label, part in scene.parts]
     entries: list[str] = []
     number = 0
     for block in blocks:
         for at, time in enumerate(block.times):
-            for place, (label, _, grid) in enumerate(grids):
+            for place, (label, grid) in enumerate(grids):
                 file = f"{name}/{label}_{number:06d}.vtu"
                 _fill(grid, block, place, at, scene)
                 _write(grid, folder / file)
                 entries.append(_entry(float(time), place, label, file))
             number += 1
-    path.write_text(
-        f'<?xml version="1.0"?>\n<!-- {note.replace("--", "- -")} -->\n'
-        '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
-        f"{''.join(entries)}  </Collection>\n</VTKFile>\n",
-        encoding="utf-8",
-    )
-    return path
+    return entries
 
 
 def _entry(time: float, place: int, label: str, file: str) -> str:
@@ -85,4 +104,4 @@ def _write(grid: Any, path: Path) -> None:
     writer.SetDataModeToBinary()
     writer.SetCompressorTypeToZLib()
     if not writer.Write() or writer.GetErrorCode():
-        raise OSError(writer.GetErrorCode(), "VTK could not write it", str(path))
+        raise OSError(errno.EIO, f"VTK could not write {path.name}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,7 +20,7 @@ from lapjoint.solution import History, Modes
 BLOCK = 64
 """Times that are evaluated at once."""
 APART = 1.5
-"""Distance between joints that stand side by side, in breadths of the beam, from side to side."""
+"""Distance between joints that stand side by side, in breadths of a beam (or 1/15 of its length), from side to side."""
 
 
 class Block(NamedTuple):
@@ -48,7 +49,8 @@ class Scene:
         found: list[Layout] = []
         pressed = max(source.pressed for _, source in self.sources)
         for _, source in self.sources:
-            offset = found[-1].offset - (APART + 1) * found[-1].breadth if found else 0.0
+            wide = max(source.problem.beam.length / 15, found[-1].breadth) if found else 0.0
+            offset = found[-1].offset - (APART + 1) * wide if found else 0.0
             found.append(Layout(source.problem, self.points, offset, pressed))
         return tuple(found)
 
@@ -97,11 +99,8 @@ class Scene:
         if name == "angular_frequency":
             return "rad/s"
         unit = UNITS.get(name, "1")
-        moved = isinstance(self.sources[0][1], ModesInTurn) and name not in ("closed", "stop", *WHOLE)
+        moved = isinstance(self.sources[0][1], ModesInTurn) and name in UNITS and name not in ("closed", "stop")
         return f"{unit} m-1 kg-1/2" if moved else unit
-
-
-WHOLE = ("closed_stops", "contact_state")
 
 
 def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> Scene:
@@ -121,6 +120,9 @@ def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> S
         If `points` is out of range.
     """
     named = {"motion": motion} if isinstance(motion, History) else dict(motion)
+    for name in named:
+        if not re.fullmatch(r"[\w+-]+", name):
+            raise InputError(f"motion: {name!r} names one; allowed are letters, digits, +, - and _")
     scene = Scene(tuple((name, Motion(history)) for name, history in named.items()), points)
     _ = scene.layouts  # refuses a number of points that is out of range
     return scene

@@ -10,10 +10,13 @@ from lapjoint.problem import FloatArray
 from lapjoint.scene.job import Job, Plates, Skin, Springs
 
 BACKGROUND, INK, PALE, STEEL = "white", "#222222", "#C9CCD1", "#7A828C"
-LIT, SILENT = "#E69F00", "#8A929C"
-COLOURS = "RdBu_r"
+SILENT, BRIEF, LIT = "#8A929C", "#F3CF80", "#E69F00"
+"""A stop that is open, that closed only between two frames, that is closed."""
+COLOURS = "coolwarm"
 VIEWPOINT = np.array([0.35, -1.0, 0.32])
 """From the middle of the scene to the eye."""
+GLYPH = 0.55
+"""Width of a letter, in sizes of the font."""
 TURNS, ROUND = 6, 20
 """Turns of a coil, and points on each."""
 
@@ -27,13 +30,15 @@ class Stage:
         self.job = job
         self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=list(job.size), border=False)
         self.plotter.set_background(BACKGROUND)
-        self.font = max(8, round(job.size[0] / 75))
+        self.font = max(8, round(min(job.size[0] / 75, job.size[1] / 26)))
         self._skins = [self._add_skin(skin, first=i == 0) for i, skin in enumerate(job.skins)]
         self._coils = [self._add_springs(springs) for springs in job.springs]
         self._plates = [self._add_plates(plates) for plates in job.plates]
         self._add_words()
         self._aim()
         self.at(0)
+        if off_screen:
+            self.plotter.render()  # the colour scale finds its place only when it is drawn
 
     def at(self, frame: int) -> None:
         """Show a frame."""
@@ -47,10 +52,12 @@ class Stage:
             for stop, (coil, actors) in enumerate(pieces):
                 coil.points = _coil(springs.points[frame, stop], springs.radius)
                 for actor in actors:
-                    actor.prop.color = LIT if springs.acts[frame, stop] else SILENT
+                    actor.prop.color = (SILENT, BRIEF, LIT)[springs.acts[frame, stop]]
         for plates, shown in zip(self.job.plates, self._plates, strict=True):
             shown.points = plates.points[frame]
-        self._caption.input = self.job.captions[frame]
+        for word, label in zip(self.job.words, self._labels, strict=True):
+            label.position = word.places[frame]
+        self._caption.input = self._cut(self.job.captions[frame])
 
     def image(self) -> Any:
         """The frame as it is shown, RGB."""
@@ -77,9 +84,9 @@ class Stage:
             "n_labels": 3,
             "fmt": "%.5g",
             "width": 0.34,
-            "height": 0.11,
+            "height": 4.2 * self.font / self.job.size[1],
             "position_x": 0.33,
-            "position_y": 0.01,
+            "position_y": 0.4 * self.font / self.job.size[1],
         }
         self.plotter.add_mesh(
             shown,
@@ -117,25 +124,28 @@ class Stage:
         return shown
 
     def _add_words(self) -> None:
-        """Title, notes, names of joints and stops, and a place for each frame's caption."""
-        self._corner("\n".join([self.job.title, *self.job.notes]), 0.008, "left")
+        """Title and notes, a place for each frame's caption, and names."""
+        import pyvista
+
+        head = [self._cut(self.job.title), *(self._cut(note, 1.9) for note in self.job.notes)]
+        self._corner("\n".join(head), 0.008, "left")
         self._caption = self._corner("", 0.992, "right")
-        words = list(self.job.names)
-        for springs in self.job.springs:
-            for name, (face, foot) in zip(springs.names, springs.points[0], strict=True):
-                words.append((name, tuple(foot + 0.18 * (foot - face))))
-        if words:
-            self.plotter.add_point_labels(
-                np.array([place for _, place in words]),
-                [word for word, _ in words],
-                font_size=self.font,
-                text_color=INK,
-                shape=None,
-                show_points=False,
-                always_visible=True,
-                justification_horizontal="center",
-                justification_vertical="center",
-            )
+        self._labels = []
+        for word in self.job.words:
+            label = pyvista.Label(word.text, position=tuple(word.places[0]), size=self.font)
+            label.prop.font_size = self.font
+            label.prop.color = INK
+            label.prop.bold = True
+            label.prop.justification_horizontal = word.side
+            label.prop.justification_vertical = "center"
+            self.plotter.add_actor(label)
+            self._labels.append(label)
+
+    def _cut(self, text: str, share: float = 1.0) -> str:
+        """Words on one line that take half of the width, or `share` of that, at most."""
+        most = max(8, int(share * self.job.size[0] / 2 / (GLYPH * self.font)))
+        line = " ".join(text.split())
+        return line if len(line) <= most else f"{line[: most - 1]}…"
 
     def _corner(self, text: str, x: float, side: str) -> Any:
         """Words in an upper corner."""
@@ -155,10 +165,14 @@ class Stage:
         above = np.cross(right, forward)
         (left_end, right_end), (low, high) = ((np.min(points @ axis), np.max(points @ axis)) for axis in (right, above))
         width, height = self.job.size
-        # Words above and the colour scale below take a part of the height.
+        # Words above and the colour scale below take a part of the height, names a part of the width.
         head, foot = 1.3 * (len(self.job.notes) + 1.5) * self.font / height, 6.0 * self.font / height
-        shown = max((high - low) / max(1 - head - foot, 0.3), (right_end - left_end) * 1.1 * height / width)
-        middle = (left_end + right_end) / 2 * right + ((low + high) / 2 + (head - foot) / 2 * shown) * above
+        left_names, right_names = self._widths_of_names()
+        room = max(1 - left_names - right_names - 0.04, 0.3)
+        shown = max((high - low) / max(1 - head - foot, 0.3), (right_end - left_end) / room * height / width)
+        sideways = (right_names - left_names) / 2 * shown * width / height
+        middle = ((left_end + right_end) / 2 + sideways) * right
+        middle = middle + ((low + high) / 2 + (head - foot) / 2 * shown) * above
         distance = 2 * float(np.ptp(points, axis=0).max())
         camera = self.plotter.camera
         self.plotter.enable_parallel_projection()
@@ -167,6 +181,13 @@ class Stage:
         camera.up = (0.0, 0.0, 1.0)
         camera.parallel_scale = shown / 2
         self.plotter.reset_camera_clipping_range()
+
+    def _widths_of_names(self) -> tuple[float, float]:
+        """What names may take on the left and on the right of the joints, in parts of the width."""
+        glyph = 1.15 * GLYPH * self.font / self.job.size[0]  # bold
+        left = max((len(word.text) for word in self.job.words if word.side == "right"), default=0)
+        middle = max((len(word.text) / 2 for word in self.job.words if word.side == "center"), default=0)
+        return glyph * max(left, middle), glyph * middle
 
 
 def _tube(skin: Skin, frame: int) -> Any:

@@ -17,9 +17,11 @@ MOST_FRAMES = 100_000
 TOLERANCE = 0.01
 """Default largest error of straight lines between frames, over the largest value."""
 _FEWEST = 33
-_STATIONS = 9
-_INSIDE = (0.382, 0.618)
-"""Where an interval is tried: at two places, so that no inflection in its middle hides a curve."""
+_STATIONS = 33
+_INSIDE = (0.2, 0.4, 0.6, 0.8)
+"""Where an interval is tried: at several places, so that no inflection hides a curve."""
+_MARGIN = 0.8
+"""Of the tolerance, for what lies between these places and stations."""
 
 
 def span_of(histories: Sequence[History]) -> tuple[float, float]:
@@ -118,7 +120,7 @@ def _resolved(history: History, start: float, end: float, tolerance: float | Non
             largest = np.maximum(largest, np.max(np.abs(inside), axis=(1, 2))[:, None, None])
             error = np.abs(inside - (1 - share) * a - share * b) / np.where(largest > 0, largest, 1.0)
             wrong = np.maximum(wrong, error.max(axis=(0, 1)))
-        halved = wrong > allowed
+        halved = wrong > _MARGIN * allowed
         middle = (left[halved] + right[halved]) / 2
         times = _not_too_many(np.union1d(times, middle))
         left, right = np.concatenate([left[halved], middle]), np.concatenate([middle, right[halved]])

@@ -13,6 +13,7 @@ from typing import Any
 
 import h5py
 
+from lapjoint.scene.parts import PARTS
 from lapjoint.scene.scene import Block, Scene
 
 _CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
@@ -21,14 +22,21 @@ _CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
 def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
     """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them; returns the first."""
     paths = [folder / f"{name}_{label}.xdmf" for label, _ in scene.parts]
+    _clear(folder, name)
     try:
         _write_all(scene, blocks, paths)
     except BaseException:
-        for path in paths:
-            path.unlink(missing_ok=True)
-            path.with_suffix(".h5").unlink(missing_ok=True)
+        _clear(folder, name)
         raise
     return paths[0]
+
+
+def _clear(folder: Path, name: str) -> None:
+    """Remove the files of a series, of whatever parts."""
+    for part in PARTS:
+        for old in (*folder.glob(f"{name}_{part}.xdmf"), *folder.glob(f"{name}_*_{part}.xdmf")):
+            old.unlink()
+            old.with_suffix(".h5").unlink(missing_ok=True)
 
 
 def _write_all(scene: Scene, blocks: Iterable[Block], paths: Sequence[Path]) -> None:
