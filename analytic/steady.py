@@ -6,9 +6,12 @@ fixed points are the symmetric motions.  All maps are counted in half periods he
 turns ends mirrored, and 2 n turns are n periods.
 
 A fixed point y* is accepted only if it is stable, all multipliers within the unit circle, and if the march leads to
-it: either the march has come within `_NEAR` of repeating, or it moves as the linearisation at y* says it must,
+it.  Either the march has come within `_NEAR` of repeating, or it moves as the linearisation at y* says it must,
 
-    |P(y) - y* - M (y - y*)| <= _LINEAR |y - y*|.
+    |P(y) - y* - M (y - y*)| <= _LINEAR |y - y*|;
+
+and in both cases the left side is less than `_SLOWER` of (1 - |mu_1|) |y - y*|, what the map takes off the distance:
+where an orbit attracts slowly, one that circles it in many more periods passes the first test and not this one.
 
 So a motion is found long before it has settled, and among motions that coexist it is the one marched to.  What holds a
 march at a motion that is not stable, or parts a stable one into several, is dealt with in `analytic.held`.
@@ -33,6 +36,8 @@ from lapjoint.steady import Exponent, Outcome
 
 _NEAR = 1e-2  # of the size of the motion
 _FAR = 2.0  # from here on Newton is tried for one period
+_THERE = 1e-4  # of the size of the motion: the march has come to the orbit
+_SLOWER = 0.5
 _LINEAR = 0.1
 _TURNS = 1e-6  # of a multiplier's modulus: an imaginary part above says that it is one of a complex pair
 _FIRST_STRETCH = 8  # periods
@@ -184,7 +189,7 @@ def _newton(maps: Map, guess: Coordinates, turns: int, tolerance: float, allowed
             multipliers = np.sort(np.abs(eigenvalues))[::-1]
             leading = eigenvalues[np.argmax(np.abs(eigenvalues))]
             maps.circled |= bool(multipliers[0] > 1 and abs(leading.imag) > _TURNS * abs(leading))
-            if multipliers[0] >= 1 or not _leads_to(maps, guess, first, now, matrix):
+            if multipliers[0] >= 1 or not _leads_to(maps, guess, first, now, matrix, multipliers[0]):
                 return None
             return _orbit(now, turns, shot.residual, multipliers)
         allowed = 2 * max(shot.residual, 1e-6)
@@ -192,12 +197,18 @@ def _newton(maps: Map, guess: Coordinates, turns: int, tolerance: float, allowed
     return None
 
 
-def _leads_to(maps: Map, guess: Coordinates, first: Shot, orbit: Coordinates, matrix: FloatArray) -> bool:
-    """Whether the march from `guess`, of which `first` is the next piece, is on its way to `orbit`."""
-    if first.residual <= _NEAR:
-        return True
+def _leads_to(maps: Map, guess: Coordinates, first: Shot, orbit: Coordinates, matrix: FloatArray, slow: float) -> bool:
+    """Whether the march from `guess`, of which `first` is the next piece, is on its way to `orbit`.
+
+    `slow` is the modulus of the leading multiplier.
+    """
     deviation = guess.y - orbit.y
-    return maps.norm(first.end.y - orbit.y - matrix @ deviation) <= _LINEAR * maps.norm(deviation)
+    away = maps.norm(deviation)
+    if away <= _THERE * maps.norm(orbit.y):
+        return True
+    departure = maps.norm(first.end.y - orbit.y - matrix @ deviation)
+    linear = first.residual <= _NEAR or departure <= _LINEAR * away
+    return linear and departure <= _SLOWER * (1 - slow) * away
 
 
 def _measured(

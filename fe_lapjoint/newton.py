@@ -22,6 +22,7 @@ _GROWING = 1e-6  # a multiplier above 1 by more than this is no rounding of 1
 _TURNING = 1e-6  # of the modulus: an imaginary part above tells a complex pair
 _THERE = 1e-8  # relative distance within which a march has reached an orbit
 _LINEAR = 0.25  # or else: largest departure from the linearised map, over the step that this map makes
+_SLOWER = 0.5  # and over what the slowest multiplier takes off the distance
 
 
 @dataclass(frozen=True)
@@ -103,8 +104,10 @@ def bound_for(turns: Turns, orbit: Orbit, sections: Sequence[Point]) -> bool:
     """Whether a march, of which `sections` are points `orbit.turns` turns apart, has come into the orbit's basin.
 
     It has if its last steps went as the linearised map M says: if after - M before is small against (I - M) before,
-    the step that M makes.  At any other fixed point the two are equal, so that no neighbouring orbit passes.  And it
-    must be well nearer to this point of the orbit than to the others, which are fixed points as well.
+    the step that M makes.  At any other fixed point the two are equal, so that no neighbouring orbit passes.  It must
+    be smaller, too, than what an orbit that attracts slowly takes off the distance, or a motion of many more periods
+    around that orbit would pass.  And the march must be well nearer to this point of the orbit than to the others,
+    which are fixed points as well.
     """
     away = [turns.seen_from(orbit.point.state, section) - orbit.point.y for section in sections]
     if turns.size(away[-1]) <= _THERE * turns.size(orbit.point.y):
@@ -117,4 +120,6 @@ def bound_for(turns: Turns, orbit: Orbit, sections: Sequence[Point]) -> bool:
 
 def _as_linearised(turns: Turns, orbit: Orbit, before: FloatArray, after: FloatArray) -> bool:
     mapped = orbit.matrix @ before
-    return turns.size(after - mapped) <= _LINEAR * turns.size(before - mapped)
+    departure = turns.size(after - mapped)
+    slower = _SLOWER * (1 - float(orbit.moduli[0])) * turns.size(before)
+    return departure <= min(_LINEAR * turns.size(before - mapped), slower)

@@ -115,6 +115,14 @@ def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_expone
     assert short.exponent.quarters[-1] == pytest.approx(decay, rel=1e-4)
 
 
+def test_a_motion_that_circles_an_orbit_of_fewer_periods_is_not_taken_for_it() -> None:
+    """With 18 elements the march settles to order 56, 0.8 % of its size from a stable orbit of order 14."""
+    options = {"elements": 18, "max_periods": 1200}
+    short, long = (fe_lapjoint.Solver(max_order=n, **options).steady_state(CANTILEVER) for n in (14, 56))
+    assert short.outcome is Outcome.UNDECIDED
+    assert (long.outcome, long.order) == (Outcome.PERIODIC, 56)
+
+
 @pytest.mark.slow
 def test_a_coarser_mesh_is_chaotic_and_says_so() -> None:
     found = fe_lapjoint.Solver(elements=16).steady_state(CANTILEVER)
