@@ -46,7 +46,7 @@ class Point:
 
 
 def _finest(level: Level) -> int:
-    return {"quick": 48, "standard": 64, "full": 96}[level]
+    return {"quick": 48, "standard": 80, "full": 96}[level]
 
 
 def solve_point(omega: float, level: Level) -> Point:
