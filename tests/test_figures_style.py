@@ -105,11 +105,12 @@ def test_a_full_disk_leaves_what_was_there_and_says_so(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(Figure, "savefig", full)
-    with pytest.raises(OutputError, match="motion.png: cannot be written: No space left on device"):
+    with pytest.raises(OutputError, match=r"motion\.png: cannot be written: No space left on device"):
         save(plot_motion(history, samples=20), path)
     assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == ({path.name: before} if before else {})
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
 def test_a_figure_is_written_through_a_link(history: History, tmp_path: Path) -> None:
     (tmp_path / "link.png").symlink_to(tmp_path / "motion.png")
     save(plot_motion(history, samples=20), tmp_path / "link.png")

@@ -59,6 +59,7 @@ def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
             t, impulse = _impulses(mine)
             axes.vlines(t, 0.0, impulse, color=COLOURS[stop % len(COLOURS)], linewidth=THIN, alpha=0.6, zorder=1)
     if not history.contacts:
+        axes.set_ylim(-1.0, 1.0)
         axes.set_yticks([0.0])
         axes.text(0.5, 0.6, "no contact", transform=axes.transAxes, ha="center", color=GREY)
     margin = 0.015 * (history.end - history.start)  # for markers on the ends
