@@ -65,6 +65,7 @@ def test_the_curve_is_shaded_down_to_the_gap_while_in_contact(history: History) 
     [
         ({"x": 1.5}, "x = 1.5: lies outside the beam; allowed are 0 to 1 m"),
         ({"x": [0.5, float("nan")]}, "x = nan: lies outside the beam"),
+        ({"x": []}, r"x = \[\]: names no position; one or more are needed"),
         ({"samples": 1}, "samples = 1: must be 2 or more"),
     ],
 )

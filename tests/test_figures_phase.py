@@ -9,8 +9,14 @@ import numpy as np
 import pytest
 from conftest import OMEGA
 
-from lapjoint import BaseMotion, History, InputError
+from lapjoint import FREE, BaseMotion, History, InputError
 from lapjoint.figures import new_axes, plot_phase_portrait, plot_poincare_section
+from lapjoint.figures.place import SMOOTH, smooth_times
+from lapjoint.figures.style import figure_of
+from lapjoint.problem import FloatArray
+
+TONES = ((3e-3, 35.0), (6e-4, 220.0), (2e-4, 617.0))
+"""Amplitudes, m, and angular frequencies, rad/s, of a beam that was plucked."""
 
 
 @pytest.fixture
@@ -64,6 +70,36 @@ def test_portraits_on_the_same_axes_differ_in_colour_and_line(history: History) 
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["one", "in contact", "other"]
 
 
+def test_an_orbit_without_excitation_has_no_corners(history: History) -> None:
+    def field(x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
+        return np.outer(np.ones_like(x), sum(a * w**dt * np.sin(w * t + dt * math.pi / 2) for a, w in TONES))
+
+    problem = history.problem.replace(stops=())
+    free = History(problem, "", 0.0, 3.0, np.zeros(0), (FREE,), (), field)
+    orbit = plot_phase_portrait(free, samples=300).lines[0]
+    t = smooth_times(free, 1.0, np.linspace(0.0, 3.0, 300))
+    assert len(orbit.get_xdata()) == t.size < 10_000
+    size = np.ptp([1e3 * free.displacement(1.0, t)[0], free.velocity(1.0, t)[0]], axis=1)
+
+    def states(share: float) -> FloatArray:
+        times = t[:-1] + share * np.diff(t)
+        return (np.array([1e3 * free.displacement(1.0, times)[0], free.velocity(1.0, times)[0]]).T / size).T
+
+    start, chord = states(0.0), states(1.0) - states(0.0)
+    for share in (0.25, 0.5, 0.75):
+        across = (chord[0] * (states(share) - start)[1] - chord[1] * (states(share) - start)[0]) / np.hypot(*chord)
+        assert np.max(np.abs(across)) < 2 * SMOOTH
+
+
+def test_a_beam_at_rest_is_a_dot(history: History) -> None:
+    problem = history.problem.replace(stops=())
+    rest = History(problem, "", 0.0, 1.0, np.zeros(0), (FREE,), (), lambda x, t, dx=0, dt=0: np.zeros((x.size, t.size)))
+    orbit = plot_phase_portrait(rest).lines[0]
+    assert orbit.get_marker() == "o"
+    assert set(np.asarray(orbit.get_xdata())) == set(np.asarray(orbit.get_ydata())) == {0.0}
+    figure_of(plot_phase_portrait(rest)).draw_without_rendering()
+
+
 def test_sections_lie_at_the_multiples_of_the_period(driven: History) -> None:
     z, v = plot_poincare_section(driven).lines[0].get_data()
     np.testing.assert_array_equal(z, 1e3 * driven.displacement(1.0, np.arange(5.0))[0])
@@ -78,8 +114,16 @@ def test_a_section_is_taken_at_the_phase_asked_for(driven: History) -> None:
 
 
 def test_the_rounding_of_an_end_loses_no_section(driven: History) -> None:
-    short = replace(driven, start=1.0 + 1e-13, end=2.0 - 1e-13, switch_times=np.zeros(0))
+    short = replace(driven, start=0.9, end=2.0 - 1e-13, switch_times=np.zeros(0))
     assert len(plot_poincare_section(short).lines[0].get_xdata()) == 2
+
+
+def test_a_motion_of_three_periods_has_three_sections(driven: History) -> None:
+    closed = replace(driven, start=1.0 + 1e-13, end=4.0 - 1e-13, switch_times=np.zeros(0))
+    line = plot_poincare_section(closed).lines[0]
+    assert len(line.get_xdata()) == 3
+    assert str(line.get_label()).endswith("3 sections")
+    assert str(plot_poincare_section(replace(closed, end=2.0)).lines[0].get_label()).endswith("1 section")
 
 
 def test_points_apart_by_rounding_are_not_blown_up(driven: History) -> None:

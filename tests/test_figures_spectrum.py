@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from conftest import OMEGA
 
-from lapjoint import BaseMotion, History, InputError
+from lapjoint import FREE, BaseMotion, History, InputError
 from lapjoint.figures import plot_spectrum
 from lapjoint.figures.spectrum import TOLERANCE, repeating_periods, spectrum
+from lapjoint.figures.style import figure_of
 from lapjoint.problem import FloatArray
 
 Signal = Callable[[FloatArray], FloatArray]
@@ -144,3 +145,15 @@ def test_what_has_no_spectrum_is_named(
 ) -> None:
     with pytest.raises(InputError, match=message):
         plot_spectrum(replace(history, **changes), **wish)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("omega", [None, OMEGA])
+def test_a_beam_at_rest_has_a_line_at_zero_and_says_so(history: History, omega: float | None) -> None:
+    base = BaseMotion(amplitude=0.0, angular_frequency=omega) if omega else None
+    problem = history.problem.replace(stops=(), base_motion=base)
+    rest = History(problem, "", 0.0, 2.0, np.zeros(0), (FREE,), (), lambda x, t, dx=0, dt=0: np.zeros((x.size, t.size)))
+    axes = plot_spectrum(rest)
+    figure_of(axes).draw_without_rendering()
+    assert [text.get_text() for text in axes.texts] == ["at rest"]
+    assert axes.get_yscale() == "linear"
+    assert set(np.asarray(axes.lines[0].get_ydata())) == {0.0}

@@ -9,6 +9,7 @@ import click
 
 from lapjoint import History, Modes, Problem, SteadyState
 from lapjoint.contact import state_label
+from lapjoint.figures.words import apart, cut_to
 from lapjoint.files import write_text
 
 if TYPE_CHECKING:
@@ -16,11 +17,13 @@ if TYPE_CHECKING:
 
 ROWS_SHOWN = 20
 FAILURES_SHOWN = 5
+NAME_SHOWN, STATE_SHOWN = 24, 48
+"""Characters of the name of a stop, and of a state, in a table; files hold all of it."""
 
 
 def print_modes(problem: Problem, solver: str, answers: list[Modes]) -> None:
     """Print natural angular frequencies, a line for each contact state."""
-    labels = [state_label(problem, answer.state) for answer in answers]
+    labels = apart([state_label(problem, answer.state) for answer in answers], lambda name: cut_to(name, STATE_SHOWN))
     width = max(len(label) for label in labels)
     click.echo(f"Natural angular frequencies [rad/s], {solver}")
     for label, answer in zip(labels, answers, strict=True):
@@ -43,15 +46,15 @@ def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[s
 def print_history(history: History) -> None:
     """Print the first contacts and a summary."""
     problem, contacts = history.problem, history.contacts
+    names, width = stop_column(problem)
     click.echo(problem.title or "Untitled problem")
     click.echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
     if contacts:
-        click.echo(f"\n{'stop':<10}{'start [s]':>15}{'duration [s]':>15}{'impulse [N s]':>15}{'peak [N]':>13}")
+        click.echo(f"\n{'stop':<{width}}{'start [s]':>15}{'duration [s]':>15}{'impulse [N s]':>15}{'peak [N]':>13}")
     for c in contacts[:ROWS_SHOWN]:
         remark = "  closed at the start" if c.open_start else "  closed at the end" if c.open_end else ""
         click.echo(
-            f"{problem.stop_names[c.stop]:<10}{c.start:15.9f}{c.duration:15.6g}{c.impulse:15.6g}"
-            f"{c.peak_force:13.5g}{remark}"
+            f"{names[c.stop]:<{width}}{c.start:15.9f}{c.duration:15.6g}{c.impulse:15.6g}{c.peak_force:13.5g}{remark}"
         )
     if len(contacts) > ROWS_SHOWN:
         click.echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
@@ -81,8 +84,15 @@ def print_impulses(problem: Problem, impulses: list[float], heading: str) -> Non
     """Print one impulse for each stop; nothing where there are no stops."""
     if problem.stops:
         click.echo(f"\n{heading}, top positive")
-        for name, stop, impulse in zip(problem.stop_names, problem.stops, impulses, strict=True):
-            click.echo(f"{name:<10}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}")
+        names, width = stop_column(problem)
+        for name, stop, impulse in zip(names, problem.stops, impulses, strict=True):
+            click.echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}")
+
+
+def stop_column(problem: Problem) -> tuple[list[str], int]:
+    """The names of the stops, long ones shortened, and the width of a column of them with the space after it."""
+    names = apart(problem.stop_names, lambda name: cut_to(name, NAME_SHOWN))
+    return names, max([8, *(len(name) for name in names)]) + 2
 
 
 def steady_state_summary(found: SteadyState) -> dict[str, Any]:

@@ -9,7 +9,19 @@ import numpy as np
 
 from lapjoint.contact import ContactState, state_label, state_order
 from lapjoint.figures.place import heading
-from lapjoint.figures.style import COLOURS, GREY, MARKERS, THIN, draw_time, entitle, faint_if_thin, new_axes, style
+from lapjoint.figures.style import (
+    COLOURS,
+    GREY,
+    MARKERS,
+    THIN,
+    draw_time,
+    entitle,
+    faint_if_thin,
+    new_axes,
+    room_of,
+    style,
+)
+from lapjoint.figures.words import apart, key, literal, shortened, width_of
 from lapjoint.solution import Contact, History
 
 if TYPE_CHECKING:
@@ -17,6 +29,8 @@ if TYPE_CHECKING:
 
 MOST_STEMS = 200
 """With more contacts than this the markers are small and stand alone."""
+_NAMES_SHARE = 0.3
+"""Of the width: the most that the names of the states take."""
 
 
 @style()
@@ -39,12 +53,13 @@ def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
         mine = [contact for contact in history.contacts if contact.stop == stop]
         cut = [contact for contact in mine if contact.open_start or contact.open_end]
         size = 3.5 if len(history.contacts) <= MOST_STEMS else 1.8
-        _draw_impulses(axes, [contact for contact in mine if contact not in cut], stop, name, size, hollow=False)
+        _draw_impulses(axes, [contact for contact in mine if contact not in cut], stop, key(name), size, hollow=False)
         _draw_impulses(axes, cut, stop, f"_{name}, cut", size, hollow=True)
         if len(history.contacts) <= MOST_STEMS:
             t, impulse = _impulses(mine)
             axes.vlines(t, 0.0, impulse, color=COLOURS[stop % len(COLOURS)], linewidth=THIN, alpha=0.6, zorder=1)
     if not history.contacts:
+        axes.set_ylim(-1.0, 1.0)
         axes.set_yticks([0.0])
         axes.text(0.5, 0.6, "no contact", transform=axes.transAxes, ha="center", color=GREY)
     margin = 0.015 * (history.end - history.start)  # for markers on the ends
@@ -96,12 +111,14 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
         axes.broken_barh(spans[state], (row - 0.36, 0.72), **faint_if_thin(colour))
         share = sum(duration for _, duration in spans[state]) / span if span else 1.0
         axes.text(1.01, row, f"{share:.1%}", transform=axes.get_yaxis_transform(), va="center", fontsize=7)
-    axes.set_yticks(range(len(states)), [state_label(history.problem, state) for state in states])
+    names = [state_label(history.problem, state) for state in states]
+    short = apart(names, lambda name: shortened(name, _NAMES_SHARE * room_of(axes)))
+    axes.set_yticks(range(len(states)), [literal(name) for name in short])
     axes.set_ylim(len(states) - 0.4, -0.6)
     axes.grid(False, axis="y")
     draw_time(axes, history.start, history.end)
     axes.set_ylabel("contact state")
-    entitle(axes, heading(history))
+    entitle(axes, heading(history), beside=0.8 + max(width_of(name) for name in short))
     return axes
 
 

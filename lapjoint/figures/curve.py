@@ -11,6 +11,7 @@ import numpy as np
 
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, STYLES, THIN, entitle, new_axes, style
 from lapjoint.figures.swept import axis_label, each_line, fields, held, in_order, short
+from lapjoint.figures.words import key
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +34,7 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     first, second = fields(dataset)
     for stop, name in enumerate(dataset.stop_name.values):
         for i, impulse in enumerate(each_line(dataset.impulse.isel(stop=stop), second)):
-            label = str(name) if i == 0 else None
+            label = key(str(name)) if i == 0 else None
             draw_line(
                 axes, dataset[first].values, impulse, COLOURS[stop % len(COLOURS)], STYLES[stop % len(STYLES)], label
             )
@@ -41,8 +42,13 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     axes.set_xlabel(axis_label(dataset, first))
     axes.set_ylabel("impulse in a period [N s]")
     limit(axes, dataset[first].values)
-    if dataset.sizes["stop"]:
-        values = [] if second is None else [f"{dataset.sizes[second]} values of {short(second)}"]
+    if not dataset.sizes["stop"]:
+        axes.set_ylim(-1.0, 1.0)
+        axes.set_yticks([0.0])
+        axes.text(0.5, 0.6, "no stops, no impulses", transform=axes.transAxes, ha="center", color=GREY)
+        entitle(axes, ", ".join(held(dataset)))
+    else:
+        values = [] if second is None else [f"{dataset.sizes[second]} values of {short(dataset, second)}"]
         entitle(axes, ", ".join([*values, *held(dataset)]))
     return axes
 

@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.figures.curve import draw_line, limit
-from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLES, THIN, figure_of, new_panels, style
+from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
 from lapjoint.figures.swept import axis_label, each_line, fields, held, in_order, short, units
+from lapjoint.figures.words import apart, literal, shortened, wrapped
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_NAME_ROOM = 4.5
+"""Width of a stop's name above its panel, inches: that of sixty characters and more."""
 MOST_LINES = 7
 """A second field with more values than this is drawn as a map."""
 OUTCOME_COLOURS = {
@@ -59,18 +62,22 @@ def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
     height = sum(heights) + 0.32 * stops + 0.9
     panels = new_panels(stops + 1, 1, PAGE_WIDTH, height, sharex=True, height_ratios=heights)
     figure = figure_of(panels)
+    names = apart(
+        [str(name) for name in dataset.stop_name.values], lambda name: shortened(name, _NAME_ROOM, STYLE["font.size"])
+    )
     for stop, axes in enumerate(panels[:-1]):
         impulse = dataset.impulse.isel(stop=stop)
         if as_map:
             _map(figure, axes, dataset, impulse, first, second or "")
         else:
             _panel(axes, dataset, impulse, first, second, legend=stop == 0)
-        axes.set_title(str(dataset.stop_name.values[stop]), pad=2)
+        axes.set_title(literal(names[stop]), pad=2)
     _certificate_strip(figure, panels[-1], dataset, first, second)
     panels[-1].set_xlabel(axis_label(dataset, first))
     limit(panels[-1], dataset[first].values)
     if held(dataset):
-        figure.suptitle(", ".join(held(dataset)), fontsize="medium")
+        lines = wrapped(", ".join(held(dataset)), PAGE_WIDTH - 0.5, STYLE["font.size"])
+        figure.suptitle("\n".join(literal(line) for line in lines), fontsize=STYLE["font.size"])
     return panels
 
 
@@ -94,7 +101,7 @@ def _panel(
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_ylabel("impulse [N s]")
     if second is not None and legend:
-        title = f"{short(second)} [{units(dataset, second)}]"
+        title = literal(f"{short(dataset, second)} [{units(dataset, second)}]")
         axes.legend(title=title, title_fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.05))
 
 
@@ -128,7 +135,7 @@ def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: s
         vmax=len(OUTCOME_COLOURS) - 0.5,
         rasterized=True,
     )
-    axes.set_title("what was established", pad=2)
+    axes.set_title("what was established" if dataset.sizes["stop"] else "what was established, without stops", pad=2)
     axes.grid(False)
     _strip_ticks(axes, dataset, second, len(codes))
     keys = list(OUTCOME_COLOURS)

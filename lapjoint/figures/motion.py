@@ -7,8 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lapjoint.errors import InputError
 from lapjoint.figures.place import checked_position, heading, in_contact, line_width, times_drawn
-from lapjoint.figures.style import COLOURS, GREY, STYLES, THIN, draw_time, entitle, faint_if_thin, new_axes, style
+from lapjoint.figures.style import (
+    COLOURS,
+    GREY,
+    STYLES,
+    THIN,
+    draw_time,
+    entitle,
+    faint_if_thin,
+    new_axes,
+    room_of,
+    style,
+)
+from lapjoint.figures.words import apart, literal, shortened
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
 
@@ -17,6 +30,8 @@ if TYPE_CHECKING:
 
 STRIP = 0.11
 """Height of the strip of one stop, inches: that of its name."""
+_NAME_SIZE, _NAMES_SHARE = 6.5, 0.2
+"""Size of the names of the stops, points, smaller where there are many; and the share of the width they may take."""
 
 
 @style()
@@ -47,7 +62,7 @@ def plot_motion(
     Raises
     ------
     InputError
-        If a position is outside the beam, or `samples` less than 2.
+        If `x` names no position, or one outside the beam, or `samples` is less than 2.
     """
     positions = _positions(history.problem, x)
     t = times_drawn(history, samples)
@@ -70,7 +85,10 @@ def plot_motion(
 def _positions(problem: Problem, x: float | Sequence[float] | None) -> list[float]:
     if x is None:
         return sorted({stop.x for stop in problem.stops}) or [problem.beam.length]
-    return [checked_position(problem, float(place)) for place in np.atleast_1d(np.asarray(x, dtype=float))]
+    places = np.atleast_1d(np.asarray(x, dtype=float))
+    if not places.size:
+        raise InputError("x = []: names no position; one or more are needed, or None for those of the stops")
+    return [checked_position(problem, float(place)) for place in places]
 
 
 def _colour(i: int) -> str:
@@ -95,8 +113,10 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
     low, high = axes.get_ylim()
     axes.set_yticks([tick for tick in axes.get_yticks() if low <= tick <= high])
     share = min(0.5, STRIP * len(stops) / _height(axes))
+    size = min(_NAME_SIZE, 72 * 0.9 * share * _height(axes) / max(1, len(stops)))
+    names = apart(history.problem.stop_names, lambda name: shortened(name, _NAMES_SHARE * room_of(axes), size))
     axes.set_ylim(low - (high - low) * share / (1 - share), high)
-    for row, (name, stop) in enumerate(zip(history.problem.stop_names, stops, strict=True)):
+    for row, (name, stop) in enumerate(zip(names, stops, strict=True)):
         bottom, height = share * (1 - (row + 1) / len(stops)), 0.7 * share / len(stops)
         colour = _colour(positions.index(stop.x)) if stop.x in positions else GREY
         # Upwards in fractions of the axes, and one collection for all contacts: quick with thousands of them.
@@ -107,7 +127,9 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
             **faint_if_thin(colour, 0.6),
             label=f"_contacts of {name}",
         )
-        axes.text(1.01, bottom + height / 2, name, transform=axes.transAxes, fontsize=6.5, va="center", color=colour)
+        axes.text(
+            1.01, bottom + height / 2, literal(name), transform=axes.transAxes, fontsize=size, va="center", color=colour
+        )
 
 
 def _height(axes: Axes) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.figures.place import heading, in_contact, line_width, one_position, times_drawn
+from lapjoint.figures.place import heading, in_contact, line_width, one_position, smooth_times, times_drawn
 from lapjoint.figures.style import COLUMN_WIDTH, GREY, THIN, entitle, new_axes, style
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
@@ -42,8 +42,8 @@ def plot_phase_portrait(
         Position, m; by default that of the stop farthest from the root, or the tip where there are no stops.
         In contact means: with a stop here, or with any stop where there is none here.
     samples : int
-        Number of times drawn, equidistant; the switches are added to them, and more where an excitation period would
-        have fewer than 100 of them.
+        Number of times drawn, equidistant, at least; the switches are added to them, and more where an excitation
+        period would have fewer than 100 of them, or the orbit would be drawn with corners that it has not.
     label : str, optional
         Name of the orbit in the key; by default the position.
 
@@ -53,11 +53,12 @@ def plot_phase_portrait(
         If the position is outside the beam, or `samples` less than 2.
     """
     place = one_position(history.problem, x)
-    t = times_drawn(history, samples)
+    t = smooth_times(history, place, times_drawn(history, samples))
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
     width = line_width(history)
-    (orbit,) = axes.plot(z, v, linewidth=width, label=label or f"x = {place:g} m")
+    still = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
+    (orbit,) = axes.plot(z, v, linewidth=width, marker=still, label=label or f"x = {place:g} m")
     here = [i for i, stop in enumerate(history.problem.stops) if stop.x == place]
     contacts = [c for c in history.contacts if c.stop in here or not here]
     if contacts:
@@ -113,7 +114,7 @@ def plot_poincare_section(
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
     size = 4.0 if t.size < 100 else 1.8
-    name = label or f"x = {place:g} m, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} sections"
+    name = label or f"x = {place:g} m, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} section{'s' * (t.size > 1)}"
     axes.plot(z, v, linestyle="", marker="o", markersize=size, markeredgewidth=0, label=name)
     _widen(axes, *_state(history, place, times_drawn(history, 500)))
     entitle(axes, heading(history) if label is None else "")
@@ -122,6 +123,9 @@ def plot_poincare_section(
 
 def section_times(history: History, phase: float = 0.0) -> FloatArray:
     """The times t of the history, s, with omega t = phase + 2 pi k, ascending.
+
+    A history that ends at a section and starts at one has whole periods, and its end is the start of what follows: it
+    is left out, so that a motion of three periods has three sections.
 
     Raises
     ------
@@ -133,6 +137,8 @@ def section_times(history: History, phase: float = 0.0) -> FloatArray:
         raise InputError(f"phase = {phase}: must be finite, in rad")
     turns = (np.array([history.start, history.end]) * omega - phase) / (2 * math.pi)
     k = np.arange(math.ceil(turns[0] - _ROUNDING), math.floor(turns[1] + _ROUNDING) + 1)
+    if k.size > 1 and k[0] - turns[0] < _ROUNDING and turns[1] - k[-1] < _ROUNDING:
+        k = k[:-1]
     if not k.size:
         raise InputError(
             f"phase = {phase:g}: the history, {history.start:g} to {history.end:g} s, holds no section; allowed are "

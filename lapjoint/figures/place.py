@@ -13,6 +13,12 @@ from lapjoint.solution import Contact, History
 LEAST_SAMPLES = 100
 """No excitation period is drawn with fewer times than this: a coarser curve shows a motion that is not there."""
 
+SMOOTH = 0.002
+"""Of an orbit's size: how far it may be from the chord that is drawn for it, about a pixel."""
+
+MOST_TIMES = 50_000
+"""No orbit is refined further than this."""
+
 MANY = 100
 """With more contacts than this the curves are thin."""
 
@@ -54,6 +60,40 @@ def times_drawn(history: History, samples: int) -> FloatArray:
     even = np.linspace(history.start, history.end, max(samples, needed))
     switches = np.asarray(history.switch_times)
     return np.unique(np.concatenate([even, switches, (switches[1:] + switches[:-1]) / 2]))
+
+
+def smooth_times(history: History, x: float, t: FloatArray) -> FloatArray:
+    """The times `t`, s, and more where the orbit at position `x`, m, is drawn with corners that it has not.
+
+    Where the state a quarter, half or three quarters of the way between two times is farther from the chord than
+    `SMOOTH` of the orbit's size, the time half-way is added, and so on until all is smooth, or there are `MOST_TIMES`.
+    """
+    orbit = _orbit(history, x, t)
+    size = np.ptp(orbit, axis=1, keepdims=True)
+    size[size == 0] = 1.0
+    ends = np.arange(t.size - 1)  # of the chords to look at, the first ones
+    while ends.size and t.size < MOST_TIMES:
+        start, chord = orbit[:, ends] / size, np.diff(orbit, axis=1)[:, ends] / size
+        width = np.diff(t)[ends]
+        early, halfway, late = (_orbit(history, x, t[ends] + share * width) for share in (0.25, 0.5, 0.75))
+        off = [_distance(chord, point / size - start) for point in (early, halfway, late)]
+        between = t[ends] + 0.5 * width
+        rough = (np.max(off, axis=0) > SMOOTH) & (between > t[ends]) & (between < t[ends + 1])
+        places, ends = ends[rough] + 1, ends[rough] + np.arange(rough.sum())
+        t = np.insert(t, places, between[rough])
+        orbit = np.insert(orbit, places, halfway[:, rough], axis=1)
+        ends = np.sort(np.concatenate([ends, ends + 1]))
+    return t
+
+
+def _orbit(history: History, x: float, t: FloatArray) -> FloatArray:
+    return np.vstack([history.displacement(x, t), history.velocity(x, t)])
+
+
+def _distance(chord: FloatArray, off: FloatArray) -> FloatArray:
+    """Distance from chords of points, `off` their starts; all of shape ``(2, n)``."""
+    along = np.sum(chord * off, axis=0) / np.maximum(np.sum(chord**2, axis=0), np.finfo(float).tiny)
+    return np.asarray(np.hypot(*(off - np.clip(along, 0.0, 1.0) * chord)))
 
 
 def in_contact(contacts: list[Contact], t: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:

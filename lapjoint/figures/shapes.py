@@ -21,6 +21,7 @@ from lapjoint.figures.style import (
     new_panels,
     style,
 )
+from lapjoint.figures.words import cut_to
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import Modes
 
@@ -32,6 +33,8 @@ SAME = 1e-6
 MOST_PANELS = 24
 """More groups of states than this are not drawn in one figure."""
 _NAMED = 4  # states of a group whose closed stops are written out
+_UNBROKEN, _LONGEST = 16, 60
+"""Characters of a state's name up to which it is kept in one line, and up to which it is written out."""
 _POINTS_AT_BEAM = {"bottom": 6, "top": 7}
 """Matplotlib's carets with their tip on the beam, by the stop's side."""
 
@@ -144,12 +147,17 @@ def upright(shape: FloatArray) -> FloatArray:
 
 def group_title(problem: Problem, group: Sequence[Modes]) -> str:
     """Which states these are: the paper's numbers where they have some, and their closed stops; what the key holds."""
-    names = [modes.state.name(problem).replace(" ", "\u00a0") for modes in group]
+    names = [_unbroken(modes.state.name(problem)) for modes in group]
     text = " or ".join(names[:_NAMED]) + (f" or {len(names) - _NAMED} more" if len(names) > _NAMED else "")
     word = "States" if len(group) > 1 else "State"
     if is_paper_joint(problem):
         word += " " + ", ".join(str(paper_state_number(problem, modes.state)) for modes in group)
     return f"{word}: {text}\nmode: natural frequency [rad/s]"
+
+
+def _unbroken(name: str) -> str:
+    """A short name with fixed spaces, that a line's end divides no ``P2 + P3``."""
+    return name.replace(" ", "\u00a0") if len(name) <= _UNBROKEN else cut_to(name, _LONGEST)
 
 
 def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: int, samples: int) -> None:

@@ -87,7 +87,7 @@ def plot_spectrum(
     found = spectrum(history, place, harmonics)
     axes = new_axes(height=2.6) if axes is None else axes
     omega, amplitude = found.angular_frequencies, 1e3 * found.amplitudes
-    floor = float(np.max(amplitude)) * 10.0**-DECADES or 1e-12
+    floor = float(np.max(amplitude)) * 10.0**-DECADES
     name = label or f"x = {place:g} m"
     earlier = [line for line in axes.lines if not str(line.get_label()).startswith(_EXCITATION)]
     colour = COLOURS[len(earlier) % len(COLOURS)]
@@ -97,13 +97,23 @@ def plot_spectrum(
     else:
         axes.plot(omega, amplitude, color=colour, linestyle="-", linewidth=0.9, label=name)
     _mark_excitation(axes, history.problem.excitation_frequency)
-    axes.set_yscale("log")
-    axes.set_ylim(floor, 3 * max(float(np.max(amplitude)), floor))
+    _scale(axes, amplitude, floor)
     axes.set_xlim(-0.01 * omega[-1], 1.01 * omega[-1])
     axes.set_xlabel("angular frequency [rad/s]")
     axes.set_ylabel("amplitude of z [mm]")
     entitle(axes, f"{heading(history)}\n{_how(history, found)}" if label is None else "")
     return axes
+
+
+def _scale(axes: Axes, amplitude: FloatArray, floor: float) -> None:
+    """Logarithmic from `floor` on; of a beam at rest, which has no amplitudes, a line at zero that is called so."""
+    if floor > 0:
+        axes.set_yscale("log")
+        axes.set_ylim(floor, 3 * float(np.max(amplitude)))
+    elif axes.get_yscale() == "linear":
+        axes.set_ylim(-1.0, 1.0)
+        axes.set_yticks([0.0])
+        axes.text(0.5, 0.6, "at rest", transform=axes.transAxes, ha="center", color=GREY)
 
 
 def spectrum(history: History, x: float, harmonics: int) -> Spectrum:

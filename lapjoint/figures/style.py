@@ -6,16 +6,19 @@ the distinction.  Text has its final size at any width, so a figure is made as w
 
 from __future__ import annotations
 
+import errno
 import io
-import textwrap
+import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, OutputError
+from lapjoint.figures.keys import BETWEEN, HANDLE, LINE, key_that_fits
+from lapjoint.figures.words import SMALL, boxes_for_unknown_signs, literal, wrapped
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,13 +26,18 @@ if TYPE_CHECKING:
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 STYLES = ("-", "--", "-.", ":")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
+"""Filled, so that they can be hollow.  The number of colours has no divisor in common with that of styles, nor with
+that of markers, so that a pair returns only when all pairs have been drawn."""
 FORMATS = (".png", ".svg", ".pdf")
 COLUMN_WIDTH, PAGE_WIDTH = 3.4, 7.0  # inches
 GREY = "0.55"
 THIN = 0.6  # points: gaps, zero lines, reference slopes
-_CHARACTERS, _LABELS_WIDE = 18.0, 0.6
-"""Characters of small text in an inch, and the width that tick labels take, inches."""
+_NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
+_LABELS_WIDE = 0.65
+"""Width that the labels left of axes take, inches."""
+_KEY_SHARE = 0.45
+"""Of the height of axes and key together: the most that the key takes."""
 
 STYLE: dict[str, Any] = {
     "font.size": 8,
@@ -44,17 +52,17 @@ STYLE: dict[str, Any] = {
     "grid.color": "0.8",
     "grid.linewidth": 0.4,
     "grid.alpha": 0.6,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
+    "xtick.labelsize": SMALL,
+    "ytick.labelsize": SMALL,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "lines.linewidth": 1.1,
     "lines.markersize": 3.5,
     "legend.frameon": False,
-    "legend.fontsize": 7,
-    "legend.title_fontsize": 7,
-    "legend.handlelength": 2.0,
-    "legend.columnspacing": 1.2,
+    "legend.fontsize": SMALL,
+    "legend.title_fontsize": SMALL,
+    "legend.handlelength": HANDLE,
+    "legend.columnspacing": BETWEEN,
     "legend.borderaxespad": 0.3,
     "savefig.dpi": 200,
     "svg.fonttype": "none",
@@ -70,8 +78,8 @@ def style() -> Iterator[None]:
     import matplotlib
     from cycler import cycler
 
-    lines = [STYLES[i % len(STYLES)] for i in range(len(COLOURS))]
-    settings: dict[Any, Any] = {**STYLE, "axes.prop_cycle": cycler(color=COLOURS, linestyle=lines)}
+    lines = [STYLES[i % len(STYLES)] for i in range(len(COLOURS) * len(STYLES))]
+    settings: dict[Any, Any] = {**STYLE, "axes.prop_cycle": cycler(color=COLOURS * len(STYLES), linestyle=lines)}
     with matplotlib.rc_context(settings):
         yield
 
@@ -93,18 +101,29 @@ def new_panels(rows: int, columns: int, width: float, height: float, **options: 
 def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
     """Write the figure that `axes`, one or several, belong to, as PNG, SVG or PDF by the ending of `path`.
 
+    The file takes its name when it is complete; until then one of that name stays as it is.
+
     Raises
     ------
     InputError
-        If the ending is another one, or the file cannot be written.
+        If the ending is another one, or no file can be written there.
+    OutputError
+        If the file cannot be completed, as on a full disk.
     """
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
         raise InputError(f"{path}: figures are written as {', '.join(FORMATS)}, not {ending or 'without an ending'}")
+    target = Path(os.path.realpath(path))
+    unfinished = target.with_name(f".{target.stem}.unfinished{ending}")
     try:
-        _write(axes, path, ending[1:])
+        _write(axes, unfinished, ending[1:])
+        os.replace(unfinished, target)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        kind = OutputError if error.errno in _NO_ROOM else InputError
+        raise kind(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        with suppress(OSError):
+            unfinished.unlink()
 
 
 def svg_of(axes: Axes | Sequence[Axes]) -> str:
@@ -119,7 +138,8 @@ def svg_of(axes: Axes | Sequence[Axes]) -> str:
 def _write(axes: Axes | Sequence[Axes], target: str | Path | io.StringIO, form: str, **options: Any) -> None:
     """The file without the date, so that equal figures are equal files."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    figure_of(axes).savefig(target, format=form, metadata=dates.get(form), **options)
+    with boxes_for_unknown_signs():
+        figure_of(axes).savefig(target, format=form, metadata=dates.get(form), **options)
 
 
 def each_axes(axes: Axes | Sequence[Axes]) -> tuple[Axes, ...]:
@@ -137,36 +157,42 @@ def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
     return figure
 
 
-def entitle(axes: Axes, title: str = "") -> None:
-    """What is drawn, and the key to its lines below, both above the axes, where no curve can be."""
-    figure = figure_of(axes)
-    width = axes.get_position().width / (figure.subplotpars.right - figure.subplotpars.left) * figure.get_figwidth()
-    letters = max(20, int((width - _LABELS_WIDE) * _CHARACTERS))
-    text = "\n".join(line for part in title.splitlines() for line in textwrap.wrap(part, letters))
+def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
+    """What is drawn, and the key to its lines below, both above the axes, where no curve can be.
+
+    Title and labels are drawn as they are, no part of them as mathematics; see `lapjoint.figures.words`.  The labels
+    beside the axes are `beside` inches wide.
+    """
+    room = max(1.0, room_of(axes) - beside)
+    lines = [literal(line) for line in wrapped(title, room)]
     handles, labels = axes.get_legend_handles_labels()
     if not labels:
-        axes.set_title(text, fontsize=STYLE["legend.title_fontsize"])
+        axes.set_title("\n".join(lines), fontsize=SMALL)
         return
+    handles, labels, columns = key_that_fits(handles, labels, room, _lines_high(axes) - len(lines))
     axes.legend(
         handles,
         labels,
-        title=text or None,
+        title="\n".join(lines) or None,
         alignment="left",
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=_columns([len(label) + 6 for label in labels], letters),
+        ncols=columns,
     )
 
 
-def _columns(lengths: list[int], room: int) -> int:
-    """The columns of the fewest rows in which entries of these lengths, filled column by column, fit side by side."""
-    for rows in range(1, len(lengths)):
-        columns = -(-len(lengths) // rows)
-        most, longer = divmod(len(lengths), columns)  # the first columns have one row more
-        ends = [(i + 1) * most + min(i + 1, longer) for i in range(columns)]
-        if sum(max(lengths[start:end]) for start, end in zip([0, *ends], ends, strict=False)) <= room:
-            return columns
-    return 1
+def room_of(axes: Axes) -> float:
+    """Width of the part of the figure that the axes have for themselves and what is beside them, inches."""
+    figure = figure_of(axes)
+    share = axes.get_position().width / (figure.subplotpars.right - figure.subplotpars.left)
+    return float(share * figure.get_figwidth())
+
+
+def _lines_high(axes: Axes) -> int:
+    """Lines of a key and its title together."""
+    figure = figure_of(axes)
+    share = axes.get_position().height / (figure.subplotpars.top - figure.subplotpars.bottom)
+    return int(_KEY_SHARE * share * figure.get_figheight() / LINE)
 
 
 def faint_if_thin(colour: str, alpha: float = 1.0) -> dict[str, Any]:

@@ -7,8 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from lapjoint.figures.words import cut_to, literal
+
 if TYPE_CHECKING:
     import xarray as xr
+
+_LONGEST = 20
+"""Characters of a stop's name within the name of its field."""
 
 
 def in_order(dataset: xr.Dataset) -> xr.Dataset:
@@ -26,7 +31,7 @@ def fields(dataset: xr.Dataset) -> tuple[str, str | None]:
 def held(dataset: xr.Dataset) -> list[str]:
     """The fields that are drawn at one value, with it."""
     return [
-        f"{short(str(name))} = {value.item():.4g} {units(dataset, str(name))}".removesuffix(" -")
+        f"{short(dataset, str(name))} = {value.item():.4g} {units(dataset, str(name))}".removesuffix(" -")
         for name, value in dataset.coords.items()
         if value.ndim == 0
     ]
@@ -41,8 +46,8 @@ def each_line(values: xr.DataArray, second: str | None) -> list[Any]:
 
 def axis_label(dataset: xr.Dataset, name: str) -> str:
     """A field and its unit, for an axis."""
-    text = "angular frequency ω" if name == "angular_frequency" else short(name)
-    return f"{text} [{units(dataset, name)}]"
+    text = "angular frequency ω" if name == "angular_frequency" else short(dataset, name)
+    return literal(f"{text} [{units(dataset, name)}]")
 
 
 def units(dataset: xr.Dataset, name: str) -> str:
@@ -50,10 +55,11 @@ def units(dataset: xr.Dataset, name: str) -> str:
     return {"rad s-1": "rad/s", "N m-1": "N/m", "1": "-"}.get(dataset[name].units, str(dataset[name].units))
 
 
-def short(name: str) -> str:
+def short(dataset: xr.Dataset, name: str) -> str:
     """A field for a label: ``gap (all stops)`` rather than ``stops_all_gap``."""
-    group, _, rest = name.partition("_")
-    which, _, field = rest.partition("_")
+    group, _, rest = str(dataset[name].attrs.get("path", name)).partition(".")
+    which, _, field = rest.rpartition(".")
     if not field or group not in ("stops", "supports"):
         return name.replace("_", " ")
-    return f"{field.replace('_', ' ')} ({which} {group if which == 'all' else group[:-1]})"
+    which = f"all {group}" if which == "*" else f"{cut_to(which, _LONGEST)} {group[:-1]}"
+    return f"{field.replace('_', ' ')} ({which})"
