@@ -263,6 +263,8 @@ class TestDrawn:
         assert all((a != b).any() for a, b in pairwise(frames))
         assert shown == [i / 6 for i in range(1, 7)]
         assert all((frame[-1, 0] == 255).all() for frame in frames)
+        scales = [frame[170:].astype(int) for frame in frames]  # the colour scale stands still
+        assert max(np.abs(scale - scales[0]).max() for scale in scales) < 60
         assert coloured(frames[1].astype(int), LIT) > 20  # as orange as in a picture
 
     def test_mp4_is_written_where_its_package_is(self, history: History, tmp_path: Path) -> None:

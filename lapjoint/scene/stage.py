@@ -37,8 +37,9 @@ class Stage:
         self._add_words()
         self._aim()
         self.at(0)
-        if off_screen:
-            self.plotter.render()  # the colour scale finds its place only when it is drawn
+        if off_screen:  # the colour scale finds its place only when it is drawn, and drawn again
+            self.image()
+            self.image()
 
     def at(self, frame: int) -> None:
         """Show a frame."""
