@@ -9,28 +9,19 @@ Everything heavy is imported inside the functions that need it, so that ``lapjoi
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from validation.cli_look import export, show
+from validation.cli_motion import find_motion, find_steady_state
+from validation.cli_options import DRAWINGS, FIGURES, figure_options, problem_options, solver_options
+
 if TYPE_CHECKING:
-    from lapjoint import History, Problem, SteadyState
-    from lapjoint.solver import Solver
+    from lapjoint import History
 
 CONTACTS = (".csv", ".json")
-FIGURES = (".png", ".svg", ".pdf")
-DRAWINGS = {
-    "motion": "plot_motion",
-    "phase": "plot_phase_portrait",
-    "poincare": "plot_poincare_section",
-    "impulses": "plot_contact_impulses",
-    "states": "plot_contact_states",
-    "spectrum": "plot_spectrum",
-}
-"""Functions of `lapjoint.figures` by their names on the command line."""
-Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 class Lapjoint(click.Group):
@@ -54,62 +45,6 @@ class Lapjoint(click.Group):
             ctx.exit(2 if isinstance(error, InputError) else 1)
 
 
-def problem_options(command: Command) -> Command:
-    """PROBLEM, and --set to change parts of it."""
-    for decorate in (
-        click.option(
-            "--set",
-            "overrides",
-            multiple=True,
-            metavar="KEY=VALUE",
-            help="Change one value of the problem, e.g. base_motion.angular_frequency=820, stops.P2.gap=2e-3 "
-            "or stops.*.gap=2e-3; repeatable.",
-        ),
-        click.argument("problem"),
-    ):
-        command = decorate(command)
-    return command
-
-
-def solver_options(command: Command) -> Command:
-    """--solver, and its numerical options."""
-    for decorate in (
-        click.option(
-            "--option",
-            "options",
-            multiple=True,
-            metavar="KEY=VALUE",
-            help="Any numerical option of the solver; repeatable.",
-        ),
-        click.option("--elements", type=int, help="Number of elements of the FE solver."),
-        click.option("--modes", "n_modes", type=int, help="Number of modes of the solver."),
-        click.option(
-            "--solver",
-            "solver_name",
-            default="analytic",
-            show_default=True,
-            help="analytic, fe, or another installed.",
-        ),
-    ):
-        command = decorate(command)
-    return command
-
-
-def figure_options(command: Command) -> Command:
-    """--figure, and --draw to say what it shows."""
-    for decorate in (
-        click.option(
-            "--draw",
-            type=click.Choice(list(DRAWINGS)),
-            help="What the figure shows: motion (the default), phase portrait, Poincare section, impulses of the "
-            "contacts, contact states over time, or amplitude spectrum.",
-        ),
-        click.option("--figure", metavar="FILE", help="Draw the answer to FILE: .png, .svg or .pdf."),
-    ):
-        command = decorate(command)
-    return command
-
-
 @click.group(cls=Lapjoint, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="lapjoint", prog_name="lapjoint")
 def main() -> None:
@@ -117,6 +52,10 @@ def main() -> None:
 
     PROBLEM is a TOML file (see `lapjoint init`), or preset:paper, or preset:sdnl104.
     """
+
+
+main.add_command(export)
+main.add_command(show)
 
 
 @main.command()
@@ -329,151 +268,6 @@ def plot(curve: str, figure: str | None, wide: bool) -> None:
     click.echo(f"Wrote {path}")
 
 
-def motion_options(command: Command) -> Command:
-    """What motion is meant: --duration or --steady, and a second solver's --beside it."""
-    for decorate in (
-        click.option(
-            "--beside",
-            metavar="NAME",
-            help="Another solver, whose motion stands beside: fe, or fe:elements=80 with options of its own.",
-        ),
-        click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead."),
-        click.option("--duration", type=float, help="Time to simulate from the initial state, s."),
-    ):
-        command = decorate(command)
-    return command
-
-
-@main.command()
-@problem_options
-@solver_options
-@motion_options
-@click.option("-o", "--output", "directory", required=True, metavar="DIR", help="Where the files go.")
-@click.option("--modes-of", "modes_of", metavar="STATE", help="Write mode shapes: of P2+P4, free, 1-9, or all states.")
-@click.option("--count", type=click.IntRange(min=1), default=8, show_default=True, help="Number of modes.")
-@click.option(
-    "--format",
-    "file_format",
-    type=click.Choice(["pvd", "vtkhdf", "xdmf"]),
-    default="pvd",
-    show_default=True,
-    help="pvd: .vtu files and a .pvd, for ParaView; vtkhdf: one file, for ParaView from 5.12 on; xdmf: for meshio.",
-)
-@click.option("--frames", type=int, help="Equidistant times.  [default: as many as the motion needs]")
-@click.option("--times", metavar="T,T,..", help="The times themselves, s.")
-@click.option("--points", type=int, default=81, show_default=True, help="Equidistant points along the beam.")
-def export(
-    problem: str,
-    overrides: tuple[str, ...],
-    directory: str,
-    duration: float | None,
-    steady_state: bool,
-    beside: str | None,
-    modes_of: str | None,
-    count: int,
-    file_format: Literal["pvd", "vtkhdf", "xdmf"],
-    frames: int | None,
-    times: str | None,
-    points: int,
-    **solver: Any,
-) -> None:
-    """Write the motion of PROBLEM, or its mode shapes, to DIR for ParaView: open DIR/motion.pvd.
-
-    The switches of the contact state are always among the times.
-    """
-    from lapjoint.scene import export_modes, export_motion
-    from lapjoint.scene.layout import check_points
-    from validation import chosen
-    from validation.progress import shown_progress
-
-    chosen.check_directory(directory)
-    check_points(points)
-    at = chosen.times_from(frames, times)
-    if modes_of is not None:
-        chosen.refuse(
-            "mode shapes have none", duration=duration, steady=steady_state, beside=beside, frames=frames, times=times
-        )
-        this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)
-        answers = [answering.modes(this, state, count) for state in chosen.states_from(this, modes_of, "--modes-of")]
-        written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
-        click.echo("\n".join(f"Wrote {path}" for path in written))
-        return
-    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
-    with shown_progress("export") as progress:
-        path = export_motion(
-            motion, directory, format=file_format, times=at, frames=frames, points=points, progress=progress
-        )
-    click.echo(f"Wrote {path}")
-
-
-@main.command()
-@problem_options
-@solver_options
-@motion_options
-@click.option("-o", "--output", metavar="FILE", help="A picture (.png) or a film (.gif, .mp4).  [default: a window]")
-@click.option("--at", type=float, help="Time of a picture, s.  [default: when the stops push hardest]")
-@click.option("--frames", type=int, help="Number of frames of a film, or of a window.  [default: 60]")
-@click.option("--pace", type=float, help="Frames a second of a film.  [default: 20]")
-@click.option(
-    "--colour",
-    type=click.Choice(["stress", "velocity", "moment", "displacement"]),
-    help="What colours the beam.  [default: stress, or moment where the problem gives no section]",
-)
-@click.option(
-    "--scale", type=float, help="Factor of displacements and gaps, 1 for true scale.  [default: by the motion]"
-)
-@click.option("--absolute", is_flag=True, help="Seen from outside, and not from the moving base.")
-@click.option("--size", metavar="WxH", help="Width and height, pixels.  [default: 1200x520, films 900x400]")
-def show(
-    problem: str,
-    overrides: tuple[str, ...],
-    duration: float | None,
-    steady_state: bool,
-    beside: str | None,
-    output: str | None,
-    at: float | None,
-    frames: int | None,
-    pace: float | None,
-    colour: Literal["stress", "velocity", "moment", "displacement"] | None,
-    scale: float | None,
-    absolute: bool,
-    size: str | None,
-    **solver: Any,
-) -> None:
-    """Show the motion of PROBLEM in three dimensions: in a window, as a picture, or as a film.
-
-    The beam is coloured by its bending stress, stops light up while they act, and the picture states its scale.
-    """
-    from lapjoint import scene
-    from validation import chosen
-    from validation.progress import shown_progress
-
-    look = scene.Look(colour, scale, "absolute" if absolute else "relative", chosen.size_from(size))
-    if output is not None:
-        chosen.check_file("--output", output, *scene.PICTURES, *scene.FILMS)
-    picture = output is not None and output.lower().endswith(scene.PICTURES)
-    if picture:
-        chosen.refuse("a picture has none", frames=frames, pace=pace)
-    else:
-        chosen.refuse("only a picture is of one time", at=at)
-    if output is None:
-        chosen.refuse("a window has none", pace=pace)
-    scene.check_can_show(output)
-    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
-    number = 60 if frames is None else frames
-    if output is None:
-        scene.show_window(motion, frames=number, look=look)
-        return
-    if picture:
-        scene.save_picture(motion, output, at=at, look=look)
-    else:
-        with shown_progress("draw") as progress:
-            scene.save_film(
-                motion, output, frames=number, pace=20.0 if pace is None else pace, look=look, progress=progress
-            )
-    click.echo(f"Wrote {output}")
-
-
 @main.command()
 @click.argument("problem", required=False)
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable.")
@@ -513,48 +307,6 @@ def validate(
     path = None if problem is None else chosen.problem_file(problem, overrides, output)
     named, console = tuple(dict.fromkeys(peers)), rich.console.Console()
     click.get_current_context().exit(suite.main(path, cases, level or "standard", Path(output), console, named))
-
-
-def find_motions(
-    source: str,
-    overrides: tuple[str, ...],
-    duration: float | None,
-    steady_state: bool,
-    beside: str | None,
-    solver: dict[str, Any],
-) -> dict[str, History]:
-    """The motion asked for, by the name of its solver, and that of the solver beside it."""
-    from lapjoint.errors import InputError
-    from validation import chosen
-
-    if (duration is None) != steady_state:
-        raise InputError("--duration, --steady: give one of them")
-    if duration is not None:
-        chosen.check_duration(duration)
-    this = chosen.problem_from(source, overrides)
-    solvers = {solver["solver_name"]: chosen.solver_from(**solver)}
-    if beside is not None:
-        solvers[chosen.other_name(beside, solvers)] = chosen.named_solver(beside)
-    return {
-        name: find_steady_state(this, one).history if duration is None else find_motion(this, one, duration)
-        for name, one in solvers.items()
-    }
-
-
-def find_motion(problem: Problem, solver: Solver, duration: float) -> History:
-    """The motion from the initial state, with progress shown."""
-    from validation.progress import shown_progress
-
-    with shown_progress("simulate") as progress:
-        return solver.simulate(problem, duration, progress=progress)
-
-
-def find_steady_state(problem: Problem, solver: Solver) -> SteadyState:
-    """The steady state, with progress shown."""
-    from validation.progress import shown_progress
-
-    with shown_progress("steady state") as progress:
-        return solver.steady_state(problem, progress=progress)
 
 
 def write_results(history: History, contacts_path: str | None, figure: str | None, draw: str | None) -> None:
