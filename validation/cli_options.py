@@ -20,72 +20,68 @@ DRAWINGS = {
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-def problem_options(command: Command) -> Command:
-    """PROBLEM, and --set to change parts of it."""
-    for decorate in (
-        click.option(
-            "--set",
-            "overrides",
-            multiple=True,
-            metavar="KEY=VALUE",
-            help="Change one value of the problem, e.g. base_motion.angular_frequency=820, stops.P2.gap=2e-3 "
-            "or stops.*.gap=2e-3; repeatable.",
-        ),
-        click.argument("problem"),
-    ):
-        command = decorate(command)
-    return command
+def together(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
+    """One decorator for several options; help lists them from the last to the first."""
+
+    def decorate(command: Command) -> Command:
+        for option in options:
+            command = option(command)
+        return command
+
+    return decorate
 
 
-def solver_options(command: Command) -> Command:
-    """--solver, and its numerical options."""
-    for decorate in (
-        click.option(
-            "--option",
-            "options",
-            multiple=True,
-            metavar="KEY=VALUE",
-            help="Any numerical option of the solver; repeatable.",
-        ),
-        click.option("--elements", type=int, help="Number of elements of the FE solver."),
-        click.option("--modes", "n_modes", type=int, help="Number of modes of the solver."),
-        click.option(
-            "--solver",
-            "solver_name",
-            default="analytic",
-            show_default=True,
-            help="analytic, fe, or another installed.",
-        ),
-    ):
-        command = decorate(command)
-    return command
+problem_options = together(
+    click.option(
+        "--set",
+        "overrides",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="Change one value of the problem, e.g. base_motion.angular_frequency=820, stops.P2.gap=2e-3 "
+        "or stops.*.gap=2e-3; repeatable.",
+    ),
+    click.argument("problem"),
+)
+"""PROBLEM, and --set to change parts of it."""
 
+solver_options = together(
+    click.option(
+        "--option",
+        "options",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="Any numerical option of the solver; repeatable.",
+    ),
+    click.option("--elements", type=int, help="Number of elements of the FE solver."),
+    click.option("--modes", "n_modes", type=int, help="Number of modes of the solver."),
+    click.option(
+        "--solver",
+        "solver_name",
+        default="analytic",
+        show_default=True,
+        help="analytic, fe, or another installed.",
+    ),
+)
+"""--solver, and its numerical options."""
 
-def figure_options(command: Command) -> Command:
-    """--figure, and --draw to say what it shows."""
-    for decorate in (
-        click.option(
-            "--draw",
-            type=click.Choice(list(DRAWINGS)),
-            help="What the figure shows: motion (the default), phase portrait, Poincare section, impulses of the "
-            "contacts, contact states over time, or amplitude spectrum.",
-        ),
-        click.option("--figure", metavar="FILE", help="Draw the answer to FILE: .png, .svg or .pdf."),
-    ):
-        command = decorate(command)
-    return command
+figure_options = together(
+    click.option(
+        "--draw",
+        type=click.Choice(list(DRAWINGS)),
+        help="What the figure shows: motion (the default), phase portrait, Poincare section, impulses of the "
+        "contacts, contact states over time, or amplitude spectrum.",
+    ),
+    click.option("--figure", metavar="FILE", help="Draw the answer to FILE: .png, .svg or .pdf."),
+)
+"""--figure, and --draw to say what it shows."""
 
-
-def motion_options(command: Command) -> Command:
-    """What motion is meant: --duration or --steady, and a second solver's --beside it."""
-    for decorate in (
-        click.option(
-            "--beside",
-            metavar="NAME",
-            help="Another solver, whose motion stands beside: fe, or fe:elements=80 with options of its own.",
-        ),
-        click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead."),
-        click.option("--duration", type=float, help="Time to simulate from the initial state, s."),
-    ):
-        command = decorate(command)
-    return command
+motion_options = together(
+    click.option(
+        "--beside",
+        metavar="NAME",
+        help="Another solver, whose motion stands beside: fe, or fe:elements=80 with options of its own.",
+    ),
+    click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead."),
+    click.option("--duration", type=float, help="Time to simulate from the initial state, s."),
+)
+"""What motion is meant: --duration or --steady, and a second solver's --beside it."""

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import errno
 import io
-import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ import numpy as np
 from lapjoint.errors import InputError, OutputError
 from lapjoint.figures.keys import BETWEEN, HANDLE, LINE, key_that_fits
 from lapjoint.figures.words import SMALL, boxes_for_unknown_signs, literal, wrapped
+from lapjoint.unfinished import completed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -113,17 +113,12 @@ def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
         raise InputError(f"{path}: figures are written as {', '.join(FORMATS)}, not {ending or 'without an ending'}")
-    target = Path(os.path.realpath(path))
-    unfinished = target.with_name(f".{target.stem}.unfinished{ending}")
     try:
-        _write(axes, unfinished, ending[1:])
-        os.replace(unfinished, target)
+        with completed(path) as unfinished:
+            _write(axes, unfinished, ending[1:])
     except OSError as error:
         kind = OutputError if error.errno in _NO_ROOM else InputError
         raise kind(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        with suppress(OSError):
-            unfinished.unlink()
 
 
 def svg_of(axes: Axes | Sequence[Axes]) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from lapjoint.contact import state_label
 from lapjoint.errors import InputError
+from lapjoint.figures.words import cut_to
 from lapjoint.problem import FloatArray
 from lapjoint.scene.job import Job, Plates, Skin, Springs, Word
 from lapjoint.scene.layout import Layout
@@ -75,7 +76,7 @@ def job_of(
             plates.append(Plates(part.cells, _moved(part, carries, s, carried)))
         if len(histories) > 1:
             root = skins[-1].points[:, 0] * [1, 0, 1] + [-0.03 * layout.problem.beam.length, layout.offset, 0.0]
-            words.append(Word(_shortened(name), root, "right"))
+            words.append(Word(cut_to(name, LONGEST_NAME), root, "right"))
     largest = _round_up(max(float(np.abs(skin.values).max()) for skin in skins))
     notes = [*(history.solver for history in histories), _scale_note(s, look, histories, pace * step)]
     period = 2 * math.pi / (histories[0].problem.excitation_frequency or math.inf)
@@ -159,10 +160,6 @@ def _scale_note(scale: float, look: Look, histories: Sequence[History], slowed: 
     return words
 
 
-def _shortened(name: str) -> str:
-    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
-
-
 def _stop_words(springs: Springs, layout: Layout) -> list[Word]:
     """The names of the stops, a little beyond the feet of their springs; those at one place share a word."""
     stops = layout.problem.stops
@@ -172,7 +169,7 @@ def _stop_words(springs: Springs, layout: Layout) -> list[Word]:
     words = []
     for (_, sign), here in places.items():
         foot = springs.points[:, here, 1].mean(axis=1)
-        text = _shortened(", ".join(springs.names[i] for i in here))
+        text = cut_to(", ".join(springs.names[i] for i in here), LONGEST_NAME)
         words.append(Word(text, foot + np.array([0.0, 0.0, 0.15 * sign * layout.reach]), "center"))
     return words
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from lapjoint.contact import state_label
 from lapjoint.errors import InputError
+from lapjoint.figures.words import plain
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_scene
 from lapjoint.scene.times import chosen_times
@@ -101,7 +102,7 @@ def export_modes(
     for name, one in zip(names, modes, strict=True):
         note = f"{problem.title or 'modes'}; state {one.state.name(problem)}; {solver}; time is the number of the mode"
         numbers = np.arange(1.0, one.angular_frequencies.size + 1)
-        scene = mode_scene(problem, one, solver, points)
+        scene = mode_scene(problem, one, points)
         paths.append(_write(scene, numbers, directory, name, note, format, None))
     return tuple(paths)
 
@@ -134,7 +135,7 @@ def _write(
     folder = Path(directory)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return write(scene, _shown(scene, times, folder, progress), folder, name, _plain(note))
+        return write(scene, _shown(scene, times, folder, progress), folder, name, plain(note))
     except OSError as error:
         raise InputError(f"{folder}: cannot be written: {error.strerror or error}") from None
 
@@ -157,8 +158,3 @@ def _shown(scene: Scene, times: FloatArray, folder: Path, progress: Progress | N
 def _size(block: Block) -> int:
     """Bytes of all values of a block."""
     return sum(array.nbytes for values in block.values for array in (*values.point.values(), *values.cell.values()))
-
-
-def _plain(note: str) -> str:
-    """A note on one line, without what files cannot hold."""
-    return " ".join("".join(letter if letter.isprintable() else " " for letter in note).split())

@@ -21,6 +21,7 @@ from lapjoint.scene.scene import histories_of
 from lapjoint.scene.times import check_frames, span_of
 from lapjoint.solution import History
 from lapjoint.solver import Progress
+from lapjoint.unfinished import completed
 
 PICTURES = (".png",)
 FILMS = (".gif", ".mp4")
@@ -148,12 +149,9 @@ def _telling_time(history: History, start: float, end: float) -> float:
 
 def _drawn(job: Job, path: Path, progress: Progress | None) -> Path:
     """Draw to a file that takes the name `path` when it is complete."""
-    unfinished = path.with_name(f".{path.stem}.unfinished{path.suffix}")
     try:
-        draw(replace(job, output=unfinished), progress)
-        unfinished.replace(path)
+        with completed(path) as unfinished:
+            draw(replace(job, output=unfinished), progress)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        unfinished.unlink(missing_ok=True)
     return path

@@ -48,10 +48,6 @@ class Source(Protocol):
         """Whose motion it is."""
 
     @property
-    def solver(self) -> str:
-        """Who found it."""
-
-    @property
     def pressed(self) -> float:
         """How far a stop is pressed at most, m."""
 
@@ -72,11 +68,6 @@ class Motion:
     def problem(self) -> Problem:
         """Whose motion it is."""
         return self.history.problem
-
-    @property
-    def solver(self) -> str:
-        """Who found it."""
-        return self.history.solver
 
     @property
     def pressed(self) -> float:
@@ -106,7 +97,6 @@ class ModesInTurn:
 
     problem: Problem
     modes: Modes
-    solver: str
     pressed: float = 0.0
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:

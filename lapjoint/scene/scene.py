@@ -143,9 +143,9 @@ def histories_of(motion: History | Mapping[str, History]) -> list[History]:
     return list(motion.values())
 
 
-def mode_scene(problem: Problem, modes: Modes, solver: str = "", points: int = 81) -> Scene:
+def mode_scene(problem: Problem, modes: Modes, points: int = 81) -> Scene:
     """The scene of the modes of one contact state; the modes follow one another at the times 1, 2, 3 ..."""
-    scene = Scene((("modes", ModesInTurn(problem, modes, solver)),), points)
+    scene = Scene((("modes", ModesInTurn(problem, modes)),), points)
     _ = scene.layouts
     return scene
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lapjoint.figures.words import cut_to
 from lapjoint.problem import FloatArray
 from lapjoint.scene.job import Job, Plates, Skin, Springs
 
@@ -50,10 +51,9 @@ class Stage:
                 shown.points = skin.points[frame][ids]
                 shown.point_data["value"] = skin.values[frame][ids]
         for springs, pieces in zip(self.job.springs, self._coils, strict=True):
-            for stop, (coil, actors) in enumerate(pieces):
+            for stop, (coil, actor) in enumerate(pieces):
                 coil.points = _coil(springs.points[frame, stop], springs.radius)
-                for actor in actors:
-                    actor.prop.color = (SILENT, BRIEF, LIT)[springs.acts[frame, stop]]
+                actor.prop.color = (SILENT, BRIEF, LIT)[springs.acts[frame, stop]]
         for plates, shown in zip(self.job.plates, self._plates, strict=True):
             shown.points = plates.points[frame]
         for word, label in zip(self.job.words, self._labels, strict=True):
@@ -104,17 +104,15 @@ class Stage:
             self.plotter.scalar_bars[self.job.label].GetTitleTextProperty().SetLineOffset(-self.font / 2)
         return shown, ids
 
-    def _add_springs(self, springs: Springs) -> list[tuple[Any, list[Any]]]:
+    def _add_springs(self, springs: Springs) -> list[tuple[Any, Any]]:
         """Coils with their names; gives for each its line, and what lights up."""
         import pyvista
 
-        pieces = []
-        for stop in range(len(springs.names)):
-            coil = pyvista.lines_from_points(_coil(springs.points[0, stop], springs.radius))
-            width = max(2.0, self.job.size[0] / 300)
-            pieces.append(
-                (coil, [self.plotter.add_mesh(coil, color=SILENT, line_width=width, render_lines_as_tubes=True)])
-            )
+        pieces, width = [], max(2.0, self.job.size[0] / 300)
+        for ends in springs.points[0]:
+            coil = pyvista.lines_from_points(_coil(ends, springs.radius))
+            actor = self.plotter.add_mesh(coil, color=SILENT, line_width=width, render_lines_as_tubes=True)
+            pieces.append((coil, actor))
         return pieces
 
     def _add_plates(self, plates: Plates) -> Any:
@@ -145,8 +143,7 @@ class Stage:
     def _cut(self, text: str, share: float = 1.0) -> str:
         """Words on one line that take half of the width, or `share` of that, at most."""
         most = max(8, int(share * self.job.size[0] / 2 / (GLYPH * self.font)))
-        line = " ".join(text.split())
-        return line if len(line) <= most else f"{line[: most - 1]}…"
+        return cut_to(text, most)
 
     def _corner(self, text: str, x: float, side: str) -> Any:
         """Words in an upper corner."""

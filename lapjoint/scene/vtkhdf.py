@@ -11,7 +11,6 @@ part, because the reader of VTK 9.7 shows the first time step of blocks at all t
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ import numpy as np
 
 from lapjoint.scene.parts import Arrays, Part
 from lapjoint.scene.scene import Block, Scene
+from lapjoint.unfinished import completed
 
 VERSION = (2, 3)
 _TYPE = "UnstructuredGrid"
@@ -30,22 +30,18 @@ _FIXED = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 
 def write_vtkhdf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
     """Write ``NAME.vtkhdf``; it takes its name when it is complete."""
-    path, unfinished = folder / f"{name}.vtkhdf", folder / f".{name}.vtkhdf.part"
+    path = folder / f"{name}.vtkhdf"
     parts = [part for _, part in scene.parts]
-    try:
-        with h5py.File(unfinished, "w") as file:
-            root = file.create_group("VTKHDF")
-            root.attrs["Version"] = VERSION
-            root.attrs.create("Type", _TYPE.encode(), dtype=h5py.string_dtype("ascii", len(_TYPE)))
-            root.attrs["note"] = note
-            root.attrs["parts"] = ", ".join(label for label, _ in scene.parts)
-            _write_grid(root, parts)
-            _start_steps(root)
-            for block in blocks:
-                _append(root, block, parts, scene)
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with completed(path) as unfinished, h5py.File(unfinished, "w") as file:
+        root = file.create_group("VTKHDF")
+        root.attrs["Version"] = VERSION
+        root.attrs.create("Type", _TYPE.encode(), dtype=h5py.string_dtype("ascii", len(_TYPE)))
+        root.attrs["note"] = note
+        root.attrs["parts"] = ", ".join(label for label, _ in scene.parts)
+        _write_grid(root, parts)
+        _start_steps(root)
+        for block in blocks:
+            _append(root, block, parts, scene)
     return path
 
 

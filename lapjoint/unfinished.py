@@ -1,0 +1,25 @@
+"""Files that take their names when they are complete."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+
+@contextmanager
+def completed(path: str | Path) -> Iterator[Path]:
+    """Give a path beside `path`, with its ending, to write to; what stands there then takes the name `path`.
+
+    Until then, and if the block raises, a file of that name stays as it is, and nothing else is left.  A link is
+    followed, not replaced.
+    """
+    target = Path(os.path.realpath(path))
+    unfinished = target.with_name(f".{target.stem}.unfinished{target.suffix}")
+    try:
+        yield unfinished
+        os.replace(unfinished, target)
+    finally:
+        with suppress(OSError):
+            unfinished.unlink()
