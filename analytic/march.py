@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -178,6 +179,17 @@ def march(
     n = joint.count(state)
     whole = kernel.Log(*(np.concatenate(parts) for parts in zip(*full, strict=True))) if full else log
     return March(joint, whole, Coordinates(state, q[:n].copy(), v[:n].copy()), total)
+
+
+def joined(motions: Sequence[March], period: float) -> March:
+    """Recorded marches that follow each other, a period apart, each from its own time 0, as one."""
+    parts = [
+        motion.log._replace(start=motion.log.start + i * period, end=motion.log.end + i * period)
+        for i, motion in enumerate(motions)
+    ]
+    log = kernel.Log(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    total = np.sum([motion.penetration for motion in motions], axis=0)
+    return March(motions[-1].joint, log, motions[-1].end, total)
 
 
 def _padded(values: FloatArray, size: int) -> FloatArray:

@@ -68,13 +68,14 @@ def _power_derivative(order: int, s: FloatArray, dt: int) -> FloatArray:
 def history_of(problem: Problem, name: str, joint: Joint, motion: March) -> History:
     """A marched motion as the History that everybody reads."""
     segments = motion.segments
+    switched = [i for i, segment in enumerate(segments[:-1]) if segment.switched >= 0]
     return History(
         problem=problem,
         solver=name,
         start=segments[0].start,
         end=segments[-1].end,
-        switch_times=np.array([segment.start for segment in segments[1:]]),
-        states=tuple(segment.state for segment in segments),
+        switch_times=np.array([segments[i].end for i in switched]),
+        states=(segments[0].state, *(segments[i + 1].state for i in switched)),
         contacts=contacts_of(motion),
         field=ModalField(joint, segments),
     )

@@ -43,7 +43,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
+from lapjoint.steady import SectionPoint, SteadyState
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class PublishedScheme:
         return history_of(problem, self.name, motion)
 
     def steady_state(
-        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
     ) -> SteadyState:
         """The motion that remains when the march from the initial state, or from `start`, has settled.
 

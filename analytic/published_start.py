@@ -15,10 +15,10 @@ from analytic.published_march import PublishedJoint
 from analytic.start import TOUCHING, initial_coordinates, initial_state
 from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Section
+from lapjoint.steady import SectionPoint
 
 
-def started(joint: PublishedJoint, start: Section | None) -> tuple[int, Carried]:
+def started(joint: PublishedJoint, start: SectionPoint | None) -> tuple[int, Carried]:
     """Slot and coordinates at the initial state, or at a section of a joint with the same numbers of modes.
 
     An initial shape is carried over like the deflected shape at a switch to the modes of the first state; what they
@@ -30,7 +30,7 @@ def started(joint: PublishedJoint, start: Section | None) -> tuple[int, Carried]
     return joint.begin(state, *initial_coordinates(joint.problem, joint.model(state).modes))
 
 
-def packed(joint: PublishedJoint, slot: int, carried: Carried) -> Section:
+def packed(joint: PublishedJoint, slot: int, carried: Carried) -> SectionPoint:
     """The section of a motion."""
     blocks = [carried.q]
     for other in joint.frozen_tables.order:
@@ -40,10 +40,10 @@ def packed(joint: PublishedJoint, slot: int, carried: Carried) -> Section:
             blocks.append(np.concatenate([[bits], coefficients]))
     q = np.concatenate(blocks)
     v = np.concatenate([carried.v, np.zeros(q.size - carried.v.size)])
-    return Section(joint.state_in(slot), np.stack([q, v]))
+    return SectionPoint(joint.state_in(slot), np.stack([q, v]))
 
 
-def _resumed(joint: PublishedJoint, section: Section) -> tuple[int, Carried]:
+def _resumed(joint: PublishedJoint, section: SectionPoint) -> tuple[int, Carried]:
     size = joint.cross.shape[2] or max(joint.tables.weight.shape[2] // 2, 1)
     q, v = section.coordinates
     blocks = [(_state_of(int(block[0])), block[1:]) for block in q[size:].reshape(-1, size + 1)]

@@ -26,7 +26,7 @@ from analytic.published_start import packed, started
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
 from lapjoint.solver import Progress
-from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
+from lapjoint.steady import Outcome, SectionPoint, SteadyState, periodic_outcome, impulses_per_period
 
 _REPEATS = 20
 _CYCLES_AVERAGED = 1000
@@ -108,7 +108,7 @@ def steady_state(
     name: str,
     counts: tuple[int, int],
     search: Search,
-    start: Section | None,
+    start: SectionPoint | None,
     progress: Progress | None,
 ) -> SteadyState:
     """The motion that remains; the excitation of `problem` has one frequency."""
@@ -120,7 +120,7 @@ def steady_state(
     motion = march(joint, *started(joint, section), 0.0, periods * period, shortest=search.shortest)
     history = history_of(problem, name, motion)
     if found.order:
-        impulses, outcome = steady_impulses(history, found.order), periodic_outcome(history)
+        impulses, outcome = impulses_per_period(history, found.order), periodic_outcome(history)
     else:
         impulses, outcome = _mean_impulses(problem, found.rows), Outcome.UNDECIDED
     return SteadyState(

@@ -7,16 +7,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
+from lapjoint.steady import SteadyState
+
+if TYPE_CHECKING:
+    from analytic.period_map import PeriodMap
 
 MOST_MODES = 500
-_REPEATS = 1e-9  # a motion repeats if it comes back to this fraction of its size
 
 
 @dataclass(frozen=True)
@@ -134,13 +137,13 @@ class Solver:
         return answers.simulate(problem, self.name, self.mode_counts(problem), float(duration), progress)
 
     def steady_state(
-        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
     ) -> SteadyState:
         """The motion that remains when the march from the initial state has settled; see `analytic.steady`.
 
         Parameters
         ----------
-        start : Section, optional
+        start : SectionPoint, optional
             Begin from the section of another steady state, found by this solver, rather than from the initial
             state.  Modes that it lacks are at rest, and those that it has too many are left out.
 
@@ -151,12 +154,25 @@ class Solver:
         SolverError
             If the march cannot go on.
         """
+        from lapjoint.orbits import Effort, find_steady_state
+
+        effort = Effort(self.max_order, self.max_periods)
+        return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
+
+    def period_map(self, problem: Problem) -> PeriodMap:
+        """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
+
+        Raises
+        ------
+        InputError
+            If the excitation has no single frequency.
+        """
         if problem.excitation_frequency is None:
             raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
-        from analytic import answers
+        from analytic.march import Joint
+        from analytic.period_map import PeriodMap
 
-        effort = answers.Search(_REPEATS, self.max_order, self.max_periods)
-        return answers.steady_state(problem, self.name, self.mode_counts(problem), effort, start, progress)
+        return PeriodMap(Joint(problem, *self.mode_counts(problem)), self.name)
 
 
 def check_count(field: str, value: object) -> None:

@@ -14,7 +14,7 @@ from analytic.march import Coordinates, Joint
 from analytic.modes import ExactModes
 from lapjoint.contact import ContactState
 from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
-from lapjoint.steady import Section
+from lapjoint.steady import SectionPoint
 
 TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed
 _POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
@@ -57,7 +57,7 @@ def _quadrature(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatA
     return np.minimum(x, problem.beam.length).ravel(), (half * w).ravel()
 
 
-def resumed(joint: Joint, section: Section) -> Coordinates:
+def resumed(joint: Joint, section: SectionPoint) -> Coordinates:
     """The coordinates of a section found before, in this joint: its numbers of modes and its gaps may be others.
 
     Modes that the section lacks are at rest; those that it has too many are left out.

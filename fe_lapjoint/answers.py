@@ -5,22 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.certificate import certificate, read_section
 from fe_lapjoint.march import march
 from fe_lapjoint.mesh import mesh_nodes
 from fe_lapjoint.model import Model
 from fe_lapjoint.modes import ElementShapes
 from fe_lapjoint.motion import history_of
+from fe_lapjoint.period_map import PeriodMap
 from fe_lapjoint.start import initial_coordinates, initial_state
-from fe_lapjoint.steady import find
 from fe_lapjoint.system import eigenmodes
-from fe_lapjoint.turns import Point, Turns
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
 
 if TYPE_CHECKING:
     from fe_lapjoint.solver import Solver
@@ -37,30 +34,23 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
 
 def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
     """The motion from the initial state."""
-    model, first = begin(solver, problem)
-    motion = march(model, first.state, first.y, 0.0, duration, progress=progress)
-    return history_of(solver.name, model, motion)
+    if problem.excitation_frequency is not None:
+        return period_map(solver, problem).simulated(duration, progress)
+    model = _model(solver, problem)
+    state = initial_state(model.assembly)
+    y = initial_coordinates(model.assembly, model.system(state))
+    motion = march(model, state, y, 0.0, duration, progress=progress)
+    return history_of(solver.name, model, [motion], duration)
 
 
-def steady_state(solver: Solver, problem: Problem, start: Section | None, progress: Progress | None) -> SteadyState:
-    """The motion that remains; the excitation of `problem` has one frequency."""
-    assert problem.excitation_frequency is not None
-    model, first = begin(solver, problem)
-    turns = Turns(model, problem.excitation_frequency)
-    near = start is not None and start.coordinates.shape == (2, first.y.size // 2)
-    if start is not None and near:
-        first = turns.settled(read_section(model, start))
-    found = find(turns, first, near=near, max_order=solver.max_order, max_periods=solver.max_periods, progress=progress)
-    return certificate(solver.name, turns, found, solver.max_order)
+def period_map(solver: Solver, problem: Problem) -> PeriodMap:
+    """The period map of a problem whose excitation has one frequency."""
+    return PeriodMap(_model(solver, problem), solver.name)
+
+
+def _model(solver: Solver, problem: Problem) -> Model:
+    return Model(problem, _assembly(solver, problem), solver.method, solver.rtol, solver.atol)
 
 
 def _assembly(solver: Solver, problem: Problem) -> Assembly:
     return Assembly(problem, mesh_nodes(problem, solver.elements, solver.nodes))
-
-
-def begin(solver: Solver, problem: Problem) -> tuple[Model, Point]:
-    """The model of a problem, and its initial state."""
-    assembly = _assembly(solver, problem)
-    model = Model(problem, assembly, solver.method, solver.rtol, solver.atol)
-    state = initial_state(assembly)
-    return model, Point(state, initial_coordinates(assembly, model.system(state)))

@@ -70,10 +70,22 @@ def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatA
 class March:
     """A motion as pieces and contacts, and its end."""
 
+    model: Model
     pieces: tuple[Piece, ...]
     contacts: tuple[Contact, ...]
+    """By start time; empty if the march was not to be recorded."""
     state: ContactState
     y: FloatArray
+    """(q, q') at the end, shape ``(2 n,)``."""
+    switches: int
+
+    @property
+    def impulses(self) -> FloatArray:
+        """Impulse of each stop over the march, N s, shape ``(P,)``."""
+        total = np.zeros(self.model.sign.size)
+        for contact in self.contacts:
+            total[contact.stop] += contact.impulse
+        return total
 
 
 @dataclass
@@ -93,9 +105,10 @@ def march(
     *,
     progress: Progress | None = None,
     record: bool = True,
+    peaks: bool = True,
     max_switches: int = 200_000,
 ) -> March:
-    """March from `start` to `end`; contacts are listed only if `record` is set.
+    """March from `start` to `end`; contacts are listed only if `record` is set, with their peak forces if `peaks` is.
 
     Raises
     ------
@@ -112,7 +125,7 @@ def march(
         piece, y = _advance(model, state, t, end, step, y, fresh)
         pieces.append(piece)
         if record:
-            _account(model, piece, going)
+            _account(model, piece, going, peaks)
         t = piece.end
         if piece.switched >= 0:
             k, switches = piece.switched, switches + 1
@@ -134,7 +147,7 @@ def march(
     if record:
         contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
     contacts.sort(key=lambda contact: (contact.start, contact.stop))
-    return March(tuple(pieces), tuple(contacts), state, y)
+    return March(model, tuple(pieces), tuple(contacts), state, y, switches)
 
 
 def _window(model: Model, state: ContactState) -> float:
@@ -186,7 +199,7 @@ def _advance_by_library(
     return Piece(state, t, until, y, coordinates, None, -1 if switch is None else switch.stop), y_end
 
 
-def _account(model: Model, piece: Piece, going: dict[int, _Going]) -> None:
+def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) -> None:
     """Add a piece to the area and the depth of the contacts that last through it."""
     if not going or piece.end <= piece.start:
         return
@@ -199,10 +212,13 @@ def _account(model: Model, piece: Piece, going: dict[int, _Going]) -> None:
         half = np.diff(edges)[:, None] / 2
         t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
         area = system.stops @ piece.coordinates(t, 0) @ w
+    for k, contact in going.items():
+        contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
+    if not peaks:
+        return
     t = np.linspace(piece.start, piece.end, 33)
     z = system.stops @ piece.coordinates(t, 0) if piece.flow is None else piece.flow.at_stops(t)
     for k, contact in going.items():
-        contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
         contact.deepest = max(contact.deepest, _deepest(model.sign[k] * z[k]) - float(model.gap[k]))
 
 

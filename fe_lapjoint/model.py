@@ -23,6 +23,7 @@ class Model:
     atol: float
     _systems: dict[ContactState, System] = field(default_factory=dict)
     _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+    _weighted: dict[ContactState, FloatArray] = field(default_factory=dict)
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -37,11 +38,16 @@ class Model:
             self._systems[state] = build_system(self.assembly, state)
         return self._systems[state]
 
+    def weighted(self, state: ContactState) -> FloatArray:
+        """M Phi: modal coordinates of a state are displacements times it, shape ``(n, n)``."""
+        if state not in self._weighted:
+            self._weighted[state] = self.assembly.mass @ self.system(state).vectors
+        return self._weighted[state]
+
     def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
         """Modal coordinates of `new` from those of `old`: Phi_new^T M Phi_old, orthogonal."""
         if (old, new) not in self._maps:
-            a, b = self.system(old).vectors, self.system(new).vectors
-            self._maps[old, new] = b.T @ self.assembly.mass @ a
+            self._maps[old, new] = self.system(new).vectors.T @ self.weighted(old)
         return self._maps[old, new]
 
     def orientation(self, state: ContactState) -> FloatArray:

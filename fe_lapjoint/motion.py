@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fe_lapjoint.gaps import Coordinates
 from fe_lapjoint.march import March, Piece
 from fe_lapjoint.model import Model
 from lapjoint.problem import FloatArray
-from lapjoint.solution import History
+from lapjoint.solution import Contact, History
 
 
 @dataclass(frozen=True)
@@ -32,10 +34,23 @@ class ElementField:
         return result
 
 
-def history_of(name: str, model: Model, motion: March) -> History:
-    """A marched motion as the History that everybody reads."""
-    pieces = motion.pieces
-    switches = [i for i, piece in enumerate(pieces[:-1]) if piece.switched >= 0]
+@dataclass(frozen=True)
+class Later:
+    """Coordinates of a piece whose time counts from its own march's start."""
+
+    coordinates: Coordinates
+    offset: float
+    """s."""
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """At the times ``(m,)`` of the whole motion."""
+        return self.coordinates(t - self.offset, dt)
+
+
+def history_of(name: str, model: Model, motions: Sequence[March], period: float) -> History:
+    """Marches that follow each other, a period apart, each from its own time 0, as the History that everybody reads."""
+    pieces = [_later(piece, i * period) for i, motion in enumerate(motions) for piece in motion.pieces]
+    switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
     states = [pieces[0].state, *(pieces[i + 1].state for i in switches)]
     return History(
         problem=model.problem,
@@ -44,6 +59,36 @@ def history_of(name: str, model: Model, motion: March) -> History:
         end=pieces[-1].end,
         switch_times=np.array([pieces[i].end for i in switches]),
         states=tuple(states),
-        contacts=motion.contacts,
-        field=ElementField(model, pieces),
+        contacts=_joined(motions, period),
+        field=ElementField(model, tuple(pieces)),
     )
+
+
+def _later(piece: Piece, offset: float) -> Piece:
+    if not offset:
+        return piece
+    start, end = piece.start + offset, piece.end + offset
+    return replace(piece, start=start, end=end, coordinates=Later(piece.coordinates, offset), flow=None)
+
+
+def _joined(motions: Sequence[March], period: float) -> tuple[Contact, ...]:
+    """All contacts, by start time; those that a march ends and the next one begins with are one."""
+    done: list[Contact] = []
+    going: dict[int, Contact] = {}
+    for i, motion in enumerate(motions):
+        for contact in motion.contacts:
+            contact = replace(contact, start=contact.start + i * period, end=contact.end + i * period)
+            before = going.pop(contact.stop, None) if contact.open_start else None
+            if before is not None:
+                contact = replace(
+                    before,
+                    end=contact.end,
+                    impulse=before.impulse + contact.impulse,
+                    peak_force=max(before.peak_force, contact.peak_force),
+                    open_end=contact.open_end,
+                )
+            if contact.open_end:
+                going[contact.stop] = contact
+            else:
+                done.append(contact)
+    return tuple(sorted([*done, *going.values()], key=lambda contact: (contact.start, contact.stop)))

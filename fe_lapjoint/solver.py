@@ -7,13 +7,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from lapjoint.contact import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
+from lapjoint.steady import SectionPoint, SteadyState
+
+if TYPE_CHECKING:
+    from fe_lapjoint.period_map import PeriodMap
 
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
@@ -110,7 +114,7 @@ class Solver:
         return answers.simulate(self, problem, float(duration), progress)
 
     def steady_state(
-        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
     ) -> SteadyState:
         """The motion that the march from the initial state, or from `start`, leads to; see `fe_lapjoint.steady`.
 
@@ -123,10 +127,23 @@ class Solver:
         InputError
             If the excitation has no single frequency, or `method` is not "exact".
         """
+        from lapjoint.orbits import Effort, find_steady_state
+
+        effort = Effort(self.max_order, self.max_periods)
+        return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
+
+    def period_map(self, problem: Problem) -> PeriodMap:
+        """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
+
+        Raises
+        ------
+        InputError
+            If the excitation has no single frequency, or `method` is not "exact".
+        """
         if problem.excitation_frequency is None:
             raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
         if self.method != "exact":
             raise InputError(f"method = {self.method!r}: a steady state needs the exact flow; allowed is 'exact'")
         from fe_lapjoint import answers
 
-        return answers.steady_state(self, problem, start, progress)
+        return answers.period_map(self, problem)

@@ -24,6 +24,7 @@ ComplexArray = npt.NDArray[np.complex128]
 IndexArray = npt.NDArray[np.intp]
 SAMPLES = 48  # steps of the grid on which a flow is looked at
 _SOFT = 1e-3  # of EI / m L^4: a lowest omega^2 below needs a shift to be solved for safely
+_APART = 1e-4  # of the decay of a critical mode: between the two rates that stand for it
 _DETUNE = 1e-7  # an undamped mode met exactly by a load is moved by this fraction of its frequency
 
 
@@ -132,6 +133,37 @@ class System:
             return None
         ramp = np.where(rigid & drag, self.constant / np.where(drag, 2 * self.decay, 1.0), 0.0)
         return ramp, np.where(rigid & ~drag, self.constant, 0.0)
+
+    @cached_property
+    def exponentials(self) -> tuple[ComplexArray, IndexArray]:
+        """Rates of the free motion, 1/s, and the mode that each belongs to, shape ``(terms,)`` each.
+
+        One of a complex pair for the modes that oscillate, then the slow and the fast ones of the others.  Critical
+        ones are kept apart a little, and rigid-body modes without drag have none.
+        """
+        others = np.flatnonzero(~self.oscillating & (self.decay > 0))
+        a, omega = self.decay[others], self.omega[others]
+        s = np.maximum(np.sqrt(np.maximum(a**2 - omega**2, 0.0)), _APART * a)
+        slow = np.where(omega > 0, np.where(s > _APART * a, omega**2 / (a + s), a - s), 0.0)
+        rates = np.concatenate([self.roots, -slow, -(a + s)])
+        return rates, np.concatenate([np.flatnonzero(self.oscillating), others, others])
+
+    def amplitudes_of(self, q: FloatArray, v: FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """Complex amplitudes of the `exponentials` that free motions from ``q``, ``v``, each ``(n, m)``, are made of.
+
+        Also the displacement and the speed at the stops of rigid-body modes without drag, shape ``(P, 2, m)``.
+        """
+        rates, modes = self.exponentials
+        turning = self.oscillating
+        count = int(np.count_nonzero(turning))
+        one = self.roots[:, None]
+        oscillating = q[turning] - 1j * (v[turning] - one.real * q[turning]) / one.imag
+        others = modes[count : count + (modes.size - count) // 2]
+        slow, fast = np.split(rates[count:, None].real, 2)
+        first = (v[others] - fast * q[others]) / (slow - fast)
+        drifting = ~turning & (self.decay == 0)
+        drift = np.stack([self.stops[:, drifting] @ part[drifting] for part in (q, v)], axis=1)
+        return np.concatenate([oscillating, first, q[others] - first]), drift
 
     def grid(self, step: float) -> tuple[ComplexArray, FloatArray]:
         """exp(r t) of `rates_of_terms` at t = 0, step, ... `SAMPLES` step, and moduli, kept for next time."""

@@ -16,6 +16,7 @@ from fe_lapjoint.march import March, Piece
 from fe_lapjoint.model import Model
 from fe_lapjoint.propagator import free_response
 from fe_lapjoint.system import System
+from lapjoint.orbits.period_map import Segment
 from lapjoint.problem import FloatArray
 
 
@@ -32,6 +33,58 @@ def carried(model: Model, motion: March, deviations: FloatArray) -> FloatArray:
             y = motion.y if following is None else following.y
             deviations = _jump(model, piece, y, deviations)
     return deviations
+
+
+def carried_along(model: Model, motion: March, deviations: FloatArray) -> tuple[FloatArray, tuple[Segment, ...]]:
+    """As `carried`, and besides the march as the sums of exponentials that its pieces are.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    motion : March
+        A march by the exact method.
+    deviations : FloatArray
+        (q, q') at the start by each coordinate of a deviation, in the modes of the first state, shape ``(2 n, m)``.
+    """
+    segments = []
+    for i, piece in enumerate(motion.pieces):
+        segments.append(_segment(model, piece, deviations))
+        deviations = _flow(model.system(piece.state), piece.end - piece.start, deviations)
+        if piece.switched >= 0:
+            y = motion.y if i + 1 == len(motion.pieces) else motion.pieces[i + 1].y
+            deviations = _jump(model, piece, y, deviations)
+    return deviations, tuple(segments)
+
+
+def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
+    """A piece as a sum of exponentials, and deviations at its start, ``(2 n, m)``, as sums of the same."""
+    assert piece.flow is not None
+    system, flow = model.system(piece.state), piece.flow
+    q, v = np.split(deviations, 2)
+    free_q, free_v = (part[:, None] for part in flow.free)
+    rates, modes = system.exponentials
+    both = np.concatenate([q, free_q], axis=1), np.concatenate([v, free_v], axis=1)
+    terms, drift = system.amplitudes_of(*both)
+    loads = -1j * np.exp(1j * (system.driven * piece.start + system.phase))
+    polynomial = np.zeros((len(system.stops), 3))
+    polynomial[:, :2] = drift[:, :, -1]
+    polynomial[:, 0] += system.stops @ system.equilibrium
+    if system.drift is not None:
+        polynomial[:, 1] += system.stops @ system.drift[0]
+        polynomial[:, 2] = system.stops @ system.drift[1] / 2
+    return Segment(
+        start=piece.start,
+        end=piece.end,
+        closed=np.array([k in piece.state for k in range(len(system.stops))], dtype=bool),
+        rates=np.concatenate([rates, 1j * system.driven]),
+        weights=np.concatenate([system.stops[:, modes].astype(complex), system.stops @ system.amplitudes], axis=1),
+        amplitudes=np.concatenate([terms[:, -1], loads]),
+        polynomial=polynomial,
+        deviations=terms[:, :-1],
+        drift=drift[:, :, :-1],
+        switched=piece.switched,
+    )
 
 
 def _flow(system: System, s: float, deviations: FloatArray) -> FloatArray:

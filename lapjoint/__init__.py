@@ -25,7 +25,7 @@ from lapjoint.problem import (
     initial_from_functions,
 )
 from lapjoint.solution import Contact, History, Modes
-from lapjoint.steady import Exponent, Outcome, Section, SteadyState
+from lapjoint.steady import Exponent, Outcome, SectionPoint, SteadyState
 
 __all__ = [
     "FREE",
@@ -47,7 +47,7 @@ __all__ = [
     "Problem",
     "Rectangle",
     "SampledShape",
-    "Section",
+    "SectionPoint",
     "SineLoad",
     "SteadyState",
     "StepLoad",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lapjoint.contact import ContactState
-from lapjoint.steady import Outcome, Section, SteadyState
+from lapjoint.steady import Outcome, SectionPoint, SteadyState
 
 FAILED = "FAILED"
 OUTCOME_CODES = {FAILED: -1} | {outcome.name: code for code, outcome in enumerate(Outcome)}
@@ -70,11 +70,11 @@ def point_of(found: SteadyState) -> Point:
     )
 
 
-def plain_section(section: Section) -> dict[str, Any]:
+def plain_section(section: SectionPoint) -> dict[str, Any]:
     """A section as JSON can hold it; Python writes each float with the digits that give it back exactly."""
     return {"closed": list(section.state.closed), "coordinates": np.asarray(section.coordinates, dtype=float).tolist()}
 
 
-def section_from(plain: dict[str, Any]) -> Section:
+def section_from(plain: dict[str, Any]) -> SectionPoint:
     """The section that `plain_section` made plain."""
-    return Section(ContactState(tuple(plain["closed"])), np.array(plain["coordinates"], dtype=float))
+    return SectionPoint(ContactState(tuple(plain["closed"])), np.array(plain["coordinates"], dtype=float))

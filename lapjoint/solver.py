@@ -11,7 +11,7 @@ from lapjoint.contact import ContactState
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.solution import History, Modes
-from lapjoint.steady import Section, SteadyState
+from lapjoint.steady import SectionPoint, SteadyState
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
 Progress = Callable[[float, float], None]
@@ -33,7 +33,7 @@ class Solver(Protocol):
         """The motion from the initial state, over `duration` seconds."""
 
     def steady_state(
-        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
     ) -> SteadyState:
         """The motion that remains when a march from the initial state, or from `start`, has settled.
 

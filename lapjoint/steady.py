@@ -8,15 +8,19 @@ from enum import Enum
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from lapjoint.contact import ContactState
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History
 
+ComplexArray = npt.NDArray[np.complex128]
+
 CERTAIN = 4.0  # standard errors: the error is itself an estimate from few stretches, and looked at more than once
 LEAST_GROWTH = 10.0  # logarithm: on a torus a deviation grows and shrinks by less, over however long a time
 ALIKE = 0.1  # of the value: halves that differ by less agree, even if the growth hardly scatters
 SMALL = 0.1  # of the slowest decay: nearby motions would take ten times as long to part as free vibration to die away
+SENSITIVE = 1e8  # rounding, 1e-16 of the motion, then is as large as what tells two motions apart
 
 
 class Outcome(Enum):
@@ -31,12 +35,14 @@ class Outcome(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class SectionPoint:
     """The state of a motion at a multiple of the excitation period, to start another motion from."""
 
     state: ContactState
     coordinates: FloatArray
     """The solver's own coordinates and their rates, shape ``(2, n)``; only a solver of the same kind reads them."""
+    nodes: FloatArray | None = None
+    """Positions that nodal coordinates belong to, m, shape ``(nodes,)``; None where coordinates are modal."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +56,7 @@ class Exponent:
 
     value: float
     """Mean rate of growth, 1/s; positive: chaos."""
-    spread: float
+    standard_error: float
     """Standard error of the mean, 1/s, with the correlation of the growth from period to period."""
     periods: int
     """Excitation periods over which it was measured."""
@@ -63,13 +69,13 @@ class Exponent:
 
     @property
     def positive(self) -> bool:
-        """Whether it is certainly above zero: in each half by `CERTAIN` spreads, and over `LEAST_GROWTH` e-folds."""
-        return min(self.halves) > CERTAIN * self.spread and self._steady and self.value * self.time > LEAST_GROWTH
+        """Whether it is certainly above zero: in each half by `CERTAIN` standard errors, and over `LEAST_GROWTH` e-folds."""
+        return min(self.halves) > CERTAIN * self.standard_error and self._steady and self.value * self.time > LEAST_GROWTH
 
     @property
     def negative(self) -> bool:
         """Whether it is certainly below zero, as it is on a stable periodic motion, however long its period."""
-        return max(self.halves) < -CERTAIN * self.spread and self._steady and self.value * self.time < -LEAST_GROWTH
+        return max(self.halves) < -CERTAIN * self.standard_error and self._steady and self.value * self.time < -LEAST_GROWTH
 
     def vanishes(self, rate: float) -> bool:
         """Whether it is certainly zero: in every quarter within `SMALL` of `rate`, the slowest decay by damping, 1/s.
@@ -83,7 +89,28 @@ class Exponent:
     @property
     def _steady(self) -> bool:
         """Whether the halves agree: the standard error of their difference is twice that of the mean."""
-        return abs(self.halves[1] - self.halves[0]) <= max(3 * 2 * self.spread, ALIKE * abs(self.value))
+        return abs(self.halves[1] - self.halves[0]) <= max(3 * 2 * self.standard_error, ALIKE * abs(self.value))
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """From where, and how late, a motion was accepted as the steady state: anyone can march on from there."""
+
+    point: SectionPoint
+    """The section point of the march at which the motion was accepted."""
+    periods: int
+    """Excitation periods marched until then."""
+    pushes: int = 0
+    """How often the march was pushed off an unstable motion that it would not have left by itself."""
+    growth: float | None = None
+    """Largest factor by which a deviation grew on the way, from any period to any later one; None: not measured."""
+
+    @property
+    def sensitive(self) -> bool | None:
+        """Whether rounding or a push may have decided which motion was reached; None if it was not measured."""
+        if self.pushes:
+            return True
+        return None if self.growth is None else self.growth >= SENSITIVE
 
 
 @dataclass(frozen=True)
@@ -94,27 +121,31 @@ class SteadyState:
     solver: str
     """Name of the solver and its numerical options."""
     outcome: Outcome
-    order: int
+    period_multiple: int
     """Number of excitation periods after which the motion repeats; 0 if it was not found to repeat."""
     symmetric: bool
     """Whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)."""
     residual: float
-    """Distance between the start and the end of the `order` periods, over the size of the motion."""
-    multipliers: FloatArray = field(repr=False)
-    """Moduli of the Floquet multipliers of the `order` periods, descending; empty if it does not repeat."""
+    """Distance between the start and the end of the motion's period, over the size of the motion."""
+    multipliers: ComplexArray = field(repr=False)
+    """Floquet multipliers over the motion's period, largest modulus first, ``(m,)``; empty if it does not repeat."""
     exponent: Exponent | None
     """Measured where the motion was not found to repeat."""
-    section: Section = field(repr=False)
+    section_point: SectionPoint = field(repr=False)
     """The state at the start of `history`."""
     history: History = field(repr=False)
-    """`order` periods of the motion (or the last ones marched), starting at a multiple of the period."""
+    """One period of the motion (or the last periods marched), starting at a multiple of the excitation period."""
     impulses: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """Impulse of each stop over one excitation period (the mean over the `order`), N s, ``(stops,)``."""
+    """Impulse of each stop over one excitation period (the mean over the motion's period), N s, ``(stops,)``."""
+    acceptance: Acceptance | None = None
+    """From where, and how late, the search accepted this motion; None where nothing was searched."""
 
     @property
-    def stable(self) -> bool:
-        """Whether all Floquet multipliers lie within the unit circle."""
-        return bool(np.all(np.asarray(self.multipliers) < 1.0))
+    def stable(self) -> bool | None:
+        """Whether all Floquet multipliers lie within the unit circle; None where no orbit was certified."""
+        if not self.multipliers.size:
+            return None
+        return bool(np.abs(self.multipliers).max() < 1.0)
 
 
 def periodic_outcome(history: History) -> Outcome:
@@ -150,9 +181,9 @@ def chatters(history: History, stop: int) -> bool:
     )
 
 
-def steady_impulses(history: History, order: int) -> FloatArray:
-    """Mean impulse of each stop over one excitation period, from a history of `order` periods, ``(stops,)``."""
+def impulses_per_period(history: History, period_multiple: int) -> FloatArray:
+    """Mean impulse of each stop over one excitation period, from a history of `period_multiple` periods, ``(stops,)``."""
     total = np.zeros(len(history.problem.stops))
     for contact in history.contacts:
         total[contact.stop] += contact.impulse
-    return total / max(order, 1)
+    return total / max(period_multiple, 1)

@@ -15,7 +15,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, ModalDamping, Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
+from lapjoint.steady import SectionPoint, SteadyState
 
 MOST_ELEMENTS = 400
 MOST_STEPS = 1_000_000
@@ -103,7 +103,7 @@ class Solver:
         return opensees_answers.simulate(self, problem, float(duration), progress)
 
     def steady_state(
-        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
     ) -> SteadyState:
         """The motion that a march from rest settles to: the first that comes back to itself; see `repeats`.
 

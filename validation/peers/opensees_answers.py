@@ -13,7 +13,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Outcome, Section, SteadyState, periodic_outcome, steady_impulses
+from lapjoint.steady import Outcome, SectionPoint, SteadyState, periodic_outcome, impulses_per_period
 from validation.peers.opensees_motion import along, history_of
 from validation.peers.opensees_script import mesh
 from validation.peers.process import in_another_process
@@ -85,9 +85,9 @@ def steady_state(solver: Solver, problem: Problem, progress: Progress | None) ->
         residual=residual,
         multipliers=np.zeros(0),
         exponent=None,
-        section=Section(history.states[0], coordinates),
+        section=SectionPoint(history.states[0], coordinates),
         history=history,
-        impulses=steady_impulses(history, order),
+        impulses=impulses_per_period(history, order),
     )
 
 

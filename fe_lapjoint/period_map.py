@@ -1,0 +1,191 @@
+"""The period map of the finite element solver: what the search for periodic motions asks of it.
+
+A section point holds the displacements and slopes of all nodes, and their rates, which every problem on a mesh shares.
+Deviations are (q, q') in the modes of the joint without contact, whose mass is one: their norm needs no mass matrix.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fe_lapjoint.assembly import Assembly
+from fe_lapjoint.march import march
+from fe_lapjoint.model import Model
+from fe_lapjoint.motion import history_of
+from fe_lapjoint.start import initial_coordinates, initial_state
+from fe_lapjoint.tangent import carried, carried_along
+from lapjoint.contact import FREE, ContactState
+from lapjoint.errors import InputError
+from lapjoint.orbits.period_map import Followed, Linearised, Passage
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem_symmetry import mirror_twins
+from lapjoint.solution import History
+from lapjoint.solver import Progress
+from lapjoint.steady import SectionPoint
+
+_TOUCHING = 1e-12  # of the gap: a stop that is nearer than this to its gap stays open or closed as it was
+
+
+@dataclass(frozen=True)
+class PeriodMap:
+    """See `lapjoint.orbits.PeriodMap`."""
+
+    model: Model
+    name: str
+
+    @property
+    def problem(self) -> Problem:
+        """The problem."""
+        return self.model.problem
+
+    @cached_property
+    def omega(self) -> float:
+        """Angular frequency of the excitation, rad/s."""
+        assert self.problem.excitation_frequency is not None
+        return self.problem.excitation_frequency
+
+    @property
+    def period(self) -> float:
+        """The excitation period, s."""
+        return 2 * math.pi / self.omega
+
+    @cached_property
+    def slowest_decay(self) -> float:
+        """Least decay of a mode of the joint without contact, 1/s; 0 without damping."""
+        decay = self.model.system(FREE).decay
+        return float(decay[decay > 0].min(initial=math.inf)) if (decay > 0).any() else 0.0
+
+    def initial(self) -> SectionPoint:
+        """The initial state of the problem."""
+        assembly = self.model.assembly
+        state = initial_state(assembly)
+        return self._section_point(state, initial_coordinates(assembly, self.model.system(state)))
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        """March on, piece by piece of a period."""
+        point, total, switches = start, np.zeros(len(self.problem.stops)), 0
+        for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
+            motion = march(self.model, point.state, self._modal(point), 0.0, piece, peaks=False)
+            point = self._section_point(motion.state, motion.y)
+            total += motion.impulses
+            switches += motion.switches
+        return Passage(point, total, switches)
+
+    def history(self, start: SectionPoint, periods: int) -> History:
+        """The march with its contacts."""
+        return self._recorded(start, [self.period] * periods, None)
+
+    def simulated(self, duration: float, progress: Progress | None) -> History:
+        """The motion from the initial state over any duration, s, in the same pieces as the search marches."""
+        whole = int(duration / self.period * (1 + 1e-12))
+        left = duration - whole * self.period
+        pieces = [self.period] * whole + [left] * (left > 1e-12 * duration)
+        return self._recorded(self.initial(), pieces, progress)
+
+    def _recorded(self, start: SectionPoint, pieces: list[float], progress: Progress | None) -> History:
+        motions, point = [], start
+        for i, piece in enumerate(pieces):
+            motions.append(march(self.model, point.state, self._modal(point), 0.0, piece))
+            point = self._section_point(motions[-1].state, motions[-1].y)
+            if progress is not None:
+                progress(float(i + 1), float(len(pieces)))
+        return history_of(self.name, self.model, motions, self.period)
+
+    def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
+        """(q, q') of a point less that of `origin`, in the modes of the joint without contact."""
+        return self._free_modes((point.coordinates - origin.coordinates)[:, self.model.assembly.free])
+
+    def norm(self, deviation: FloatArray) -> float:
+        """Of q, and of q' over the excitation frequency."""
+        q, v = deviation.reshape(2, -1)
+        return math.hypot(float(np.linalg.norm(q)), float(np.linalg.norm(v)) / self.omega)
+
+    def size(self, point: SectionPoint) -> float:
+        """Norm of the coordinates."""
+        return self.norm(self._free_modes(point.coordinates[:, self.model.assembly.free]))
+
+    def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
+        """Moved, with the stops open or closed as the gaps then have it."""
+        coordinates = origin.coordinates.copy()
+        coordinates[:, self.model.assembly.free] += deviation.reshape(2, -1) @ self.model.system(FREE).vectors.T
+        return self._settled(SectionPoint(origin.state, coordinates, origin.nodes))
+
+    def mirrored(self, point: SectionPoint) -> SectionPoint:
+        """The mirror image."""
+        twins = mirror_twins(self.problem)
+        assert twins is not None
+        state = ContactState(tuple(twins[k] for k in point.state.closed))
+        return SectionPoint(state, -point.coordinates, point.nodes)
+
+    def adopted(self, point: SectionPoint) -> SectionPoint:
+        """A point of another mesh by its Hermite functions, or of other gaps."""
+        assembly, stops = self.model.assembly, len(self.problem.stops)
+        if point.nodes is None or point.coordinates.shape != (2, 2 * point.nodes.size):
+            raise InputError("start: is no section point of a finite element solver")
+        state = ContactState(tuple(k for k in point.state.closed if k < stops))
+        coordinates = point.coordinates
+        if not np.array_equal(point.nodes, assembly.nodes):
+            if abs(point.nodes[-1] - assembly.nodes[-1]) > 1e-9 * assembly.nodes[-1]:
+                raise InputError("start: is a section point of a beam of another length")
+            other = Assembly(self.problem.replace(supports=(), stops=(), point_loads=()), point.nodes)
+            x, L = np.minimum(assembly.nodes, point.nodes[-1]), self.problem.beam.length
+            values = np.stack([coordinates @ other.shapes(x, 0).T, L * (coordinates @ other.shapes(x, 1).T)], axis=2)
+            coordinates = values.reshape(2, -1)
+        full = np.zeros_like(coordinates)
+        full[:, assembly.free] = coordinates[:, assembly.free]
+        return self._settled(SectionPoint(state, full, assembly.nodes))
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """March on and carry all deviations along."""
+        model, y = self.model, self._modal(start)
+        motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
+        into = np.kron(np.eye(2), model.transfer(FREE, start.state))
+        end, segments = carried_along(model, motion, into)
+        back = np.kron(np.eye(2), model.transfer(motion.state, FREE))
+        return Linearised(self._section_point(motion.state, motion.y), back @ end, segments)
+
+    def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
+        """March on and carry one deviation along."""
+        model, point, points, growth = self.model, start, [], np.zeros(periods)
+        impulses, switches = np.zeros(len(self.problem.stops)), 0
+        for i in range(periods):
+            motion = march(model, point.state, self._modal(point), 0.0, self.period, peaks=False)
+            there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
+            there = carried(model, motion, there)[:, 0]
+            deviation = (there.reshape(2, -1) @ model.transfer(motion.state, FREE).T).ravel()
+            size = self.norm(deviation)
+            growth[i], deviation = math.log(size), deviation / size
+            point = self._section_point(motion.state, motion.y)
+            impulses += motion.impulses
+            switches += motion.switches
+            points.append(point)
+        return Followed(tuple(points), impulses, switches, growth, deviation)
+
+    def _modal(self, point: SectionPoint) -> FloatArray:
+        """(q, q') of a point in the modes of its contact state, shape ``(2 n,)``."""
+        assembly = self.model.assembly
+        free = point.coordinates[:, assembly.free]
+        return (free @ self.model.weighted(point.state)).ravel()
+
+    def _free_modes(self, coordinates: FloatArray) -> FloatArray:
+        """(q, q') in the modes of the joint without contact, from free degrees of freedom ``(2, n)``."""
+        return (coordinates @ self.model.weighted(FREE)).ravel()
+
+    def _section_point(self, state: ContactState, y: FloatArray) -> SectionPoint:
+        assembly = self.model.assembly
+        coordinates = np.zeros((2, 2 * assembly.nodes.size))
+        coordinates[:, assembly.free] = y.reshape(2, -1) @ self.model.system(state).vectors.T
+        return SectionPoint(state, coordinates, assembly.nodes)
+
+    def _settled(self, point: SectionPoint) -> SectionPoint:
+        """The same place with the contact state that its position implies."""
+        model, assembly = self.model, self.model.assembly
+        z = np.array([point.coordinates[0, 2 * assembly.node(stop.x)] for stop in self.problem.stops])
+        depth = model.sign * z - model.gap
+        unclear = np.abs(depth) <= _TOUCHING * np.maximum(model.gap, _TOUCHING)
+        closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]
+        return SectionPoint(ContactState(tuple(closed)), point.coordinates, point.nodes)

@@ -1,0 +1,152 @@
+r"""Whether a march is bound for a stable orbit, for all time to come.
+
+A march deviates from the orbit by e now, and by e_k = M^k e after k periods of the orbit, M being the derivative of its
+map, so long as it makes the switches that the orbit makes, and no other.  It does if, for all k >= 0,
+
+    |D e_k| <= c |h|                  at every stop and phase: the deviation touches nothing that the orbit does not;
+    |X e_k| / r <= spacing / 3        at every switch: it moves by far less than the time to that stop's next one,
+    3 (|X e_k| / r) |h''| <= r        where the stop is crossed at a rate that hardly changes,
+    |X' e_k| <= r / 2                 and that the deviation hardly changes,
+
+with D the deviation's motion at the stop, h the stop's gap function, r = |h'| at a switch, X and X' the rows that give
+h and h' there from the deviation (`lapjoint.orbits.watch`).  Within three shifts |X e_k| / r of a stop's own switch the
+first does not apply.  An orbit without switches has an exactly linear map, so c is just below one; else the conditions
+leave room for what is not linear.
+
+The first k are looked at one by one.  Of late k the slow eigenvectors V of M are left, and
+
+    |D e_k| <= sum_i |D V_i| |lambda_i|^K |a_i|,    a = V^-1 e,    k >= K
+
+settles the rest at once.  If some k fails, the last one says how long to march on before it is worth looking again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.orbits.watch import Deviated, Watch
+from lapjoint.problem import FloatArray
+from lapjoint.steady import ComplexArray
+
+LINEAR = 0.9  # of a distance: what a deviation may take of it where the map is linear
+CURVED = 0.5  # and where it is not
+_SHIFTS = 3.0  # times the shift of a switch: so near to it a stop is in contact or not as the shift has it
+_RATE = 0.5  # of the rate at a switch: what a deviation may change it by
+_FIRST, _MOST = 16, 1024  # deviations looked at together
+_NOTHING = 1e-13  # of the size of the orbit: rounding
+_DECAYED = 1e-12  # of the size of the orbit: what is left out of the slow eigenvectors
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What becomes of a deviation."""
+
+    fails: int
+    """Periods of the orbit after which the conditions fail for the last time, and one more; 0: they hold for ever."""
+    known: bool
+    """Whether all later periods were shown to be sound, within the periods allowed."""
+
+    @property
+    def bound(self) -> bool:
+        """Whether the march is bound for the orbit."""
+        return self.known and self.fails == 0
+
+
+def forecast(
+    watch: Watch,
+    matrix: FloatArray,
+    vectors: ComplexArray,
+    deviation: FloatArray,
+    size: float,
+    most: int,
+) -> Forecast:
+    """What becomes of a deviation from a stable orbit.
+
+    Parameters
+    ----------
+    watch : Watch
+        The orbit's distances from its stops.
+    matrix : FloatArray
+        Derivative M of its map, shape ``(n, n)``.
+    vectors : ComplexArray
+        Its eigenvectors as columns, shape ``(n, n)``; all its eigenvalues lie within the unit circle.
+    deviation : FloatArray
+        The deviation e at the start of the orbit, shape ``(n,)``.
+    size : float
+        Euclidean size of the orbit's section point, in the same coordinates.
+    most : int
+        Periods of the orbit looked at one by one, at most.
+    """
+    share = CURVED if watch.switches.time.size else LINEAR
+    power, count, done, fails = matrix, 1, 0, 0
+    block = deviation[:, None]
+    while count < _FIRST:  # doubling: E, M^c E
+        block = np.concatenate([block, power @ block], axis=1)
+        power, count = power @ power, 2 * count
+    while True:
+        broken = np.flatnonzero(~_sound(watch, watch.deviated(block), share))
+        if broken.size:
+            fails = done + int(broken[-1]) + 1
+        done += block.shape[1]
+        if done >= most:
+            return Forecast(fails, known=False)
+        # While the last period looked at fails there is no need to ask for what comes after it.
+        if fails < done and _decays(watch, vectors, power @ block[:, 0], size, share):
+            return Forecast(fails, known=True)
+        block = power @ block
+        if block.shape[1] < _MOST:
+            block = np.concatenate([block, power @ block], axis=1)
+            power = power @ power
+
+
+def _sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
+    """Whether each deviation meets all conditions, shape ``(K,)``."""
+    switches, intervals = watch.switches, watch.intervals
+    near = deviated.largest <= share * intervals.distance[:, None]
+    if not switches.time.size:
+        return np.asarray(near.all(axis=0))
+    rate = switches.rate[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shift = np.where(deviated.at_switches == 0, 0.0, np.abs(deviated.at_switches) / rate)
+    # Index -1, of a stop without switches, reads the last row, but its distance in time is infinite.
+    exempt = (intervals.since[:, None] <= _SHIFTS * shift[intervals.before]) | (
+        intervals.until[:, None] <= _SHIFTS * shift[intervals.after]
+    )
+    sound = (near | exempt).all(axis=0)
+    sound &= (shift <= switches.spacing[:, None] / 3).all(axis=0)
+    sound &= (3 * shift * switches.curvature[:, None] <= rate).all(axis=0)
+    sound &= (np.abs(deviated.rates) <= _RATE * rate).all(axis=0)
+    return np.asarray(sound)
+
+
+def _decays(
+    watch: Watch,
+    vectors: ComplexArray,
+    deviation: FloatArray,
+    size: float,
+    share: float,
+) -> bool:
+    """Whether the slow eigenvectors bind a deviation, and all that becomes of it later, to meet all conditions."""
+    if float(np.linalg.norm(deviation)) <= _NOTHING * size:
+        return True
+    try:
+        parts = np.linalg.solve(vectors, deviation.astype(complex))
+    except np.linalg.LinAlgError:
+        return False
+    if not np.all(np.isfinite(parts)):
+        return False
+    slow = np.abs(parts) * np.linalg.norm(vectors, axis=0) > _DECAYED * size
+    columns = vectors[:, slow] * parts[slow]
+    real, imaginary = watch.deviated(np.real(columns)), watch.deviated(np.imag(columns))
+
+    def bound(one: FloatArray, other: FloatArray) -> FloatArray:
+        return np.asarray(np.hypot(one, other).sum(axis=1, keepdims=True))
+
+    worst = Deviated(
+        bound(real.largest, imaginary.largest),
+        bound(real.at_switches, imaginary.at_switches),
+        bound(real.rates, imaginary.rates),
+    )
+    return bool(_sound(watch, worst, share)[0])

@@ -1,0 +1,116 @@
+"""What a solver need not give: the derivative of its period map, from marches that begin a little beside each other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.orbits.period_map import Followed, Linearised, PeriodMap, Segment
+from lapjoint.problem import FloatArray
+from lapjoint.solution import History
+from lapjoint.steady import SectionPoint
+
+_STEP = 1e-6  # of the size of the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten digits
+_SMALL = 1e-7  # of the size of the motion: how far a march that is followed is beside the other
+_PER_HALF_PERIOD = 64  # samples of the motion in half a period
+
+
+@dataclass(frozen=True)
+class FiniteDifferences:
+    """The derivative of a period map; see `lapjoint.orbits.period_map.Tangent` and `Follows`."""
+
+    map: PeriodMap
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """March on from a section point, and from its neighbours in all directions, two each."""
+        end = self.map.march(start, half_periods).end
+        periods, until = math.ceil(half_periods / 2), half_periods * self.map.period / 2
+        history = self.map.history(start, periods)
+        times, switched = _samples(history, until)
+        n = self.map.difference(start, start).size
+        size = max(self.map.size(start), self.map.size(end))
+        matrix, moves = np.zeros((n, n)), np.zeros((len(self.map.problem.stops), times.size, n))
+        for i in range(n):
+            unit = np.zeros(n)
+            unit[i] = _STEP * size / self.map.norm(np.eye(n)[i])
+            ends, z = [], []
+            for sign in (1, -1):
+                beside = self.map.moved(start, sign * unit)
+                ends.append(self.map.difference(self.map.march(beside, half_periods).end, start))
+                z.append(_at_stops(self.map.history(beside, periods), times))
+            matrix[:, i] = (ends[0] - ends[1]) / (2 * unit[i])
+            moves[:, :, i] = (z[0] - z[1]) / (2 * unit[i])
+        return Linearised(end, matrix, _segments(history, times, switched, moves))
+
+    def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
+        """March on over whole periods beside another march, which is brought back to the same distance after each."""
+        now, points, growth = start, [], np.zeros(periods)
+        impulses, switches = np.zeros(len(self.map.problem.stops)), 0
+        for i in range(periods):
+            length = _SMALL * max(self.map.size(now), np.finfo(float).tiny)
+            beside = self.map.march(self.map.moved(now, length * deviation), 2).end
+            passage = self.map.march(now, 2)
+            now = passage.end
+            deviation = self.map.difference(beside, now)
+            size = self.map.norm(deviation)
+            growth[i] = math.log(max(size, np.finfo(float).tiny) / length)
+            deviation = deviation / max(size, np.finfo(float).tiny)
+            impulses += passage.impulses
+            switches += passage.switches
+            points.append(now)
+        return Followed(tuple(points), impulses, switches, growth, deviation)
+
+
+def _samples(history: History, until: float) -> tuple[FloatArray, FloatArray]:
+    """Times of samples from 0 to `until`, s, with the switches among them; and the stop that switches then, or -1."""
+    stops = {float(time): stop for time, stop in _switches(history) if 0 < time <= until}
+    count = max(8, math.ceil(_PER_HALF_PERIOD * until / (history.end - history.start)))
+    times = np.unique(np.concatenate([np.linspace(0.0, until, 2 * count + 1), list(stops)]))
+    return times, np.array([stops.get(float(time), -1) for time in times], dtype=int)
+
+
+def _switches(history: History) -> list[tuple[float, int]]:
+    """Times from the start of a history, s, and stops."""
+    starts = [(contact.start, contact.stop) for contact in history.contacts if not contact.open_start]
+    ends = [(contact.end, contact.stop) for contact in history.contacts if not contact.open_end]
+    return sorted((time - history.start, stop) for time, stop in starts + ends)
+
+
+def _at_stops(history: History, times: FloatArray) -> FloatArray:
+    """Displacements at the stops at times from the start, m, shape ``(P, m)``."""
+    stops = history.problem.stops
+    if not stops:
+        return np.zeros((0, times.size))
+    return history.displacement(np.array([stop.x for stop in stops]), np.minimum(history.start + times, history.end))
+
+
+def _segments(history: History, times: FloatArray, switched: FloatArray, moves: FloatArray) -> tuple[Segment, ...]:
+    """Stretches between samples, in which the motion is a parabola and deviations change linearly.
+
+    ``moves`` are the displacements at the stops by the deviations, shape ``(P, m, n)``.
+    """
+    stops = history.problem.stops
+    z = _at_stops(history, times)
+    speed = history.velocity(np.array([stop.x for stop in stops]), history.start + times[:-1]) if stops else z[:, :-1]
+    none = np.zeros(0, dtype=complex)
+    segments = []
+    for j, width in enumerate(np.diff(times)):
+        state = history.state_at(history.start + times[j] + width / 2)
+        bend = (z[:, j + 1] - z[:, j] - speed[:, j] * width) / width**2
+        segments.append(
+            Segment(
+                start=float(times[j]),
+                end=float(times[j + 1]),
+                closed=np.array([k in state for k in range(len(stops))], dtype=bool),
+                rates=none,
+                weights=np.zeros((len(stops), 0), dtype=complex),
+                amplitudes=none,
+                polynomial=np.stack([z[:, j], speed[:, j], bend], axis=1),
+                deviations=np.zeros((0, moves.shape[2]), dtype=complex),
+                drift=np.stack([moves[:, j], (moves[:, j + 1] - moves[:, j]) / width], axis=1),
+                switched=int(switched[j + 1]),
+            )
+        )
+    return tuple(segments)

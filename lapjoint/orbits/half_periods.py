@@ -1,0 +1,75 @@
+"""The map over half periods: that of whole periods, and between them the mirror image of a symmetric problem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lapjoint.orbits.finite_differences import FiniteDifferences
+from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent
+from lapjoint.orbits.watch import SegmentWatch, Watch
+from lapjoint.problem import FloatArray
+from lapjoint.problem_symmetry import mirror_twins
+from lapjoint.steady import SectionPoint
+
+
+@dataclass(frozen=True)
+class Return:
+    """A march over some half periods with its derivative, mirrored if their number is odd."""
+
+    end: SectionPoint
+    matrix: FloatArray
+    """Derivative of the end by the start, in the coordinates that belong to the start, shape ``(n, n)``."""
+    half_periods: HalfPeriods
+    linearised: Linearised
+    count: int
+
+    @cached_property
+    def watch(self) -> Watch:
+        """Distances from all stops on the way."""
+        twins = self.half_periods.twins if self.count % 2 else None
+        return SegmentWatch(self.half_periods.map.problem, self.linearised.segments, twins)
+
+
+@dataclass(frozen=True)
+class HalfPeriods:
+    """The map of one problem over any number of half periods."""
+
+    map: PeriodMap
+
+    @cached_property
+    def twins(self) -> tuple[int, ...] | None:
+        """The twin of each stop, if the problem is its own mirror image."""
+        return mirror_twins(self.map.problem)
+
+    @cached_property
+    def tangent(self) -> Tangent:
+        """The solver's own derivative, or finite differences."""
+        return self.map if isinstance(self.map, Tangent) else FiniteDifferences(self.map)
+
+    @property
+    def least(self) -> int:
+        """Half periods of the finest map: 1 if the problem is its own mirror image, else 2."""
+        return 2 if self.twins is None else 1
+
+    def marched(self, point: SectionPoint, count: int) -> SectionPoint:
+        """March over some half periods."""
+        end = self.map.march(point, count).end
+        return self.map.mirrored(end) if count % 2 else end
+
+    def linearised(self, point: SectionPoint, count: int) -> Return:
+        """March over some half periods with the derivative."""
+        found = self.tangent.linearised(point, count)
+        if count % 2:
+            return Return(self.map.mirrored(found.end), -found.matrix, self, found, count)
+        return Return(found.end, found.matrix, self, found, count)
+
+    def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
+        """Size of a deviation over that of a section point."""
+        return self.map.norm(deviation) / max(self.map.size(point), float(np.finfo(float).tiny))
+
+    def apart(self, point: SectionPoint, origin: SectionPoint) -> float:
+        """Distance of two section points over the size of the second."""
+        return self.relative(self.map.difference(point, origin), origin)

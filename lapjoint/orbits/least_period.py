@@ -1,0 +1,66 @@
+"""The least period of an orbit: one that was found over some half periods may repeat after a part of them.
+
+Where truncated modes make the map jump, they keep Newton's method from a stable motion and part it into several,
+less than c / (1 - |mu|) apart for a jump of size c and a multiplier mu, and a march visits them in turn.  No motion of
+a joint is parted in this way, and `_parted` tells it from a true motion of several periods.
+"""
+
+from __future__ import annotations
+
+from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.newton import Orbit, find_orbit
+
+_PARTED = 1e-3  # of the size of the motion: beyond, what bends and what jumps cannot be told apart
+_JUMP = 0.05  # of a step: what the linearised map may miss the next one by; and more for longer steps:
+_BENDS = 500.0  # by so many times their length, over the size of the motion, a smooth map may bend
+
+
+def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
+    """The same motion over the fewest half periods after which it repeats."""
+    for count in range(half_periods.least, orbit.half_periods, half_periods.least):
+        if orbit.half_periods % count:
+            continue
+        if half_periods.apart(half_periods.marched(orbit.point, count), orbit.point) > _PARTED:
+            continue
+        shorter = find_orbit(half_periods, orbit.point, count, _PARTED)
+        if shorter is not None and shorter.stable and half_periods.apart(shorter.point, orbit.point) <= 10 * _PARTED:
+            return shorter
+        parted = _parted(half_periods, orbit, count)
+        if parted is not None:
+            return parted
+    return orbit
+
+
+def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None:
+    """The orbit over `count` half periods, if it would repeat after these but for a jump of the map; else None.
+
+    It would if a smooth map could not tell it from a stable fixed point: it goes not far, all multipliers lie within
+    the unit circle, and yet some step is not the one before it, carried by the linearised map.  And the cause must be
+    seen: in each part the same stops switch as often, but not in the same order in all.
+    """
+    map_, point = half_periods.map, orbit.point
+    now = half_periods.linearised(point, count)
+    step = map_.difference(now.end, point)
+    first = residual = half_periods.relative(step, point)
+    if not 0 < first <= _PARTED:
+        return None
+    found = Orbit(count, point, first, now)
+    if not found.stable:
+        return None
+    jumps, orders = False, [_order(now)]
+    for _ in range(orbit.half_periods // count - 1):
+        before, linearised = now.end, now.matrix @ step
+        now = half_periods.linearised(before, count)
+        step = map_.difference(now.end, before)
+        orders.append(_order(now))
+        bend, residual = max(_JUMP, _BENDS * residual), half_periods.relative(step, before)
+        if not residual <= 2 * _PARTED or step.shape != linearised.shape:
+            return None
+        jumps |= map_.norm(step - linearised) > bend * map_.norm(step)
+    swapped = len(set(orders)) > 1 and len({tuple(sorted(order)) for order in orders}) == 1
+    return found if jumps and swapped else None
+
+
+def _order(found: Return) -> tuple[int, ...]:
+    """The stops that switch in a march, by time."""
+    return tuple(segment.switched for segment in found.linearised.segments if segment.switched >= 0)

@@ -1,0 +1,124 @@
+"""Newton's method for the fixed points of the map over some half periods, and the orbits that it finds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lapjoint.errors import SolverError
+from lapjoint.orbits.approach import Forecast, forecast
+from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.watch import Watch
+from lapjoint.problem import FloatArray
+from lapjoint.steady import ComplexArray, SectionPoint
+
+RESIDUAL = 1e-9  # of the size of the motion: within it an orbit closes; the last step of Newton's squares it once more
+FAR = 2.0  # of the size: residuals of one period from which Newton's method is tried at all
+_STEPS = 14  # far from an orbit it wanders for some steps, near it two or three do
+_PATIENCE = 5  # steps within which the residual must halve
+_SPIRALS = 1e-6  # of a multiplier's modulus: an imaginary part above says that it is one of a complex pair
+_GROWS = 1e-6  # a multiplier outside the unit circle by more than this is no rounding of one on it
+_MARGINAL = 1e-9  # and one nearer to it than this from within cannot be told from one outside
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A fixed point of the map over some half periods."""
+
+    half_periods: int
+    point: SectionPoint
+    residual: float
+    """Distance between start and end, over the size of the motion."""
+    last: Return
+    """The march from `point`, or from so near that its derivative is the orbit's."""
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether half of the motion mirrors the other half: an odd number of half periods leads back, mirrored."""
+        return self.half_periods % 2 == 1
+
+    @property
+    def period_multiple(self) -> int:
+        """Excitation periods after which the motion repeats."""
+        return self.half_periods if self.symmetric else self.half_periods // 2
+
+    @cached_property
+    def spectrum(self) -> tuple[ComplexArray, ComplexArray]:
+        """Multipliers over `half_periods`, largest modulus first, ``(n,)``, and their vectors as columns ``(n, n)``."""
+        values, vectors = np.linalg.eig(self.last.matrix)
+        order = np.argsort(-np.abs(values), kind="stable")
+        return values[order].astype(complex), vectors[:, order].astype(complex)
+
+    @property
+    def leading(self) -> complex:
+        """The multiplier of largest modulus."""
+        return complex(self.spectrum[0][0]) if self.spectrum[0].size else 0.0
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """Multipliers over the motion's whole period, largest modulus first, shape ``(n,)``."""
+        values = self.spectrum[0]
+        return values**2 if self.symmetric else values
+
+    @property
+    def stable(self) -> bool:
+        """Whether all multipliers are within the unit circle, for certain."""
+        return abs(self.leading) < 1 - _MARGINAL
+
+    @property
+    def unstable(self) -> bool:
+        """Whether a multiplier is outside the unit circle, for certain."""
+        return abs(self.leading) > 1 + _GROWS
+
+    @property
+    def spirals_out(self) -> bool:
+        """Whether motions leave it in spirals: the leading multipliers are a complex pair outside the unit circle."""
+        return self.unstable and abs(self.leading.imag) > _SPIRALS * abs(self.leading)
+
+    @cached_property
+    def watch(self) -> Watch:
+        """Its distances from all stops."""
+        return self.last.watch
+
+    def forecast(self, deviation: FloatArray, most: int) -> Forecast:
+        """What becomes of a deviation from it; in periods of `half_periods`, of which `most` are looked at."""
+        size = float(np.linalg.norm(self.point.coordinates))
+        return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
+
+
+def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
+    """A fixed point of the map over `count` half periods; None if Newton's method finds none from the guess.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    guess : SectionPoint
+        Where to begin.
+    count : int
+        Half periods; an odd number for a symmetric motion.
+    farthest : float
+        Residual beyond which it is not tried.
+    """
+    point, allowed, residuals = guess, farthest, [np.inf] * _PATIENCE
+    for _ in range(_STEPS):
+        try:
+            found = half_periods.linearised(point, count)
+            step = half_periods.map.difference(found.end, point)
+        except SolverError:  # a step of Newton's led out of what can be marched
+            return None
+        residual = half_periods.relative(step, point)
+        if not (residual <= RESIDUAL or (residual <= allowed and residual < residuals[-_PATIENCE] / 2)):
+            return None
+        try:
+            correction = np.linalg.solve(np.eye(step.size) - found.matrix, step)
+        except np.linalg.LinAlgError:
+            return None
+        point = half_periods.map.moved(point, correction)
+        if residual <= RESIDUAL:
+            return Orbit(count, point, residual, found)
+        allowed = 4 * max(residual, 1e-6)
+        residuals.append(residual)
+    return None

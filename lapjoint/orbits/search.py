@@ -1,0 +1,303 @@
+"""The search for the motion that remains: march, and find an orbit by Newton's method that the march is bound for.
+
+The march goes on period by period, as `simulate` does.  Now and then Newton's method is tried from where it is: for
+one period, symmetric motions first, and for several periods after which it has nearly come back.  A stable orbit is
+the steady state only if the march is bound for it for all time to come (`lapjoint.orbits.approach`); otherwise that
+says how long to march before it is worth looking at the same orbit again, and if the march meanwhile leaves the course
+that the linearised map predicts, the orbit is dropped.
+
+A march that is held at an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  One that has not settled for
+long is followed together with a deviation, and the exponent is measured over stretches ever longer.  What that shows is believed when two stretches in a row agree, the second longer than the first: a long transient, or chaos that
+pauses, deceives one of them more easily than both.  If a stable orbit is known, it must agree for much longer.
+
+All effort is counted in periods and switches, so that no outcome depends on the speed of the machine.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lapjoint.orbits.exponent import exponent_of, largest_growth
+from lapjoint.orbits.finite_differences import FiniteDifferences
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.least_period import over_least_period
+from lapjoint.orbits.newton import FAR, Orbit, find_orbit
+from lapjoint.orbits.period_map import Followed, Follows, PeriodMap
+from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_off
+from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
+from lapjoint.problem import FloatArray
+from lapjoint.solver import Progress
+from lapjoint.steady import Acceptance, Outcome, SectionPoint
+
+FIRST_LOOK = 8  # periods: most of what starts from rest is then near enough for Newton's method
+FIRST_LOOK_NEAR = 4  # if the start is likely to be near the motion
+TRANSIENT = 504  # periods before an exponent is measured
+STRETCH = 512  # least periods over which it is
+_NEARLY_BACK = 0.05  # of the size of the motion: returns after several periods that Newton's method is tried for
+_RETURNS = 3  # of them, the closest ones
+_NEAR = 0.2  # of the size: the residual from which it is tried for them
+_COURSE = 0.25  # of the step that the linearised map makes: what the march may miss it by
+_SLOWER = 0.5  # of what the slowest multiplier takes off the distance: and by this, or it circles the orbit
+_STEPS_ALIKE = 1  # steps of the map that must go as the linearised one says
+_THERE = 1e-8  # of the size of the motion: so near, rounding says how a step goes
+_LOOKS_ON_THE_WAY = 8  # at least, while a march is on its way to an orbit
+_AGREE = 4  # stretches in a row that must show chaos where a stable orbit is known; else 2
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How hard to look for a steady state."""
+
+    max_period_multiple: int = 8
+    """Longest periodic motion looked for, in excitation periods."""
+    max_periods: int = 16_000
+    """Excitation periods marched, at most; at least one stretch more where an exponent is due."""
+    max_switches: int = 20_000_000
+    """Switches met on the way, at most."""
+    growth: bool = True
+    """Whether to measure how much deviations grow on the way; it takes about as long again."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search ended with: an orbit, or a march that was not found to repeat."""
+
+    motion: Orbit | Wandering
+    acceptance: Acceptance
+
+
+class Search:
+    """A march under way.
+
+    Parameters
+    ----------
+    period_map : PeriodMap
+        The motion of the problem.
+    effort : Effort
+        How hard to look.
+    progress : callable, optional
+        Called with the periods marched, and the most allowed.
+    """
+
+    def __init__(self, period_map: PeriodMap, effort: Effort, progress: Progress | None = None) -> None:
+        self._map, self._effort, self._progress = period_map, effort, progress
+        self._half_periods = HalfPeriods(period_map)
+        self._follows: Follows = period_map if isinstance(period_map, Follows) else FiniteDifferences(period_map)
+        self._marched = self._switches = self._pushes = 0
+        self._growth: list[FloatArray] = []  # logarithms, period by period, of what was followed
+        self._deviation: FloatArray | None = None
+        self._spirals = False  # whether an unstable orbit is known that nearby motions leave in spirals
+        self._stable_known = False  # whether a stable orbit is known that the march is not bound for
+        self._closest = (np.inf, 2)  # how closely the march came back at the last look, and after how many half periods
+
+    def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> Found:
+        """March from `start` until a motion is certified, or the effort allowed is spent.
+
+        `first_look` is the number of periods after which Newton's method is first tried.
+        """
+        self._point, look = start, first_look
+        while self._marched < TRANSIENT and not self._spent:
+            self._advance(min(look, TRANSIENT, self._effort.max_periods) - self._marched)
+            orbit = self._look()
+            if orbit is not None:
+                return self._found(orbit)
+            self._push_off()
+            look = max(2 * look, self._marched)
+        return self._wander()
+
+    def _wander(self) -> Found:
+        """Go on with a march that has not settled, and measure over stretches ever longer."""
+        before: list[Wandering] = []
+        stretch = STRETCH
+        while True:
+            now = self._measured(stretch)
+            orbit = self._look()
+            if orbit is not None:
+                return self._found(orbit)
+            agreeing = 1
+            for one, other in zip([now, *reversed(before)], reversed(before), strict=False):
+                if not one.confirms(other):
+                    break
+                agreeing += 1
+            suspect = self._stable_known and now.outcome is Outcome.APERIODIC
+            if agreeing >= (_AGREE if suspect else 2):
+                return self._found(now)
+            if self._spent:
+                return self._found(replace(now, outcome=Outcome.UNDECIDED))
+            before.append(now)
+            if self._push_off() or self._disturbed(now):
+                before = []
+            else:
+                stretch = min(2 * stretch, max(self._effort.max_periods - self._marched, STRETCH))
+
+    @property
+    def _spent(self) -> bool:
+        """Whether the effort allowed is spent."""
+        return self._marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
+
+    def _found(self, motion: Orbit | Wandering) -> Found:
+        growth = largest_growth(np.concatenate(self._growth)) if self._effort.growth and self._growth else None
+        return Found(motion, Acceptance(self._point, self._marched, self._pushes, growth))
+
+    def _advance(self, periods: int) -> None:
+        """March on."""
+        if self._effort.growth:
+            self._follow(periods)
+        elif periods > 0:
+            passage = self._map.march(self._point, 2 * periods)
+            self._point, self._deviation = passage.end, None
+            self._count(periods, passage.switches)
+
+    def _follow(self, periods: int) -> Followed | None:
+        """March on together with a deviation."""
+        if periods <= 0:
+            return None
+        found = self._follows.followed(self._point, self._unit_deviation(), periods)
+        self._point, self._deviation = found.points[-1], found.deviation
+        self._growth.append(found.growth)
+        self._count(periods, found.switches)
+        return found
+
+    def _unit_deviation(self) -> FloatArray:
+        """The deviation that has been followed to here, or a random one, of unit size."""
+        size = self._map.difference(self._point, self._point).size
+        if self._deviation is None or self._deviation.size != size:
+            deviation = np.random.default_rng(0).standard_normal(size)
+            return deviation / self._map.norm(deviation)
+        return self._deviation
+
+    def _count(self, periods: int, switches: int) -> None:
+        self._marched += periods
+        self._switches += switches
+        if self._progress is not None:
+            self._progress(min(self._marched, self._effort.max_periods), self._effort.max_periods)
+
+    def _look(self) -> Orbit | None:
+        """The orbit that the march is bound for; on its way to one that it may be bound for, the march goes on."""
+        for count in range(self._half_periods.least, 3, self._half_periods.least):
+            orbit = self._orbit(count, FAR)
+            if orbit is not None:
+                return orbit
+        points = [self._point]
+        for _ in range(self._effort.max_period_multiple):
+            self._advance(1)
+            points.append(self._point)
+        returns = np.array([self._half_periods.apart(point, points[-1]) for point in points[-2::-1]])
+        self._closest = float(returns.min()), 2 * (int(np.argmin(returns)) + 1)
+        for i in np.argsort(returns, kind="stable")[:_RETURNS]:
+            if returns[i] <= _NEARLY_BACK and i > 0:
+                orbit = self._orbit(2 * (int(i) + 1), _NEAR)
+                if orbit is not None:
+                    return orbit
+        return None
+
+    def _orbit(self, count: int, farthest: float) -> Orbit | None:
+        """The orbit over `count` half periods that Newton's method finds from here, if the march is bound for it."""
+        orbit = find_orbit(self._half_periods, self._point, count, farthest)
+        if orbit is None:
+            return None
+        self._spirals |= orbit.spirals_out
+        if not orbit.stable:
+            return None
+        orbit = over_least_period(self._half_periods, orbit)
+        if orbit.period_multiple > self._effort.max_period_multiple:
+            return None
+        if self._bound_for(orbit):
+            return orbit
+        self._stable_known = True
+        return None
+
+    def _bound_for(self, orbit: Orbit) -> bool:
+        """Whether the march is bound for a stable orbit; it goes on as long as it takes to tell."""
+        multiple, left = orbit.period_multiple, 2 * self._effort.max_periods // orbit.half_periods
+        while True:
+            deviation = self._map.difference(self._point, orbit.point)
+            forecast = orbit.forecast(deviation, left)
+            if forecast.bound and self._as_linearised(orbit, deviation):
+                return True
+            wait = math.ceil(forecast.fails * orbit.half_periods / 2)
+            wait = multiple * math.ceil(max(wait, self._marched // 8, 1) / multiple)
+            if self._marched + wait > self._effort.max_periods or not self._on_course(orbit, deviation, wait):
+                return False
+
+    def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
+        """Whether the next steps of the march to the orbit are those of the linearised map, well enough.
+
+        They must be if the orbit has no switches and the march is bound for it.  Else, if M is the map's derivative,
+        what they miss is small against the step (I - M) e, which is that of no other fixed point, and against what the
+        slowest multiplier takes off the distance, or a motion of many more periods around the orbit would pass.
+        """
+        half_periods, map_ = self._half_periods, self._map
+        size = map_.norm(deviation)
+        if not orbit.watch.switches.time.size or size <= max(_THERE, 10 * orbit.residual) * map_.size(orbit.point):
+            return True
+        point = self._point
+        for _ in range(_STEPS_ALIKE):
+            point = half_periods.marched(point, orbit.half_periods)
+            after, mapped = map_.difference(point, orbit.point), orbit.last.matrix @ deviation
+            slower = _SLOWER * (1 - abs(orbit.leading)) * map_.norm(deviation)
+            if map_.norm(after - mapped) > min(_COURSE * map_.norm(deviation - mapped), slower):
+                return False
+            deviation = after
+        return True
+
+    def _on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
+        """March on over some periods; whether the march keeps to the course that the linearised map predicts."""
+        multiple = orbit.period_multiple
+        matrix = np.linalg.matrix_power(orbit.last.matrix, 2 * multiple // orbit.half_periods)
+        steps, done = periods // multiple, 0
+        predicted, power, stride = deviation, matrix, 1
+        while done < steps:
+            if stride > 1 and done + stride > steps:
+                power, stride = matrix, 1
+            self._advance(stride * multiple)
+            done += stride
+            predicted = power @ predicted
+            actual = self._map.difference(self._point, orbit.point)
+            if self._map.norm(actual - predicted) > _COURSE * self._map.norm(deviation - predicted):
+                return False
+            if self._spent:
+                return False
+            if done >= _LOOKS_ON_THE_WAY * stride and done + 2 * stride <= steps:
+                power, stride = power @ power, 2 * stride
+        return True
+
+    def _push_off(self) -> bool:
+        """Push the march off the unstable motion that it is held at; whether it was."""
+        closest, count = self._closest
+        if closest > REPEATS:
+            return False
+        point = pushed_off(self._half_periods, self._point, count, self._pushes)
+        if point is None:
+            return False
+        self._point = point
+        self._pushes += 1
+        return True
+
+    def _disturbed(self, now: Wandering) -> bool:
+        """Disturb an aperiodic march; whether it was so narrow that this counts as a push."""
+        if not now.exponent.positive:
+            return False
+        self._point = disturbed(self._half_periods, self._point, now.breadth, self._unit_deviation(), self._pushes)
+        held = now.breadth <= NARROW and self._pushes < PUSHES
+        self._pushes += held
+        return held
+
+    def _measured(self, periods: int) -> Wandering:
+        """March on over a stretch of periods, and measure the largest Lyapunov exponent."""
+        found = self._follow(periods)
+        assert found is not None
+        exponent = exponent_of(found.growth, self._map.period)
+        breadth, residual = breadth_and_residual(self._half_periods, found.points, self._effort.max_period_multiple)
+        outcome = shown(exponent, self._map.slowest_decay, breadth, spirals=self._spirals, pushes=self._pushes)
+        return Wandering(
+            outcome=outcome,
+            exponent=exponent,
+            point=found.points[-1],
+            breadth=breadth,
+            residual=residual,
+            impulses=found.impulses / periods,
+        )

@@ -1,0 +1,91 @@
+"""The steady state of a problem, from what the search found."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lapjoint.orbits.newton import Orbit
+from lapjoint.orbits.period_map import PeriodMap
+from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, Found, Search
+from lapjoint.problem import StepLoad
+from lapjoint.solution import History
+from lapjoint.solver import Progress
+from lapjoint.steady import SectionPoint, SteadyState, impulses_per_period, periodic_outcome
+
+
+def find_steady_state(
+    period_map: PeriodMap,
+    solver: str,
+    effort: Effort,
+    *,
+    start: SectionPoint | None = None,
+    progress: Progress | None = None,
+) -> SteadyState:
+    """The motion that remains when a march has settled, with its certificate.
+
+    Parameters
+    ----------
+    period_map : PeriodMap
+        The motion of the problem from section point to section point, by some solver.
+    solver : str
+        Name and options of the solver.
+    effort : Effort
+        How hard to look.
+    start : SectionPoint, optional
+        Where to begin instead of at the problem's initial state: a section point of the same solver, of this or a
+        neighbouring problem.
+    progress : callable, optional
+        Called with the periods marched, and the most allowed.
+
+    Raises
+    ------
+    InputError
+        If `start` is not a section point of such a problem.
+    SolverError
+        If the march cannot go on.
+    """
+    begin = period_map.initial() if start is None else period_map.adopted(start)
+    first_look = FIRST_LOOK if start is None else FIRST_LOOK_NEAR
+    found = Search(period_map, effort, progress).run(begin, min(first_look, effort.max_periods))
+    return _certified(period_map, solver, found, effort)
+
+
+def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort) -> SteadyState:
+    """March once over what was found, with contacts, and say what it is."""
+    motion = found.motion
+    if isinstance(motion, Orbit):
+        history = period_map.history(motion.point, motion.period_multiple)
+        return SteadyState(
+            problem=period_map.problem,
+            solver=solver,
+            outcome=periodic_outcome(history),
+            period_multiple=motion.period_multiple,
+            symmetric=motion.symmetric or _mirrors_itself(history),
+            residual=motion.residual,
+            multipliers=motion.multipliers,
+            exponent=None,
+            section_point=motion.point,
+            history=history,
+            impulses=impulses_per_period(history, motion.period_multiple),
+            acceptance=found.acceptance,
+        )
+    return SteadyState(
+        problem=period_map.problem,
+        solver=solver,
+        outcome=motion.outcome,
+        period_multiple=0,
+        symmetric=False,
+        residual=motion.residual,
+        multipliers=np.zeros(0, dtype=complex),
+        exponent=motion.exponent,
+        section_point=motion.point,
+        history=period_map.history(motion.point, effort.max_period_multiple),
+        impulses=motion.impulses,
+        acceptance=found.acceptance,
+    )
+
+
+def _mirrors_itself(history: History) -> bool:
+    """Whether a motion of one period must mirror itself: it answers harmonic loads alone, and touches nothing."""
+    steps = any(isinstance(load, StepLoad) and load.force for load in history.problem.point_loads)
+    return not history.contacts and not steps

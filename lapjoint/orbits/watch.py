@@ -1,0 +1,325 @@
+r"""How near an orbit comes to every stop, and how near deviations from it do: at every phase, not at samples only.
+
+Along an orbit each stop has a distance |h_s(t)| from its gap, zero where it switches.  A deviation e at the start moves
+the beam at the stop by d_s(t) = D_s(t) e.  Time is cut into intervals; in each
+
+    |h_s| >= min over both ends - H w^2 / 8,      |d_s| <= max over both ends + sum_k |a_k| min(|r_k|^2 w^2 / 8, 2)
+
+with w the width, H a bound on |h_s''|, and a_k exp(r_k t) the terms of d_s: no term grows, a chord misses a function by
+at most w^2 / 8 of its second derivative, and no term by more than twice its size.  Intervals are made narrower where
+the first bound would not be tight, and towards the switches, where h vanishes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.orbits.period_map import Segment
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.steady import ComplexArray
+
+IndexArray = npt.NDArray[np.intp]
+BoolArray = npt.NDArray[np.bool_]
+
+_PER_HALF_PERIOD = 16  # intervals of equal width in half a period, to begin with
+_LEAST = 4  # and in a segment
+_HALVINGS = 8  # of the first and the last of them, towards a switch
+_ROUNDS = 12  # of halving where the distance to a stop is not known well enough
+_TIGHT = 0.5  # of the distance at the ends of an interval that must be certain within it
+
+
+@dataclass(frozen=True)
+class Switches:
+    """The ``J`` switches of an orbit, by time."""
+
+    time: FloatArray
+    """s from the start, shape ``(J,)``."""
+    stop: IndexArray
+    rate: FloatArray
+    """|h'| before the switch, m/s, shape ``(J,)``."""
+    curvature: FloatArray
+    """Largest |h''| on both sides of the switch, m/s2, shape ``(J,)``."""
+    spacing: FloatArray
+    """Time to the nearest other switch of the same stop, before or after, s, shape ``(J,)``; inf if there is none."""
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """``m`` pairs of a stop and an interval of time."""
+
+    stop: IndexArray
+    distance: FloatArray
+    """Least distance of the stop from its gap, m, shape ``(m,)``."""
+    before: IndexArray
+    """The last switch of the same stop, as an index into `Switches`; -1 if it has none."""
+    since: FloatArray
+    """Time since then at the start of the interval, s."""
+    after: IndexArray
+    """The next switch of the same stop."""
+    until: FloatArray
+    """Time until then at the end of the interval, s."""
+
+
+@dataclass(frozen=True)
+class Deviated:
+    """What ``K`` deviations come to."""
+
+    largest: FloatArray
+    """Bound on their motion at the stop in each interval, m, shape ``(m, K)``."""
+    at_switches: FloatArray
+    """Motion at the stop that switches, when it does, m, shape ``(J, K)``."""
+    rates: FloatArray
+    """Its rate just before the switch, m/s, shape ``(J, K)``."""
+
+
+class Watch(Protocol):
+    """An orbit's distances from all stops, and those of deviations from it."""
+
+    @property
+    def switches(self) -> Switches:
+        """Its switches."""
+
+    @property
+    def intervals(self) -> Intervals:
+        """Its intervals, those of all stops."""
+
+    def deviated(self, deviations: FloatArray) -> Deviated:
+        """What deviations at the start, as columns ``(n, K)``, come to."""
+
+
+class SegmentWatch:
+    """The watch over an orbit whose segments are known in closed form.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its stops.
+    segments : tuple of Segment
+        The orbit.
+    twins : tuple of int, optional
+        The twin of each stop on the other side, if the orbit goes on mirrored after the last segment.
+    """
+
+    def __init__(self, problem: Problem, segments: tuple[Segment, ...], twins: tuple[int, ...] | None) -> None:
+        assert problem.excitation_frequency is not None
+        self._segments = segments
+        self._sign = np.array([stop.sign for stop in problem.stops], dtype=float)
+        self._gap = np.array([stop.gap for stop in problem.stops], dtype=float)
+        self._stack = _Stack(segments)
+        self.switches = self._switches(twins)
+        segment, tau = self._first_points(math.pi / problem.excitation_frequency / _PER_HALF_PERIOD)
+        distance, sure = self._distances(segment, tau)
+        for _ in range(_ROUNDS):
+            inside = segment[:-1] == segment[1:]
+            poor = np.flatnonzero(inside & ((sure < _TIGHT * distance) & (distance > 0)).any(axis=0))
+            if not poor.size:
+                break
+            tau = np.insert(tau, poor + 1, 0.5 * (tau[poor] + tau[poor + 1]))
+            segment = np.insert(segment, poor + 1, segment[poor])
+            distance, sure = self._distances(segment, tau)
+        inside = segment[:-1] == segment[1:]
+        start = np.array([one.start for one in segments])[segment] + tau
+        self.intervals = intervals_of(
+            self.switches, start[:-1][inside], start[1:][inside], sure[:, inside], segments[-1].end, twins
+        )
+        self._cuts = tuple(self._cut(i, tau[segment == i]) for i in range(len(segments)))
+
+    def deviated(self, deviations: FloatArray) -> Deviated:
+        """See `Watch`."""
+        stops, count = self._gap.size, deviations.shape[1]
+        largest, at_switches, rates = [], [], []
+        for segment, (tau, phases, misses) in zip(self._segments, self._cuts, strict=True):
+            terms = segment.deviations @ deviations
+            d = (phases.real @ terms.real - phases.imag @ terms.imag).reshape(stops, tau.size, count)
+            drift = segment.drift @ deviations if segment.drift.any() else None
+            if drift is not None:
+                d += drift[:, :1] + drift[:, 1:] * tau[:, None]
+            np.abs(d, out=d)
+            bound = (misses @ np.abs(terms)).reshape(stops, tau.size - 1, count)
+            bound += np.maximum(d[:, :-1], d[:, 1:])
+            largest.append(bound)
+            if segment.switched >= 0:
+                s, n, end = segment.switched, terms.shape[0], segment.end - segment.start
+                waves = segment.weights[s, :n] * np.exp(segment.rates[:n] * end)
+                value, rate = (waves @ terms).real, ((waves * segment.rates[:n]) @ terms).real
+                if drift is not None:
+                    value, rate = value + drift[s, 0] + drift[s, 1] * end, rate + drift[s, 1]
+                at_switches.append(value)
+                rates.append(rate)
+        return Deviated(
+            np.concatenate(largest, axis=1).reshape(-1, count),
+            np.array(at_switches).reshape(-1, count),
+            np.array(rates).reshape(-1, count),
+        )
+
+    def _first_points(self, width: float) -> tuple[IndexArray, FloatArray]:
+        """Segments and times from their starts, s, of the ends of all intervals, shape ``(points,)`` each."""
+        which, times = [], []
+        for i, segment in enumerate(self._segments):
+            span = segment.end - segment.start
+            count = max(_LEAST, math.ceil(span / width))
+            grid = span / count * np.arange(count + 1.0)
+            ends = grid[1] * 0.5 ** np.arange(_HALVINGS, 0, -1.0)
+            grid = np.concatenate([grid[:1], ends, grid[1:-1], (span - ends)[::-1], [span]])
+            which.append(np.full(grid.size, i, dtype=np.intp))
+            times.append(grid)
+        return np.concatenate(which), np.concatenate(times)
+
+    def _distances(self, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Distances at the nearer end of each interval, and for certain within it, m, shape ``(P, points - 1)`` each.
+
+        A stop that truncation leaves beyond its gap at a switch switches again when it comes back to where it was left.
+        """
+        it = self._stack
+        waves = it.amplitudes[segment] * np.exp(it.rates[segment] * tau[:, None])
+        powers = tau[:, None] ** np.arange(3.0)
+        weights = it.weights[segment]
+        z = (weights @ waves[:, :, None])[:, :, 0].real + (it.polynomial[segment] @ powers[:, :, None])[:, :, 0]
+        h = it.orientation[segment] * (self._sign * z - self._gap)
+        first = np.searchsorted(segment, np.arange(len(self._segments)))
+        distance = (np.maximum(h[first], 0.0)[segment] - h).T
+        size = np.abs(waves) * np.abs(it.rates[segment]) ** 2
+        bend = (np.abs(weights) @ size[:, :, None])[:, :, 0] + 2 * np.abs(it.polynomial[segment][:, :, 2])
+        nearer = np.maximum(np.minimum(distance[:, :-1], distance[:, 1:]), 0.0)
+        return nearer, np.maximum(nearer - bend[:-1].T * (np.diff(tau) ** 2 / 8), 0.0)
+
+    def _cut(self, i: int, tau: FloatArray) -> tuple[FloatArray, ComplexArray, FloatArray]:
+        """Of a segment's intervals the ends, s from its start; the terms there; and what a chord of a term misses.
+
+        Shapes ``(I + 1,)``, ``(P (I + 1), K')`` and ``(P I, K')``.
+        """
+        segment = self._segments[i]
+        n = segment.deviations.shape[0]
+        rates = segment.rates[:n]
+        waves = np.exp(np.multiply.outer(tau, rates))
+        squares = rates.real**2 + rates.imag**2
+        miss = np.minimum(np.multiply.outer(np.diff(tau) ** 2 / 8, squares), 2.0) * np.abs(waves[:-1])
+        weights = segment.weights[:, None, :n]
+        return tau, (weights * waves).reshape(-1, n), (np.abs(weights) * miss).reshape(-1, n)
+
+    def _switches(self, twins: tuple[int, ...] | None) -> Switches:
+        segments, time, stop, rate, curvature = self._segments, [], [], [], []
+        for i, segment in enumerate(segments):
+            s = segment.switched
+            if s < 0:
+                continue
+            last = i + 1 == len(segments)
+            _, h1, h2 = _derivatives(segment, s, segment.end - segment.start)
+            following = twins[s] if twins is not None and last else s
+            after = _derivatives(segments[0 if last else i + 1], following, 0.0)[2]
+            time.append(segment.end)
+            stop.append(s)
+            rate.append(abs(h1))
+            curvature.append(max(abs(h2), abs(after)))
+        times, stops = np.array(time), np.array(stop, dtype=np.intp)
+        apart = spacings(times, stops, segments[-1].end, twins)
+        return Switches(times, stops, np.array(rate), np.array(curvature), apart)
+
+
+class _Stack:
+    """Segments as arrays with the segment first, padded with terms of no size."""
+
+    def __init__(self, segments: tuple[Segment, ...]) -> None:
+        count, stops = len(segments), segments[0].closed.size
+        terms = max(segment.rates.size for segment in segments)
+        self.rates = np.zeros((count, terms), dtype=complex)
+        self.amplitudes = np.zeros((count, terms), dtype=complex)
+        self.weights = np.zeros((count, stops, terms), dtype=complex)
+        for i, segment in enumerate(segments):
+            n = segment.rates.size
+            self.rates[i, :n] = segment.rates
+            self.amplitudes[i, :n] = segment.amplitudes
+            self.weights[i, :, :n] = segment.weights
+        self.polynomial = np.array([segment.polynomial for segment in segments])
+        self.orientation = np.where([segment.closed for segment in segments], -1.0, 1.0)
+
+
+def _derivatives(segment: Segment, stop: int, tau: float) -> tuple[float, float, float]:
+    """z and its first two derivatives at a stop, `tau` after the segment's start."""
+    waves = segment.weights[stop] * segment.amplitudes * np.exp(segment.rates * tau)
+    p = segment.polynomial[stop]
+    return (
+        float(waves.sum().real + p[0] + tau * (p[1] + tau * p[2])),
+        float((waves @ segment.rates).real + p[1] + 2 * tau * p[2]),
+        float((waves @ segment.rates**2).real + 2 * p[2]),
+    )
+
+
+def unrolled(
+    times: FloatArray, stops: IndexArray, stop: int, duration: float, twins: tuple[int, ...] | None
+) -> tuple[FloatArray, IndexArray]:
+    """Switches of one stop in the period before, in this one, and in the one after: times, s, and indices.
+
+    Where the orbit goes on mirrored, its neighbours' periods hold the switches of the twin.
+    """
+    twin = stop if twins is None else twins[stop]
+    own, other = np.flatnonzero(stops == stop), np.flatnonzero(stops == twin)
+    return (
+        np.concatenate([times[other] - duration, times[own], times[other] + duration]),
+        np.concatenate([other, own, other]),
+    )
+
+
+def spacings(times: FloatArray, stops: IndexArray, duration: float, twins: tuple[int, ...] | None) -> FloatArray:
+    """Time from each switch to the nearest other one of the same stop, s, shape ``(J,)``."""
+    result = np.full(times.size, np.inf)
+    for stop in np.unique(stops):
+        all_times, _ = unrolled(times, stops, int(stop), duration, twins)
+        for j in np.flatnonzero(stops == stop):
+            away = np.abs(all_times - times[j])
+            away[np.argmin(away)] = np.inf
+            result[j] = away.min()
+    return result
+
+
+def intervals_of(
+    switches: Switches,
+    start: FloatArray,
+    end: FloatArray,
+    distance: FloatArray,
+    duration: float,
+    twins: tuple[int, ...] | None,
+) -> Intervals:
+    """Intervals with their place among the switches.
+
+    Parameters
+    ----------
+    switches : Switches
+        Those of the orbit.
+    start, end : FloatArray
+        Of each interval, s from the start of the orbit, shape ``(I,)``.
+    distance : FloatArray
+        Least distance of each stop from its gap in each interval, m, shape ``(P, I)``.
+    duration : float
+        Length of the orbit, s.
+    twins : tuple of int, optional
+        The twin of each stop, if the orbit goes on mirrored.
+    """
+    stops, count = distance.shape
+    before, after = np.full((2, stops, count), -1, dtype=np.intp)
+    since, until = np.full((2, stops, count), np.inf)
+    middle = 0.5 * (start + end)
+    for stop in range(stops):
+        times, index = unrolled(switches.time, switches.stop, stop, duration, twins)
+        if times.size:  # then some lie in the period before, and some in the one after
+            at = np.searchsorted(times, middle)
+            known = at > 0
+            last, following = np.maximum(at - 1, 0), np.minimum(at, times.size - 1)
+            before[stop], since[stop] = np.where(known, index[last], -1), np.where(known, start - times[last], np.inf)
+            known = at < times.size
+            after[stop] = np.where(known, index[following], -1)
+            until[stop] = np.where(known, times[following] - end, np.inf)
+    tiny = 1e-12 * duration  # ends of intervals that are switches are so to rounding
+    return Intervals(
+        stop=np.repeat(np.arange(stops), count),
+        distance=distance.ravel(),
+        before=before.ravel(),
+        since=np.where(since <= tiny, 0.0, since).ravel(),
+        after=after.ravel(),
+        until=np.where(until <= tiny, 0.0, until).ravel(),
+    )

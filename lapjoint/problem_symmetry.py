@@ -1,0 +1,26 @@
+"""Whether a problem is its own mirror image, z -> -z half a period later."""
+
+from __future__ import annotations
+
+from lapjoint.problem import Problem, StepLoad
+
+
+def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
+    """The twin of each stop on the other side, if the problem is its own mirror image; else None.
+
+    It is if a constant force holds it to neither side, all its excitation changes sign in half a period, and the stops
+    of both sides agree in place, gap and stiffness.
+    """
+    if problem.excitation_frequency is None:
+        return None
+    if any(isinstance(load, StepLoad) and load.force for load in problem.point_loads):
+        return None
+    sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
+    for k, stop in enumerate(problem.stops):
+        sides[stop.side].append(((stop.x, stop.gap, stop.stiffness), k))
+    top, bottom = (sorted(sides[side]) for side in ("top", "bottom"))
+    if [key for key, _ in top] != [key for key, _ in bottom]:
+        return None
+    twins = {a: b for (_, a), (_, b) in zip(top, bottom, strict=True)}
+    twins |= {b: a for a, b in twins.items()}
+    return tuple(twins[k] for k in range(len(problem.stops)))
