@@ -129,7 +129,7 @@ class PeriodMap:
         if motion.end.state != start.state:
             S = self.joint.passage(motion.end.state, start.state).S
             matrix = np.kron(np.eye(2), S) @ matrix
-        return Linearised(_section_point(motion.end), matrix, _segments(self.joint, motion, carried))
+        return Linearised(_section_point(motion.end), matrix, lambda: _segments(self.joint, motion, carried))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         now, points, growth = _coordinates(start), [], np.zeros(periods)

@@ -17,7 +17,7 @@ from fe_lapjoint.march import march
 from fe_lapjoint.model import Model
 from fe_lapjoint.motion import history_of
 from fe_lapjoint.start import initial_coordinates, initial_state
-from fe_lapjoint.tangent import carried, carried_along
+from fe_lapjoint.tangent import carried, traced
 from lapjoint.contact import FREE, ContactState
 from lapjoint.errors import InputError
 from lapjoint.orbits.period_map import Followed, Linearised, Passage
@@ -144,9 +144,10 @@ class PeriodMap:
         model, y = self.model, self._modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
         into = np.kron(np.eye(2), model.transfer(FREE, start.state))
-        end, segments = carried_along(model, motion, into)
         back = np.kron(np.eye(2), model.transfer(motion.state, FREE))
-        return Linearised(self._section_point(motion.state, motion.y), back @ end, segments)
+        matrix = back @ carried(model, motion, into)
+        end = self._section_point(motion.state, motion.y)
+        return Linearised(end, matrix, lambda: traced(model, motion, into))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along."""

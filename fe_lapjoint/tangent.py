@@ -35,8 +35,8 @@ def carried(model: Model, motion: March, deviations: FloatArray) -> FloatArray:
     return deviations
 
 
-def carried_along(model: Model, motion: March, deviations: FloatArray) -> tuple[FloatArray, tuple[Segment, ...]]:
-    """As `carried`, and besides the march as the sums of exponentials that its pieces are.
+def traced(model: Model, motion: March, deviations: FloatArray) -> tuple[Segment, ...]:
+    """A march as the sums of exponentials that its pieces are, and all deviations from it.
 
     Parameters
     ----------
@@ -51,10 +51,9 @@ def carried_along(model: Model, motion: March, deviations: FloatArray) -> tuple[
     for i, piece in enumerate(motion.pieces):
         segments.append(_segment(model, piece, deviations))
         deviations = _flow(model.system(piece.state), piece.end - piece.start, deviations)
-        if piece.switched >= 0:
-            y = motion.y if i + 1 == len(motion.pieces) else motion.pieces[i + 1].y
-            deviations = _jump(model, piece, y, deviations)
-    return deviations, tuple(segments)
+        if piece.switched >= 0 and i + 1 < len(motion.pieces):
+            deviations = _jump(model, piece, motion.pieces[i + 1].y, deviations)
+    return tuple(segments)
 
 
 def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:

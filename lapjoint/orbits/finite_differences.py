@@ -42,7 +42,7 @@ class FiniteDifferences:
                 z.append(_at_stops(self.map.history(beside, periods), times))
             matrix[:, i] = (ends[0] - ends[1]) / (2 * unit[i])
             moves[:, :, i] = (z[0] - z[1]) / (2 * unit[i])
-        return Linearised(end, matrix, _segments(history, times, switched, moves))
+        return Linearised(end, matrix, lambda: _segments(history, times, switched, moves))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on over whole periods beside another march, which is brought back to the same distance after each."""

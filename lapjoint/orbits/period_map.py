@@ -12,7 +12,9 @@ them by the matrices that the solver gave.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 from lapjoint.problem import FloatArray, Problem
@@ -134,8 +136,13 @@ class Linearised:
     end: SectionPoint
     matrix: FloatArray
     """Derivative of the end by the start, both in the coordinates that belong to the start, shape ``(n, n)``."""
-    segments: tuple[Segment, ...]
-    """The march from switch to switch, without gaps."""
+    trace: Callable[[], tuple[Segment, ...]] = field(repr=False)
+    """Gives the march from switch to switch, without gaps in time; called only where it is asked for."""
+
+    @cached_property
+    def segments(self) -> tuple[Segment, ...]:
+        """The march from switch to switch, without gaps in time."""
+        return self.trace()
 
 
 @runtime_checkable

@@ -7,8 +7,9 @@ says how long to march before it is worth looking at the same orbit again, and i
 that the linearised map predicts, the orbit is dropped.
 
 A march that is held at an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  One that has not settled for
-long is followed together with a deviation, and the exponent is measured over stretches ever longer.  What that shows is believed when two stretches in a row agree, the second longer than the first: a long transient, or chaos that
-pauses, deceives one of them more easily than both.  If a stable orbit is known, it must agree for much longer.
+long is followed together with a deviation, and the exponent is measured over stretches ever longer.  It is believed
+when two stretches in a row show the same, the second longer than the first: a long transient, or chaos that pauses,
+deceives one of them more easily than both.  If a stable orbit is known, chaos must show for much longer.
 
 All effort is counted in periods and switches, so that no outcome depends on the speed of the machine.
 """

@@ -21,7 +21,6 @@ import numpy.typing as npt
 
 from lapjoint.orbits.period_map import Segment
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.steady import ComplexArray
 
 IndexArray = npt.NDArray[np.intp]
 BoolArray = npt.NDArray[np.bool_]
@@ -30,6 +29,7 @@ _PER_HALF_PERIOD = 16  # intervals of equal width in half a period, to begin wit
 _LEAST = 4  # and in a segment
 _HALVINGS = 8  # of the first and the last of them, towards a switch
 _ROUNDS = 12  # of halving where the distance to a stop is not known well enough
+_NEGLIGIBLE = 1e-9  # of the largest distance of a stop: not looked into any further
 _TIGHT = 0.5  # of the distance at the ends of an interval that must be certain within it
 
 
@@ -114,9 +114,10 @@ class SegmentWatch:
         self.switches = self._switches(twins)
         segment, tau = self._first_points(math.pi / problem.excitation_frequency / _PER_HALF_PERIOD)
         distance, sure = self._distances(segment, tau)
+        least = _NEGLIGIBLE * distance.max(axis=1, initial=0.0, keepdims=True)
         for _ in range(_ROUNDS):
             inside = segment[:-1] == segment[1:]
-            poor = np.flatnonzero(inside & ((sure < _TIGHT * distance) & (distance > 0)).any(axis=0))
+            poor = np.flatnonzero(inside & ((sure < _TIGHT * distance) & (distance > least)).any(axis=0))
             if not poor.size:
                 break
             tau = np.insert(tau, poor + 1, 0.5 * (tau[poor] + tau[poor + 1]))
@@ -127,35 +128,28 @@ class SegmentWatch:
         self.intervals = intervals_of(
             self.switches, start[:-1][inside], start[1:][inside], sure[:, inside], segments[-1].end, twins
         )
-        self._cuts = tuple(self._cut(i, tau[segment == i]) for i in range(len(segments)))
+        self._cut(segment, tau)
 
     def deviated(self, deviations: FloatArray) -> Deviated:
         """See `Watch`."""
-        stops, count = self._gap.size, deviations.shape[1]
-        largest, at_switches, rates = [], [], []
-        for segment, (tau, phases, misses) in zip(self._segments, self._cuts, strict=True):
-            terms = segment.deviations @ deviations
-            d = (phases.real @ terms.real - phases.imag @ terms.imag).reshape(stops, tau.size, count)
-            drift = segment.drift @ deviations if segment.drift.any() else None
-            if drift is not None:
-                d += drift[:, :1] + drift[:, 1:] * tau[:, None]
-            np.abs(d, out=d)
-            bound = (misses @ np.abs(terms)).reshape(stops, tau.size - 1, count)
-            bound += np.maximum(d[:, :-1], d[:, 1:])
-            largest.append(bound)
-            if segment.switched >= 0:
-                s, n, end = segment.switched, terms.shape[0], segment.end - segment.start
-                waves = segment.weights[s, :n] * np.exp(segment.rates[:n] * end)
-                value, rate = (waves @ terms).real, ((waves * segment.rates[:n]) @ terms).real
-                if drift is not None:
-                    value, rate = value + drift[s, 0] + drift[s, 1] * end, rate + drift[s, 1]
-                at_switches.append(value)
-                rates.append(rate)
-        return Deviated(
-            np.concatenate(largest, axis=1).reshape(-1, count),
-            np.array(at_switches).reshape(-1, count),
-            np.array(rates).reshape(-1, count),
-        )
+        count, (segments, terms, n) = deviations.shape[1], self._rows.shape
+        parts = (self._rows.reshape(-1, n) @ deviations).reshape(segments, terms, count)
+        d = self._real @ parts.real - self._imaginary @ parts.imag
+        misses = self._misses @ np.abs(parts)
+        values = self._at_switches @ parts[self._turned]
+        at_switches, rates = values.real[:, 0], values.real[:, 1]
+        if self._drift is not None:
+            drift = (self._drift.reshape(-1, n) @ deviations).reshape(segments, -1, 2, count)
+            d += (drift[:, :, None, 0] + drift[:, :, None, 1] * self._tau[:, None, :, None]).reshape(d.shape)
+            own = drift[self._turned, self.switches.stop]
+            at_switches = at_switches + own[:, 0] + own[:, 1] * self._spans[self._turned, None]
+            rates = rates + own[:, 1]
+        np.abs(d, out=d)
+        shape = segments, -1, self._tau.shape[1], count
+        d, misses = d.reshape(shape), misses.reshape(segments, -1, self._tau.shape[1] - 1, count)
+        misses += np.maximum(d[:, :, :-1], d[:, :, 1:])
+        inside = misses.transpose(1, 0, 2, 3).reshape(misses.shape[1], -1, count)[:, self._inside]
+        return Deviated(inside.reshape(-1, count), at_switches, rates)
 
     def _first_points(self, width: float) -> tuple[IndexArray, FloatArray]:
         """Segments and times from their starts, s, of the ends of all intervals, shape ``(points,)`` each."""
@@ -188,19 +182,33 @@ class SegmentWatch:
         nearer = np.maximum(np.minimum(distance[:, :-1], distance[:, 1:]), 0.0)
         return nearer, np.maximum(nearer - bend[:-1].T * (np.diff(tau) ** 2 / 8), 0.0)
 
-    def _cut(self, i: int, tau: FloatArray) -> tuple[FloatArray, ComplexArray, FloatArray]:
-        """Of a segment's intervals the ends, s from its start; the terms there; and what a chord of a term misses.
-
-        Shapes ``(I + 1,)``, ``(P (I + 1), K')`` and ``(P I, K')``.
-        """
-        segment = self._segments[i]
-        n = segment.deviations.shape[0]
-        rates = segment.rates[:n]
-        waves = np.exp(np.multiply.outer(tau, rates))
-        squares = rates.real**2 + rates.imag**2
-        miss = np.minimum(np.multiply.outer(np.diff(tau) ** 2 / 8, squares), 2.0) * np.abs(waves[:-1])
-        weights = segment.weights[:, None, :n]
-        return tau, (weights * waves).reshape(-1, n), (np.abs(weights) * miss).reshape(-1, n)
+    def _cut(self, segment: IndexArray, tau: FloatArray) -> None:
+        """Set up the terms of deviations at the ends of all intervals, segments padded to the same number of them."""
+        segments = self._segments
+        first = np.searchsorted(segment, np.arange(len(segments) + 1))
+        most = int(np.diff(first).max())
+        column = np.minimum(first[:-1, None] + np.arange(most), first[1:, None] - 1)
+        self._tau = tau[column]
+        self._inside = (np.arange(most - 1) < np.diff(first)[:, None] - 1).ravel()
+        self._spans = np.array([one.end - one.start for one in segments])
+        terms, n = max(one.deviations.shape[0] for one in segments), segments[0].deviations.shape[1]
+        self._rows = np.zeros((len(segments), terms, n), dtype=complex)
+        rates = np.zeros((len(segments), terms), dtype=complex)
+        weights = np.zeros((len(segments), self._gap.size, terms), dtype=complex)
+        for i, one in enumerate(segments):
+            size = one.deviations.shape[0]
+            self._rows[i, :size], rates[i, :size] = one.deviations, one.rates[:size]
+            weights[i, :, :size] = one.weights[:, :size]
+        self._drift = np.array([one.drift for one in segments]) if any(one.drift.any() for one in segments) else None
+        waves = np.exp(rates[:, None] * self._tau[:, :, None])
+        phases = (weights[:, :, None] * waves[:, None]).reshape(len(segments), -1, terms)
+        self._real, self._imaginary = np.ascontiguousarray(phases.real), np.ascontiguousarray(phases.imag)
+        bends = (rates.real**2 + rates.imag**2)[:, None] * (np.diff(self._tau) ** 2 / 8)[:, :, None]
+        miss = np.minimum(bends, 2.0) * np.abs(waves[:, :-1])
+        self._misses = (np.abs(weights)[:, :, None] * miss[:, None]).reshape(len(segments), -1, terms)
+        self._turned = np.array([i for i, one in enumerate(segments) if one.switched >= 0], dtype=np.intp)
+        own = weights[self._turned, self.switches.stop] * np.exp(rates * self._spans[:, None])[self._turned]
+        self._at_switches = np.stack([own, own * rates[self._turned]], axis=1)
 
     def _switches(self, twins: tuple[int, ...] | None) -> Switches:
         segments, time, stop, rate, curvature = self._segments, [], [], [], []
