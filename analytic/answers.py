@@ -10,10 +10,10 @@ from analytic.march import Coordinates, Joint, march
 from analytic.motion import history_of
 from analytic.start import initial_coordinates, initial_state, resumed
 from analytic.steady import Orbit, Search, Wandering, find_steady
+from lapjoint.answers import History
+from lapjoint.answers.steady_state import Section, SteadyState, periodic_outcome, steady_impulses
 from lapjoint.problem import Problem
-from lapjoint.solution import History
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState, periodic_outcome, steady_impulses
 
 __all__ = ["Search", "simulate", "steady_state"]
 

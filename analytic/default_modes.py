@@ -26,7 +26,7 @@ import numpy as np
 from analytic.modes import ExactModes, exact_modes
 from analytic.start import initial_coordinates
 from analytic.state import Family, family_of, harmonics_of
-from lapjoint.contact import FREE, contact_states
+from lapjoint.answers.contact_state import FREE, contact_states
 from lapjoint.problem import AtRest, FloatArray, Problem, StepLoad
 
 LEAST, MOST = 10, 320

@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from lapjoint.answers.steady_state import Exponent, Outcome
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Exponent, Outcome
 
 _BLOCKS = 16
 

@@ -20,8 +20,8 @@ import numpy as np
 from analytic.maps import Map
 from analytic.march import Coordinates
 from analytic.start import resumed
+from lapjoint.answers.steady_state import Section
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Section
 
 REPEATS = 1e-4  # of the size of the motion: what comes back so closely repeats, to the jumps of ten or more modes
 NARROW = 1e-2  # of the size: so far a march may be held away from the motion at which it is held

@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import Section, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
 
 MOST_MODES = 500
 _REPEATS = 1e-9  # a motion repeats if it comes back to this fraction of its size

@@ -28,11 +28,11 @@ from analytic.held import NARROW, PUSHES, REPEATS, disturbed, parted_by_a_jump, 
 from analytic.maps import Map, Shot
 from analytic.march import Coordinates, Joint, march
 from analytic.tangent import carried
-from lapjoint.contact import FREE
+from lapjoint.answers.contact_state import FREE
+from lapjoint.answers.steady_state import Exponent, Outcome
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
-from lapjoint.steady import Exponent, Outcome
 
 _NEAR = 1e-2  # of the size of the motion
 _FAR = 2.0  # from here on Newton is tried for one period

@@ -15,12 +15,12 @@ from fe_lapjoint.start import initial_coordinates, initial_state
 from fe_lapjoint.steady import find
 from fe_lapjoint.system import eigenmodes
 from fe_lapjoint.turns import Point, Turns
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import Section, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
 
 if TYPE_CHECKING:
     from fe_lapjoint.solver import Solver

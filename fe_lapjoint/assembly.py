@@ -18,7 +18,7 @@ import numpy as np
 from skfem import Basis, BilinearForm, ElementLineHermite, LinearForm, MeshLine
 from skfem.helpers import dd, ddot
 
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
 

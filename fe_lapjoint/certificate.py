@@ -12,9 +12,9 @@ from fe_lapjoint.motion import history_of
 from fe_lapjoint.newton import Orbit
 from fe_lapjoint.steady import Found
 from fe_lapjoint.turns import Point, Turns
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import Section, SteadyState, periodic_outcome, steady_impulses
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Section, SteadyState, periodic_outcome, steady_impulses
 
 _MIRRORED = 1e-6  # relative distance within which half a period mirrors a motion
 

@@ -21,9 +21,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fe_lapjoint.turns import Turned, Turns
-from lapjoint.contact import FREE
+from lapjoint.answers.contact_state import FREE
+from lapjoint.answers.steady_state import Exponent, Outcome
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Exponent, Outcome
 
 LEAST_PERIODS = 400  # measured before an exponent is stated; it is judged then, and after twice as many each time
 _ALIGNED = 20  # periods after which the deviation points where it grows most

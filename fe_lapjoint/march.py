@@ -20,10 +20,10 @@ from fe_lapjoint.gaps import Coordinates, FlowGaps, SolutionGaps
 from fe_lapjoint.model import Model
 from fe_lapjoint.propagator import Flow
 from fe_lapjoint.system import SAMPLES
-from lapjoint.contact import ContactState
+from lapjoint.answers import Contact
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
-from lapjoint.solution import Contact
 from lapjoint.solver import Progress
 
 _GAUSS = np.polynomial.legendre.leggauss(10)

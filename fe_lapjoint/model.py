@@ -8,7 +8,7 @@ import numpy as np
 
 from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.system import System, build_system
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
 

@@ -12,7 +12,7 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True)
 class ElementShapes:
-    """Shapes given by vectors over the free degrees of freedom; see `lapjoint.solution.ModeShapes`."""
+    """Shapes given by vectors over the free degrees of freedom; see `lapjoint.answers.ModeShapes`."""
 
     assembly: Assembly
     vectors: FloatArray

@@ -8,13 +8,13 @@ import numpy as np
 
 from fe_lapjoint.march import March, Piece
 from fe_lapjoint.model import Model
+from lapjoint.answers import History
 from lapjoint.problem import FloatArray
-from lapjoint.solution import History
 
 
 @dataclass(frozen=True)
 class ElementField:
-    """z(x, t) of the finite element solution; see `lapjoint.solution.Field`."""
+    """z(x, t) of the finite element solution; see `lapjoint.answers.Field`."""
 
     model: Model
     pieces: tuple[Piece, ...]

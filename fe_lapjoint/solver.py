@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import Section, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Section, SteadyState
 
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")

@@ -6,7 +6,7 @@ import numpy as np
 
 from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.system import System
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
 

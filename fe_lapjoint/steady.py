@@ -15,8 +15,8 @@ from fe_lapjoint.exponent import Growth
 from fe_lapjoint.held import pushed_off, repeats
 from fe_lapjoint.newton import Orbit, bound_for, least, newton
 from fe_lapjoint.turns import Point, Turns
+from lapjoint.answers.steady_state import Exponent, Outcome
 from lapjoint.solver import Progress
-from lapjoint.steady import Exponent, Outcome
 
 TOLERANCE = 1e-9  # relative residual of an orbit
 _FIRST = 8  # periods marched before Newton is first tried; then after twice as many

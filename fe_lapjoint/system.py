@@ -17,7 +17,7 @@ import numpy.typing as npt
 from scipy.linalg import cholesky, eigh, solve_triangular
 
 from fe_lapjoint.assembly import Assembly
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, ModalDamping, Problem, SineLoad, StepLoad, Stop, Support, ViscousDamping
 
 ComplexArray = npt.NDArray[np.complex128]

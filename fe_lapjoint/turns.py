@@ -19,7 +19,7 @@ import numpy as np
 from fe_lapjoint.march import March, march
 from fe_lapjoint.model import Model
 from fe_lapjoint.tangent import carried
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem, StepLoad
 
 

@@ -61,7 +61,7 @@ def graphics(tmp_path_factory: pytest.TempPathFactory) -> None:
     from lapjoint import sdnl104
     from lapjoint.errors import OutputError
     from lapjoint.scene import Look, save_picture
-    from lapjoint.scene.process import NO_GRAPHICS
+    from lapjoint.scene.render_process import NO_GRAPHICS
 
     motion = analytic.Solver(n_modes=2).simulate(sdnl104(), 0.01)
     try:

@@ -59,7 +59,7 @@ def test_help_loads_nothing_heavy() -> None:
     assert done.returncode == 0, f"loaded: {done.stderr}"
 
 
-@pytest.mark.parametrize("module", ["lapjoint", "lapjoint.figures", "lapjoint.sweep", "analytic", "fe_lapjoint"])
+@pytest.mark.parametrize("module", ["lapjoint", "lapjoint.figures", "lapjoint.campaigns", "analytic", "fe_lapjoint"])
 def test_a_library_is_imported_without_what_only_its_answers_need(module: str) -> None:
     heavy = "{'scipy', 'numba', 'skfem', 'matplotlib', 'xarray', 'meshio'} & set(sys.modules)"
     code = f"import sys, {module}; sys.exit(', '.join({heavy}) or 0)"

@@ -17,7 +17,8 @@ from click.testing import CliRunner, Result
 from analytic import Solver
 from lapjoint import FREE, ContactState, Exponent, Outcome, SteadyState, paper_joint, read_problem
 from lapjoint.errors import SolverError
-from lapjoint.files import commented_example, from_toml, to_toml
+from lapjoint.problem.example import commented_example
+from lapjoint.problem.files import from_toml, to_toml
 from validation.cli import DRAWINGS, main
 from validation.progress import duration_text, lines_of_progress, lines_with_time_left
 
@@ -411,7 +412,7 @@ SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--mode
 
 
 def test_sweep_writes_a_dataset_and_plot_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lapjoint.curve import read_curve
+    from lapjoint.campaigns.dataset import read_curve
 
     monkeypatch.chdir(tmp_path)
     printed = run_well(*SWEEP, "--over", "stops.*.gap=1e-3:2e-3:2")
@@ -430,7 +431,7 @@ def test_sweep_writes_a_dataset_and_plot_draws_it(tmp_path: Path, monkeypatch: p
 
 
 def test_a_sweep_needs_no_frequencies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lapjoint.curve import read_curve
+    from lapjoint.campaigns.dataset import read_curve
 
     monkeypatch.chdir(tmp_path)
     run_well("sweep", PAPER, "--over", "damping.ratio=0.1,0.08", "--start", "up", "--modes", "4", "--out", "curve.nc")
@@ -460,7 +461,7 @@ def test_ctrl_c_in_a_sweep_says_how_to_resume(done: int, tmp_path: Path, monkeyp
         return found
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("lapjoint.batch.BATCH_SECONDS", 0.0)
+    monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
     monkeypatch.setattr(Solver, "steady_state", interrupted)
     result = run(*SWEEP)
     assert result.exit_code == 130

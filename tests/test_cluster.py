@@ -19,8 +19,8 @@ import xarray as xr
 from counting_solver import installed
 
 from lapjoint import paper_joint
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.errors import InputError
-from lapjoint.sweep import FREQUENCY, Axis, sweep
 
 pytest.importorskip("distributed")
 JOINT = paper_joint()

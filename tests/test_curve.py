@@ -15,14 +15,14 @@ import pytest
 import xarray as xr
 
 from lapjoint import Outcome, paper_joint
-from lapjoint.curve import dataset_of, read_curve, write_curve
+from lapjoint.campaigns.dataset import dataset_of, read_curve, write_curve
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
+from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError, OutputError
 from lapjoint.figures import plot_curve, plot_curve_wide, save
-from lapjoint.figures.curve_wide import OUTCOME_COLOURS, certificates
-from lapjoint.files import from_toml
-from lapjoint.grid import FREQUENCY, Axis, Grid
-from lapjoint.plan import Plan
-from lapjoint.point import Point
+from lapjoint.figures.impulse_curve_wide import OUTCOME_COLOURS, certificates
+from lapjoint.problem.files import from_toml
 
 JOINT = paper_joint()
 OUTCOMES = [outcome.name for outcome in Outcome]

@@ -8,7 +8,7 @@ import pytest
 import analytic
 from lapjoint import FREE, Beam, ContactState, History, InputError, Modes, Problem, Stop, contact_states, paper_joint
 from lapjoint.figures import new_panels, plot_mode_shapes, plot_motion, plot_state_shapes
-from lapjoint.figures.shapes import state_groups
+from lapjoint.figures.mode_shapes import state_groups
 
 JOINT = paper_joint(k_star=5000.0)
 

@@ -11,7 +11,7 @@ from conftest import OMEGA
 
 from lapjoint import FREE, BaseMotion, History, InputError
 from lapjoint.figures import new_axes, plot_phase_portrait, plot_poincare_section
-from lapjoint.figures.place import SMOOTH, smooth_times
+from lapjoint.figures.sampling import SMOOTH, smooth_times
 from lapjoint.figures.style import figure_of
 from lapjoint.problem import FloatArray
 

@@ -17,7 +17,10 @@ from test_figures_style import OF_HISTORIES, assert_fits
 
 import analytic
 from lapjoint import FREE, BaseMotion, Contact, ContactState, History, Problem, Stop, paper_joint
-from lapjoint.curve import dataset_of
+from lapjoint.campaigns.dataset import dataset_of
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
+from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.point import Point
 from lapjoint.figures import (
     new_axes,
     plot_contact_impulses,
@@ -30,10 +33,7 @@ from lapjoint.figures import (
     save,
 )
 from lapjoint.figures.style import COLUMN_WIDTH, PAGE_WIDTH, figure_of
-from lapjoint.figures.words import apart, cut_to, literal, shortened, width_of, wrapped
-from lapjoint.grid import FREQUENCY, Axis, Grid
-from lapjoint.plan import Plan
-from lapjoint.point import Point
+from lapjoint.figures.text import apart, cut_to, literal, shortened, width_of, wrapped
 
 NASTY = ("Cost $5 and $7", r"$x_1^{$ & \alpha %", "_first", "two\nlines")
 SIXTY = "Upper elastomer buffer of the left bracket, on frame 12, no. 3"[:60]

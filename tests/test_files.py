@@ -34,17 +34,9 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
-from lapjoint.files import (
-    CONTACT_COLUMNS,
-    commented_example,
-    from_toml,
-    json_schema,
-    problem_tables,
-    read_problem,
-    to_toml,
-    write_contacts,
-    write_problem,
-)
+from lapjoint.answers.contact_files import CONTACT_COLUMNS, write_contacts
+from lapjoint.problem.example import commented_example
+from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
 
 positive = st.floats(min_value=1e-3, max_value=1e12, allow_nan=False)
 finite = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e200, max_value=1e200)

@@ -17,14 +17,14 @@ import pytest
 import xarray as xr
 from counting_solver import asked, installed
 
-import lapjoint.batch
+import lapjoint.campaigns.batch
 from lapjoint import ContactState, Section, paper_joint
+from lapjoint.campaigns import FREQUENCY, Axis, run
+from lapjoint.campaigns.grid import Grid
+from lapjoint.campaigns.journal import Journal, journal_path
+from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.point import Point, plain_section, section_from
 from lapjoint.errors import InputError, OutputError
-from lapjoint.grid import Grid
-from lapjoint.journal import Journal, journal_path
-from lapjoint.plan import Plan
-from lapjoint.point import Point, plain_section, section_from
-from lapjoint.sweep import FREQUENCY, Axis, run
 
 JOINT = paper_joint()
 POINT = Point(
@@ -45,8 +45,8 @@ def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("PYTHONPATH", installed(folder))
     monkeypatch.setenv("COUNTING_LOG", str(tmp_path / "log"))
     monkeypatch.syspath_prepend(str(folder))
-    monkeypatch.setattr("lapjoint.batch.BATCH_SECONDS", 0.0)
-    lapjoint.batch._made.cache_clear()
+    monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
+    lapjoint.campaigns.batch._made.cache_clear()
     return tmp_path / "curve.nc"
 
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from lapjoint import Outcome, paper_joint
-from lapjoint.sweep import FREQUENCY, Axis, sweep
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from validation.cases import mode_map, sensitivity
 from validation.ledger.curves import Curve
 from validation.ledger.entry import Entry, Ruling, counted, last_digit, ledger_table, matches

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from lapjoint import InputError, paper_joint
-from lapjoint.files import problem_tables
-from lapjoint.override import override, toml_value
+from lapjoint.problem.files import problem_tables
+from lapjoint.problem.override import override, toml_value
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from analytic.motion import ModalField
 from analytic.published_field import PublishedField
 from analytic.published_loss import frozen_part
 from lapjoint import FREE, ContactState, History, InputError, Outcome, ViscousDamping, paper_joint
-from lapjoint.presets import PAPER_DENSITY, TABLE_4_DENSITY
+from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from lapjoint.solver import Solver
 
 PERIOD = 2 * math.pi / 515.0

@@ -14,10 +14,10 @@ from PIL import Image
 
 import analytic
 from lapjoint import FREE, Contact, History, InputError, Material, Rectangle, paper_joint
-from lapjoint.beam import Beam
 from lapjoint.errors import OutputError
+from lapjoint.problem.beam import Beam
 from lapjoint.scene import Look, check_can_show, pictures, process, save_film, save_picture, show_window
-from lapjoint.scene.job import Job
+from lapjoint.scene.frames import Job
 
 LIT = np.array([0xE6, 0x9F, 0x00])
 

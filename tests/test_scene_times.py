@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lapjoint import History
-from lapjoint.scene.times import chosen_times
+from lapjoint.scene.frame_times import chosen_times
 
 
 def test_equidistant_frames_hold_every_switch(history: History) -> None:

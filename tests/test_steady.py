@@ -9,7 +9,7 @@ import pytest
 
 import analytic
 from lapjoint import FREE, Contact, Exponent, History, Outcome, Problem, paper_joint
-from lapjoint.steady import chatters, periodic_outcome, steady_impulses
+from lapjoint.answers.steady_state import chatters, periodic_outcome, steady_impulses
 
 PERIOD = 1.0
 

@@ -17,13 +17,13 @@ import pytest
 import xarray as xr
 from counting_solver import asked, installed
 
-import lapjoint.batch
+import lapjoint.campaigns.batch
 from lapjoint import BaseMotion, Problem, SampledShape, SineLoad, paper_joint
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
+from lapjoint.campaigns.grid import MOST_POINTS, UNITS, Grid
+from lapjoint.campaigns.journal import journal_path
+from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import InputError, Interrupted, SolverError
-from lapjoint.grid import MOST_POINTS, UNITS, Grid
-from lapjoint.journal import journal_path
-from lapjoint.random_start import random_initial
-from lapjoint.sweep import FREQUENCY, Axis, sweep
 
 FEW = {"n_modes": 4}  # the least that is quick; no accuracy is asked of these tests
 JOINT = paper_joint()
@@ -38,7 +38,7 @@ def counting(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setenv("PYTHONPATH", installed(folder))
     monkeypatch.setenv("COUNTING_LOG", str(tmp_path / "log"))
     monkeypatch.syspath_prepend(str(folder))
-    lapjoint.batch._made.cache_clear()
+    lapjoint.campaigns.batch._made.cache_clear()
     return tmp_path
 
 
@@ -78,7 +78,7 @@ def test_a_callable_like_map_does_the_work(mapper: Any, counting: Path) -> None:
 
 def test_batches_that_take_long_are_handed_back(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = sweep(JOINT, [FREQUENCIES], start="up", **counted())
-    monkeypatch.setattr("lapjoint.batch.BATCH_SECONDS", 0.0)
+    monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
     xr.testing.assert_identical(sweep(JOINT, [FREQUENCIES], start="up", **counted()), whole)
 
 
@@ -86,7 +86,7 @@ SCRIPT = """
 import sys
 from lapjoint import paper_joint
 from lapjoint.errors import Interrupted, OutputError
-from lapjoint.sweep import Axis, FREQUENCY, sweep
+from lapjoint.campaigns import Axis, FREQUENCY, sweep
 if __name__ == "__main__":
     out, workers, start, options = sys.argv[1], int(sys.argv[2]), sys.argv[3], eval(sys.argv[4])
     axes = [Axis(FREQUENCY, range(100, 140))]
@@ -194,7 +194,7 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(counting: Path) -> No
 
 def test_workers_killed_while_they_wait_are_replaced(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each time points come back, all workers are killed before the next are sent."""
-    monkeypatch.setattr("lapjoint.batch.BATCH_SECONDS", 0.0)
+    monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
     killed = 0
 
     def kill_all(done: float, total: float) -> None:
@@ -351,8 +351,8 @@ def swept(axes: list[Any], **given: Any) -> xr.Dataset:
 def test_bad_input_is_refused_before_any_work(
     given: dict[str, Any], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lapjoint.cluster.PATIENCE", 0.5)
-    monkeypatch.setattr("lapjoint.cluster.REACHED", 0.5)
+    monkeypatch.setattr("lapjoint.campaigns.cluster.PATIENCE", 0.5)
+    monkeypatch.setattr("lapjoint.campaigns.cluster.REACHED", 0.5)
     with pytest.raises(InputError) as error:
         swept(**({"axes": [(FREQUENCY, [515.0])], "options": FEW, "out": tmp_path / "curve.nc"} | given))
     assert message in str(error.value)
@@ -371,7 +371,7 @@ def test_a_script_without_a_guard_is_told_so(counting: Path) -> None:
 
 
 def test_an_interrupt_here_keeps_what_is_done(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lapjoint.batch.BATCH_SECONDS", 0.0)
+    monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
 
     def stop(done: float, total: float) -> None:
         if done == 5:

@@ -14,8 +14,8 @@ from rich.console import Console
 
 import analytic
 from lapjoint import History, InputError, paper_joint, sdnl104
-from lapjoint.files import write_problem
 from lapjoint.problem import FloatArray
+from lapjoint.problem.files import write_problem
 from validation import suite
 from validation.invariants import continuity, energy_balance, gaps, stated_impulses, witness
 from validation.quantity import Check, Criterion, Estimate, Verdict

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from lapjoint import ContactState, Problem, contact_states, files, paper_joint, paper_state_number, sdnl104
-from lapjoint.contact import is_paper_joint
+from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_state_number, sdnl104
+from lapjoint.answers.contact_state import is_paper_joint
+from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.errors import InputError
-from lapjoint.figures.phase import excitation_frequency
-from lapjoint.grid import FREQUENCY, MOST_POINTS, Axis
-from lapjoint.override import override, toml_value
-from lapjoint.scene.times import check_frames
+from lapjoint.figures.phase_portrait import excitation_frequency
+from lapjoint.problem import files
+from lapjoint.problem.override import override, toml_value
+from lapjoint.scene.frame_times import check_frames
 from lapjoint.solver import Solver, make_solver
 
 PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}

@@ -61,7 +61,7 @@ main.add_command(show)
 @main.command()
 def schema() -> None:
     """Print the JSON Schema of a problem file."""
-    from lapjoint.files import json_schema
+    from lapjoint.problem.files import json_schema
 
     click.echo(json.dumps(json_schema(), indent=2))
 
@@ -72,7 +72,8 @@ def schema() -> None:
 def init(file: str, force: bool) -> None:
     """Write a commented example of a problem to FILE, or to standard output."""
     from lapjoint.errors import InputError
-    from lapjoint.files import commented_example, write_text
+    from lapjoint.output_files import write_text
+    from lapjoint.problem.example import commented_example
 
     if file == "-":
         click.echo(commented_example(), nl=False)
@@ -230,7 +231,7 @@ def sweep(
 
     Interrupted in any way, the same command resumes.
     """
-    from lapjoint.sweep import Grid, Plan, run, stored
+    from lapjoint.campaigns import Grid, Plan, run, stored
     from validation import chosen, shown
     from validation.progress import shown_points
 
@@ -257,7 +258,7 @@ def sweep(
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
 def plot(curve: str, figure: str | None, wide: bool) -> None:
     """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
-    from lapjoint.curve import read_curve
+    from lapjoint.campaigns.dataset import read_curve
     from lapjoint.figures import plot_curve, plot_curve_wide, save
     from validation import chosen
 
@@ -312,7 +313,7 @@ def validate(
 def write_results(history: History, contacts_path: str | None, figure: str | None, draw: str | None) -> None:
     """Write the files asked for."""
     if contacts_path:
-        from lapjoint.files import write_contacts
+        from lapjoint.answers.contact_files import write_contacts
 
         write_contacts(history, contacts_path)
     if figure:

@@ -18,8 +18,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from lapjoint.answers import History
 from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
-from lapjoint.solution import History
 from validation.quantity import Criterion
 
 _GAUSS = np.polynomial.legendre.leggauss(12)

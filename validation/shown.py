@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lapjoint import History, Modes, Problem, SteadyState
-from lapjoint.contact import state_label
-from lapjoint.figures.words import apart, cut_to
-from lapjoint.files import write_text
+from lapjoint.answers.contact_state import state_label
+from lapjoint.figures.text import apart, cut_to
+from lapjoint.output_files import write_text
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -121,7 +121,7 @@ def _chosen(cases: tuple[str, ...]) -> dict[str, Run]:
 
 
 def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
-    from lapjoint.files import read_problem
+    from lapjoint.problem.files import read_problem
     from validation.cases import own
 
     problem = read_problem(path)
@@ -139,7 +139,7 @@ def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
 
 
 def _peers(path: Path | None, names: tuple[str, ...]) -> Run:
-    from lapjoint.files import read_problem
+    from lapjoint.problem.files import read_problem
     from validation.cases import peers
 
     problem = None if path is None else read_problem(path)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import analytic
 import fe_lapjoint
 from lapjoint import History, Problem
-from lapjoint.solution import Contact
+from lapjoint.answers import Contact
 from validation.quantity import Check, Estimate
 from validation.uncertainty import refined_estimate
 

@@ -13,8 +13,8 @@ from itertools import combinations
 import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, ViscousDamping, contact_states, paper_joint
+from lapjoint.answers import Contact
 from lapjoint.errors import InputError, SolverError
-from lapjoint.solution import Contact
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import (

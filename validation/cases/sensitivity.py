@@ -9,8 +9,8 @@ import numpy as np
 
 import analytic
 from lapjoint import FREE, Outcome, Problem, ViscousDamping, paper_joint
-from lapjoint.presets import PAPER_DENSITY, TABLE_4_DENSITY
-from lapjoint.sweep import FREQUENCY, Axis, sweep
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
+from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
 from validation.quantity import Criterion

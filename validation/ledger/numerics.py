@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 import analytic
 from lapjoint import FREE, paper_joint
-from lapjoint.presets import TABLE_4_DENSITY
+from lapjoint.problem.presets import TABLE_4_DENSITY
 from validation.ledger.entry import Entry, Ruling
 
 FREQUENCY_INTERVAL, EVENT_INTERVAL = 7.38e-15, 2.2e-11  # rad/s and s, as printed
