@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from fe_lapjoint.march import March, march
-from fe_lapjoint.model import Model
-from fe_lapjoint.motion import history_of
+from fe_lapjoint.march.field import history_of
+from fe_lapjoint.march.march import March, march
+from fe_lapjoint.march.model import Model
 from fe_lapjoint.newton import Orbit
 from fe_lapjoint.steady import Found
 from fe_lapjoint.turns import Point, Turns

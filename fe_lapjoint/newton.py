@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fe_lapjoint.system import ComplexArray
+from fe_lapjoint.march.system import ComplexArray
 from fe_lapjoint.turns import Point, Turns
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray

@@ -77,7 +77,7 @@ class Solver:
         elements = math.ceil(self.elements * factor)
         if self.nodes is None:
             return replace(self, elements=elements)
-        from fe_lapjoint.mesh import split_elements
+        from fe_lapjoint.modes.mesh import split_elements
 
         return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 

@@ -16,9 +16,9 @@ from functools import cached_property
 
 import numpy as np
 
-from fe_lapjoint.march import March, march
-from fe_lapjoint.model import Model
-from fe_lapjoint.tangent import carried
+from fe_lapjoint.march.march import March, march
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.tangent import carried
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem, StepLoad
 

@@ -9,10 +9,10 @@ import pytest
 from scipy.linalg import expm
 
 import fe_lapjoint
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.mesh import mesh_nodes
-from fe_lapjoint.propagator import Flow, flow_matrix
-from fe_lapjoint.system import build_system
+from fe_lapjoint.march.propagator import Flow, flow_matrix
+from fe_lapjoint.march.system import build_system
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint import (
     FREE,
     BaseMotion,

@@ -10,9 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import fe_lapjoint
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.mesh import mesh_nodes
-from fe_lapjoint.system import build_system
+from fe_lapjoint.march.system import build_system
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint import (
     FREE,
     Beam,

@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import brentq
 
 import fe_lapjoint
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.mesh import mesh_nodes
-from fe_lapjoint.system import eigenmodes
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.eigenmodes import eigenmodes
+from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint import FREE, Beam, ContactState, InputError, Problem, Support, paper_joint
 
 LENGTH, EI, MASS = 2.5, 6.4e5, 118.0  # m, N m2, kg/m

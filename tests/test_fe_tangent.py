@@ -9,13 +9,13 @@ import pytest
 
 import fe_lapjoint
 from fe_lapjoint.answers import begin
-from fe_lapjoint.assembly import Assembly
 from fe_lapjoint.certificate import read_section
 from fe_lapjoint.exponent import Growth
-from fe_lapjoint.march import march
-from fe_lapjoint.mesh import mesh_nodes
-from fe_lapjoint.model import Model
-from fe_lapjoint.tangent import monodromy
+from fe_lapjoint.march.march import march
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.tangent import monodromy
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.mesh import mesh_nodes
 from fe_lapjoint.turns import Point, Turns
 from lapjoint import ModalDamping, Problem, SteadyState, ViscousDamping, paper_joint
 

@@ -10,7 +10,7 @@ import fe_lapjoint
 from analytic.modes import _exact_modes
 from analytic.state import _family
 from analytic.tables import slots_of
-from fe_lapjoint.system import _eigenmodes
+from fe_lapjoint.modes.eigenmodes import _eigenmodes
 from lapjoint import paper_joint
 from lapjoint.solver import Solver, make_solver
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.system import System, build_system
+from fe_lapjoint.march.system import System, build_system
+from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 

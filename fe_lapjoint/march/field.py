@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_lapjoint.march import March, Piece
-from fe_lapjoint.model import Model
+from fe_lapjoint.march.march import March, Piece
+from fe_lapjoint.march.model import Model
 from lapjoint.answers import History
 from lapjoint.problem import FloatArray
 

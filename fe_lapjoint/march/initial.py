@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.system import System
+from fe_lapjoint.march.system import System
+from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 

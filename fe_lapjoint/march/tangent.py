@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from fe_lapjoint.march import March, Piece
-from fe_lapjoint.model import Model
-from fe_lapjoint.propagator import free_response
-from fe_lapjoint.system import System
+from fe_lapjoint.march.march import March, Piece
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.propagator import free_response
+from fe_lapjoint.march.system import System
 from lapjoint.problem import FloatArray
 
 

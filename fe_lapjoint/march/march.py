@@ -1,8 +1,8 @@
 """The march of the finite element model: linear flows between switches, with this package's own event handling.
 
 Time is cut into windows.  In each, the linear system of the present contact state is integrated: by its exact flow,
-or by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.events` looks for the first switch
-in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.
+or by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.march.events` looks for the first
+switch in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.
 `fe_lapjoint.ExactPropagator` is the same exact flow as a method of `solve_ivp`.
 """
 
@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from fe_lapjoint.events import Switch, first_switch
-from fe_lapjoint.gaps import Coordinates, FlowGaps, SolutionGaps
-from fe_lapjoint.model import Model
-from fe_lapjoint.propagator import Flow
-from fe_lapjoint.system import SAMPLES
+from fe_lapjoint.march.events import Switch, first_switch
+from fe_lapjoint.march.gaps import Coordinates, FlowGaps, SolutionGaps
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.system import SAMPLES
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError

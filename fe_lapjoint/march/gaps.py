@@ -1,4 +1,4 @@
-"""The gap functions of an integrated motion, for `fe_lapjoint.events`."""
+"""The gap functions of an integrated motion, for `fe_lapjoint.march.events`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_lapjoint.propagator import Flow
+from fe_lapjoint.march.propagator import Flow
 from lapjoint.problem import FloatArray
 
 Coordinates = Callable[[FloatArray, int], FloatArray]
@@ -16,7 +16,7 @@ Coordinates = Callable[[FloatArray, int], FloatArray]
 
 @dataclass(frozen=True)
 class FlowGaps:
-    """The gap functions of an exact flow; see `fe_lapjoint.events.Gaps`."""
+    """The gap functions of an exact flow; see `fe_lapjoint.march.events.Gaps`."""
 
     flow: Flow
     orientation: FloatArray

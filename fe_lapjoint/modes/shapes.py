@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_lapjoint.assembly import Assembly
+from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.problem import FloatArray
 
 

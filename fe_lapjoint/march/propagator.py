@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
 
-from fe_lapjoint.system import ComplexArray, System
+from fe_lapjoint.march.system import ComplexArray, System
 from lapjoint.problem import FloatArray
 
 
