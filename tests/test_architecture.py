@@ -50,7 +50,7 @@ def test_a_solver_runs_without_the_other_being_loaded(one: str, other: str) -> N
 
 def test_help_loads_nothing_heavy() -> None:
     code = (
-        "import sys; from click.testing import CliRunner; from validation.cli import main; "
+        "import sys; from click.testing import CliRunner; from lapjoint.cli.main import main; "
         "assert CliRunner().invoke(main, ['--help']).exit_code == 0; "
         "heavy = {'numpy', 'scipy', 'matplotlib', 'pyvista', 'skfem', 'numba'} & set(sys.modules); "
         "sys.exit(', '.join(heavy) or 0)"

@@ -16,11 +16,12 @@ from click.testing import CliRunner, Result
 
 from analytic import Solver
 from lapjoint import FREE, ContactState, Exponent, Outcome, SteadyState, paper_joint, read_problem
+from lapjoint.cli.main import main
+from lapjoint.cli.options import DRAWINGS
+from lapjoint.cli.progress import duration_text, lines_of_progress, lines_with_time_left
 from lapjoint.errors import SolverError
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, to_toml
-from validation.cli import DRAWINGS, main
-from validation.progress import duration_text, lines_of_progress, lines_with_time_left
 
 PAPER = "preset:paper"
 FEW = ("--modes", "8")  # the least that is quick; no accuracy is asked of these tests
@@ -313,7 +314,7 @@ def test_bad_input_is_refused(
 
 def test_a_process_prints_a_message_and_no_traceback(tmp_path: Path) -> None:
     path = problem_file(tmp_path, "gap = 0.001", 'gap = "wide"')
-    command = [sys.executable, "-c", "from validation.cli import main; main()", "modes", str(path)]
+    command = [sys.executable, "-c", "from lapjoint.cli.main import main; main()", "modes", str(path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 2
     assert done.stdout == ""

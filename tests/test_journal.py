@@ -181,7 +181,7 @@ def test_a_full_disk_gives_one_message_and_the_journal_stays(out: Path, monkeypa
 
 FULL = """
 import resource, sys
-from validation.cli import main
+from lapjoint.cli.main import main
 if __name__ == "__main__":
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), int(sys.argv[1])))
     main(["sweep", "preset:paper", "--from", "100", "--to", "119", "--solver", "counting", "--out", sys.argv[2]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lapjoint import History
-from validation.shown import NAME_SHOWN, print_history
+from lapjoint.cli.printing import NAME_SHOWN, print_history
 
 
 @pytest.mark.parametrize("name", ["a", "ten letters", "Upper elastomer buffer of the left bracket", "two\nlines"])

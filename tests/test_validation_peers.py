@@ -12,10 +12,10 @@ import pytest
 
 import analytic
 from lapjoint import FREE, BaseMotion, Beam, InputError, Outcome, Problem, Support, contact_states, paper_joint, sdnl104
+from lapjoint.cli import arguments
 from lapjoint.errors import SolverError
 from lapjoint.problem import NoDamping, PolynomialShape, ViscousDamping
 from lapjoint.solver import Solver as AnySolver
-from validation import chosen
 from validation.cases import peers
 from validation.invariants import witness
 from validation.peers.opensees import Solver
@@ -113,10 +113,10 @@ def test_contacts_of_a_written_record_are_found_with_their_impulses() -> None:
 
 
 def test_a_peer_takes_options() -> None:
-    name = chosen.named_solver("fe:elements=7,method=Radau").name
+    name = arguments.named_solver("fe:elements=7,method=Radau").name
     assert name == "FE (7 elements, Radau)"
     with pytest.raises(InputError, match="has no option 'dt'"):
-        chosen.named_solver("fe:dt=1")
+        arguments.named_solver("fe:dt=1")
 
 
 def test_any_registered_solver_can_be_a_peer(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,7 +141,7 @@ def test_a_peer_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -
     def broken(name: str, **_: object) -> AnySolver:
         raise SolverError("cannot be loaded")
 
-    monkeypatch.setattr(chosen, "make_solver", broken)
+    monkeypatch.setattr(arguments, "make_solver", broken)
     with pytest.raises(InputError, match="--peers x: cannot be loaded"):
         peers.check_peers(("x",))
 
@@ -195,7 +195,7 @@ def test_opensees_marches_to_the_steady_state() -> None:
 
 @needs_opensees
 def test_opensees_as_a_peer_agrees_three_ways(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(chosen, "make_solver", lambda name, **_: COARSE)
+    monkeypatch.setattr(arguments, "make_solver", lambda name, **_: COARSE)
     monkeypatch.setattr(peers, "DURATION", 0.008)
     peers.check_peers(("opensees",))
     result = peers.run(None, ("opensees",), "quick", silent)

@@ -14,6 +14,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, ViscousDamping, contact_states, paper_joint
 from lapjoint.answers import Contact
+from lapjoint.cli.arguments import named_solver
 from lapjoint.errors import InputError, SolverError
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
@@ -25,7 +26,6 @@ from validation.cases.motions import (
     contact_estimates,
     fe_levels,
 )
-from validation.chosen import named_solver
 from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
 

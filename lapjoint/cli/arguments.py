@@ -37,20 +37,6 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
     return files.problem_from_tables(tables, source)
 
 
-def problem_file(source: str, overrides: tuple[str, ...], output: str) -> Path:
-    """A file with the problem: `source` itself, or one written to `output` where it is a preset or changed."""
-    problem = problem_from(source, overrides)
-    if not overrides and not source.startswith("preset:"):
-        return Path(source)
-    try:
-        Path(output).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{output}: cannot be written: {error.strerror}") from None
-    path = Path(output) / "problem.toml"
-    files.write_problem(problem, path)
-    return path
-
-
 def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
     """The solver with this name, with the numerical options given."""
     return make_solver(solver_name, **options_from(n_modes, elements, options))

@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 import click
 
-from validation.cli_motion import find_motions
-from validation.cli_options import motion_options, problem_options, solver_options
+from lapjoint.cli.motions import find_motions
+from lapjoint.cli.options import motion_options, problem_options, solver_options
 
 
 @click.command()
@@ -47,20 +47,20 @@ def export(
 
     The switches of the contact state are always among the times.
     """
+    from lapjoint.cli import arguments
+    from lapjoint.cli.progress import shown_progress
     from lapjoint.scene import export_modes, export_motion
     from lapjoint.scene.layout import check_points
-    from validation import chosen
-    from validation.progress import shown_progress
 
-    chosen.check_directory(directory)
+    arguments.check_directory(directory)
     check_points(points)
-    at = chosen.times_from(frames, times)
+    at = arguments.times_from(frames, times)
     if modes_of is not None:
-        chosen.refuse(
+        arguments.refuse(
             "mode shapes have none", duration=duration, steady=steady_state, beside=beside, frames=frames, times=times
         )
-        this, answering = chosen.problem_from(problem, overrides), chosen.solver_from(**solver)
-        answers = [answering.modes(this, state, count) for state in chosen.states_from(this, modes_of, "--modes-of")]
+        this, answering = arguments.problem_from(problem, overrides), arguments.solver_from(**solver)
+        answers = [answering.modes(this, state, count) for state in arguments.states_from(this, modes_of, "--modes-of")]
         written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
         click.echo("\n".join(f"Wrote {path}" for path in written))
         return
@@ -111,19 +111,19 @@ def show(
     The beam is coloured by its bending stress, stops light up while they act, and the picture states its scale.
     """
     from lapjoint import scene
-    from validation import chosen
-    from validation.progress import shown_progress
+    from lapjoint.cli import arguments
+    from lapjoint.cli.progress import shown_progress
 
-    look = scene.Look(colour, scale, "absolute" if absolute else "relative", chosen.size_from(size))
+    look = scene.Look(colour, scale, "absolute" if absolute else "relative", arguments.size_from(size))
     if output is not None:
-        chosen.check_file("--output", output, *scene.PICTURES, *scene.FILMS)
+        arguments.check_file("--output", output, *scene.PICTURES, *scene.FILMS)
     picture = output is not None and output.lower().endswith(scene.PICTURES)
     if picture:
-        chosen.refuse("a picture has none", frames=frames, pace=pace)
+        arguments.refuse("a picture has none", frames=frames, pace=pace)
     else:
-        chosen.refuse("only a picture is of one time", at=at)
+        arguments.refuse("only a picture is of one time", at=at)
     if output is None:
-        chosen.refuse("a window has none", pace=pace)
+        arguments.refuse("a window has none", pace=pace)
     scene.check_can_show(output)
     motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
     number = 60 if frames is None else frames

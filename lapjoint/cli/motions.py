@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 def find_motion(problem: Problem, solver: Solver, duration: float) -> History:
     """The motion from the initial state, with progress shown."""
-    from validation.progress import shown_progress
+    from lapjoint.cli.progress import shown_progress
 
     with shown_progress("simulate") as progress:
         return solver.simulate(problem, duration, progress=progress)
@@ -19,7 +19,7 @@ def find_motion(problem: Problem, solver: Solver, duration: float) -> History:
 
 def find_steady_state(problem: Problem, solver: Solver) -> SteadyState:
     """The steady state, with progress shown."""
-    from validation.progress import shown_progress
+    from lapjoint.cli.progress import shown_progress
 
     with shown_progress("steady state") as progress:
         return solver.steady_state(problem, progress=progress)
@@ -34,17 +34,17 @@ def find_motions(
     solver: dict[str, Any],
 ) -> dict[str, History]:
     """The motion asked for, by the name of its solver, and that of the solver beside it."""
+    from lapjoint.cli import arguments
     from lapjoint.errors import InputError
-    from validation import chosen
 
     if (duration is None) != steady_state:
         raise InputError("--duration, --steady: give one of them")
     if duration is not None:
-        chosen.check_duration(duration)
-    this = chosen.problem_from(source, overrides)
-    solvers = {solver["solver_name"]: chosen.solver_from(**solver)}
+        arguments.check_duration(duration)
+    this = arguments.problem_from(source, overrides)
+    solvers = {solver["solver_name"]: arguments.solver_from(**solver)}
     if beside is not None:
-        solvers[chosen.other_name(beside, solvers)] = chosen.named_solver(beside)
+        solvers[arguments.other_name(beside, solvers)] = arguments.named_solver(beside)
     return {
         name: find_steady_state(this, one).history if duration is None else find_motion(this, one, duration)
         for name, one in solvers.items()
