@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from validation.case import CaseResult, Drawing, table
-from validation.drawing import draw
-from validation.quantity import Check, Criterion, Estimate, Kind
+from validation.report.drawing import draw
+from validation.verdict import Check, Criterion, Estimate, Kind
 
 HOSTILE = '<script>alert("&")</script> "=1+1" \'é'
 

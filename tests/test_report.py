@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 from report_sample import HOSTILE, checks, everything
 
-import validation.page
-from validation.budget import shares
+import validation.report.page
 from validation.case import CaseResult
-from validation.page import sentence, short, significant
-from validation.quantity import Check, Estimate, Kind
-from validation.report import write_reports
-from validation.sheet import distinct, slug
+from validation.report.page import sentence, short, significant
+from validation.report.table_files import distinct, slug
+from validation.report.uncertainty_budget import shares
+from validation.report.write import write_reports
+from validation.verdict import Check, Estimate, Kind
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "path", "use", "rect", "circle"}
 
@@ -215,7 +215,7 @@ def luminance(colour: str) -> float:
 
 @pytest.mark.parametrize("scheme", [0, 1], ids=["light", "dark"])
 def test_text_stands_out_from_what_is_behind_it(scheme: int) -> None:
-    css = (Path(validation.page.__file__).parent / "templates" / "report.css").read_text()
+    css = (Path(validation.report.page.__file__).parent / "templates" / "report.css").read_text()
     found = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", re.findall(r":root \{[^}]*\}", css)[scheme]))
     pairs = [(ink, paper) for ink in ("ink", "faint", "link") for paper in found if paper in ("paper", "band")]
     pairs += [(ink, f"{v}-bg") for v in ("agree", "disagree", "explained") for ink in (v, "ink", "faint", "link")]

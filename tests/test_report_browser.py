@@ -13,7 +13,7 @@ import pytest
 from matplotlib.image import imread
 from report_sample import everything
 
-from validation.report import write_reports
+from validation.report.write import write_reports
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 BROWSER = next(filter(None, map(shutil.which, NAMES)), None)

@@ -18,8 +18,8 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.files import write_problem
 from validation import suite
 from validation.invariants import continuity, energy_balance, gaps, stated_impulses, witness
-from validation.quantity import Check, Criterion, Estimate, Verdict
 from validation.uncertainty import factor_of_safety, observed_order, refined_estimate, refined_vector
+from validation.verdict import Check, Criterion, Estimate, Verdict
 
 
 def check(a: float, b: float, u: float, **options: object) -> Check:

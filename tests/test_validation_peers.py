@@ -22,7 +22,7 @@ from validation.peers.opensees import Solver
 from validation.peers.opensees_motion import contacts_of, history_of
 from validation.peers.opensees_script import Record, _repetition, mesh
 from validation.peers.process import in_another_process
-from validation.quantity import Kind, Verdict
+from validation.verdict import Kind, Verdict
 
 
 def why_not() -> str:

@@ -13,7 +13,7 @@ from scipy.integrate import quad, solve_ivp
 from validation.cases import one_mode, textbook
 from validation.cases.bilinear import Bilinear, classical_frequency
 from validation.cases.textbook_equations import BEAMS, ROOTS, roots
-from validation.quantity import Kind, Verdict
+from validation.verdict import Kind, Verdict
 
 
 def silent(_: str) -> None:

@@ -20,7 +20,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
-from validation.quantity import Criterion
+from validation.verdict import Criterion
 
 _GAUSS = np.polynomial.legendre.leggauss(12)
 _PANELS_X = 24

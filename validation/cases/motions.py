@@ -9,8 +9,8 @@ import analytic
 import fe_lapjoint
 from lapjoint import History, Problem
 from lapjoint.answers import Contact
-from validation.quantity import Check, Estimate
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Estimate
 
 ANALYTIC_ORDER = 5.0
 """Impulses converge with the sixth power of the number of modes, event times with the fifth

@@ -26,8 +26,8 @@ from validation.cases.motions import (
     contact_estimates,
     fe_levels,
 )
-from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Estimate, Kind
 
 MODES, CONTACTS = 5, 4
 DURATION = 0.015  # s, of the damped joint: the first contacts

@@ -13,7 +13,7 @@ from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
-from validation.quantity import Criterion
+from validation.verdict import Criterion
 
 RATIO = 0.08
 PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}  # and how far around each to look, rad/s

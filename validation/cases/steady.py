@@ -14,10 +14,10 @@ from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
 from validation.cases.transient import WITNESS_TOLERANCE
-from validation.drawing import COLOURS, draw
 from validation.invariants import witness
-from validation.quantity import Check, Criterion, Estimate
+from validation.report.drawing import COLOURS, draw
 from validation.uncertainty import refined_vector
+from validation.verdict import Check, Criterion, Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

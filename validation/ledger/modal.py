@@ -12,8 +12,8 @@ from lapjoint import FREE, ContactState, Problem, contact_states, paper_joint, p
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.cases.table4 import PRINTED
 from validation.ledger.entry import Entry, Ruling, matches, written
-from validation.quantity import Estimate
 from validation.uncertainty import refined_estimate
+from validation.verdict import Estimate
 
 MESHES = (16, 32, 64)
 TIP, MIDDLE = 2.5, 1.25

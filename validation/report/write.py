@@ -1,4 +1,4 @@
-"""The reports: ``report.html``, one page that needs nothing else, and files for spreadsheets and programs."""
+"""The report of a run: ``report.html``, one page that needs nothing else, and files for spreadsheets and programs."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from validation.budget import overall_sheet
 from validation.case import CaseResult
-from validation.page import page, views
-from validation.record import case_record, kinds_sheet, summary_sheet
-from validation.sheet import replace_file, write_sheets
+from validation.report.page import page, views
+from validation.report.records import case_record, kinds_sheet, summary_sheet
+from validation.report.table_files import replace_file, write_sheets
+from validation.report.uncertainty_budget import overall_sheet
 
 _PACKAGES = (
     *("lapjoint", "numpy", "scipy", "numba", "scikit-fem", "pydantic", "matplotlib", "jinja2", "meshio", "xarray"),

@@ -12,8 +12,8 @@ from validation.cases.motions import FE_ORDER, compare_contacts
 from validation.cases.steady import compare_steady
 from validation.cases.transient import WITNESS_TOLERANCE, contact_table, motion_drawing
 from validation.invariants import witness
-from validation.quantity import Check, Estimate
 from validation.uncertainty import ROUNDING, refined_estimate
+from validation.verdict import Check, Estimate
 
 MODES = 6
 MOST_STATES = 32

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from validation.budget import budget_sheet
 from validation.case import CaseResult
-from validation.quantity import Check, Criterion, Verdict
-from validation.record import VERDICTS, checks_sheet, counts, criteria_sheet, tightest
-from validation.sheet import FOLDER, Sheet, distinct
+from validation.report.records import VERDICTS, checks_sheet, counts, criteria_sheet, tightest
+from validation.report.table_files import FOLDER, Sheet, distinct
+from validation.report.uncertainty_budget import budget_sheet
+from validation.verdict import Check, Criterion, Verdict
 
 OPEN_ROWS = 16
 """Tables up to this long are open from the start."""
@@ -174,7 +174,7 @@ def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("validation"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+        loader=PackageLoader("validation.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     environment.filters.update(short=short)
     digest = base64.b64encode(hashlib.sha256(PRINT_SCRIPT.encode()).digest()).decode()

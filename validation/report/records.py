@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from validation.case import CaseResult
-from validation.quantity import Check, Criterion, Estimate, Verdict
-from validation.sheet import Cell, Sheet
+from validation.report.table_files import Cell, Sheet
+from validation.verdict import Check, Criterion, Estimate, Verdict
 
 VERDICTS = (Verdict.DISAGREE, Verdict.EXPLAINED, Verdict.AGREE)
 """What needs attention comes first."""

@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 
 from validation.case import CaseResult
-from validation.quantity import Check
-from validation.sheet import Cell, Sheet
+from validation.report.table_files import Cell, Sheet
+from validation.verdict import Check
 
 
 def shares(check: Check) -> dict[str, float]:
