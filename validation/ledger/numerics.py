@@ -82,5 +82,5 @@ def equation_29() -> Entry:
         Ruling.MISPRINT,
         f"amplitude of an oscillator of {omega:g} rad/s and ratio {ratio:g} driven at {Omega:g}: by direct integration "
         f"{integrated:.4g}, as with C* omega; the printed entry has not the units of its row either",
-        "tests/test_analytic_march.py",
+        "tests/analytic/test_march.py",
     )

@@ -29,7 +29,7 @@ from lapjoint import (
 from lapjoint.errors import InputError, SolverError
 from lapjoint.solver import Progress
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def installed(folder: Path) -> str:

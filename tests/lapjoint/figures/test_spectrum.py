@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import OMEGA
+from written_history import OMEGA
 
 from lapjoint import FREE, BaseMotion, History, InputError
 from lapjoint.figures import plot_spectrum

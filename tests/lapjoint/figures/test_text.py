@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import OMEGA
+from history_figures import OF_HISTORIES, assert_fits
 from matplotlib.cbook import is_math_text
 from matplotlib.text import Text
-from test_figures_style import OF_HISTORIES, assert_fits
+from written_history import OMEGA
 
 import analytic
 from lapjoint import FREE, BaseMotion, Contact, ContactState, History, Problem, Stop, paper_joint

@@ -16,7 +16,7 @@ import analytic
 from lapjoint import FREE, Contact, History, InputError, Material, Rectangle, paper_joint
 from lapjoint.errors import OutputError
 from lapjoint.problem.beam import Beam
-from lapjoint.scene import Look, check_can_show, pictures, process, save_film, save_picture, show_window
+from lapjoint.scene import Look, check_can_show, pictures, render_process, save_film, save_picture, show_window
 from lapjoint.scene.frames import Job
 
 LIT = np.array([0xE6, 0x9F, 0x00])
@@ -127,10 +127,10 @@ def test_stops_at_one_place_stand_side_by_side(history: History, jobs: list[Job]
 
 def test_a_display_that_does_not_answer_is_said(history: History, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DISPLAY", ":77")
-    monkeypatch.setattr(process, "_run", lambda *_: (0, "bad X server connection", False))
+    monkeypatch.setattr(render_process, "_run", lambda *_: (0, "bad X server connection", False))
     with pytest.raises(InputError, match="DISPLAY = ':77': no window can be opened there"):
         show_window(history)
-    monkeypatch.setattr(process, "_run", lambda *_: (1, "the window was destroyed", True))
+    monkeypatch.setattr(render_process, "_run", lambda *_: (1, "the window was destroyed", True))
     show_window(history)
 
 
@@ -139,12 +139,12 @@ def test_a_film_that_is_not_complete_is_not_called_one(
 ) -> None:
     import imageio_ffmpeg
 
-    from lapjoint.scene import drawing
+    from lapjoint.scene import render
 
     save_film(history, "x.mp4", frames=2)
     monkeypatch.setattr(imageio_ffmpeg, "count_frames_and_secs", lambda path: (1, 0.1))
     with pytest.raises(OSError, match="is the disk full"):
-        drawing._save_mp4([np.zeros((20, 20, 3), dtype=np.uint8)] * 2, jobs[0])
+        render._save_mp4([np.zeros((20, 20, 3), dtype=np.uint8)] * 2, jobs[0])
 
 
 def test_a_film_leaves_out_the_end_which_is_the_beginning(history: History, jobs: list[Job]) -> None:
@@ -197,7 +197,7 @@ def test_bad_arguments_are_refused(history: History, call: Any, message: str) ->
 def test_without_a_display_a_window_is_refused_before_any_work(
     history: History, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(process, "has_display", lambda: False)
+    monkeypatch.setattr(render_process, "has_display", lambda: False)
     with pytest.raises(InputError, match="no display"):
         show_window(history)
     with pytest.raises(InputError, match="no display"):
@@ -205,7 +205,7 @@ def test_without_a_display_a_window_is_refused_before_any_work(
 
 
 def test_without_its_package_mp4_is_refused_before_any_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process, "find_spec", lambda name: None)
+    monkeypatch.setattr(render_process, "find_spec", lambda name: None)
     with pytest.raises(OutputError, match="imageio"):
         check_can_show("x.mp4")
 
@@ -217,16 +217,16 @@ def test_a_crash_of_vtk_becomes_a_sentence(history: History, monkeypatch: pytest
         ways.append(way)
         return -signal.SIGSEGV, "Failed to load an X11 library", False
 
-    monkeypatch.setattr(process, "_run", crash)
+    monkeypatch.setattr(render_process, "_run", crash)
     with pytest.raises(OutputError, match="install libosmesa6"):
         save_picture(history, tmp_path / "x.png")
-    assert ways == [{}, process.SOFTWARE]
+    assert ways == [{}, render_process.SOFTWARE]
 
 
 def test_what_ends_the_drawing_process_is_told_apart(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    run = process._run
+    run = render_process._run
     for code, status in (("import os; os.abort()", -signal.SIGABRT), ("raise SystemExit(3)", 3)):
-        monkeypatch.setattr(process, "COMMAND", (sys.executable, "-c", code))
+        monkeypatch.setattr(render_process, "COMMAND", (sys.executable, "-c", code))
         assert run(tmp_path, {}, 1, None)[0] == status
 
 

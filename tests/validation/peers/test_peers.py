@@ -45,7 +45,7 @@ def silent(_: str) -> None:
 def test_it_is_a_solver_and_registered() -> None:
     import tomllib
 
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())["project"]
     assert project["entry-points"]["lapjoint.solvers"]["opensees"] == f"{Solver.__module__}:Solver"
     assert isinstance(Solver(), AnySolver)
     assert Solver().refined(2) == Solver(elements=80, dt=2e-6)

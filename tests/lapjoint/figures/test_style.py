@@ -11,44 +11,20 @@ from pathlib import Path
 
 import matplotlib
 import pytest
-from conftest import OMEGA
+from history_figures import OF_HISTORIES, assert_fits
 from matplotlib.figure import Figure
+from written_history import OMEGA
 
 from lapjoint import BaseMotion, History, InputError
 from lapjoint.errors import OutputError
 from lapjoint.figures import (
     new_axes,
     new_panels,
-    plot_contact_impulses,
-    plot_contact_states,
     plot_convergence,
     plot_motion,
-    plot_phase_portrait,
-    plot_poincare_section,
-    plot_spectrum,
     save,
 )
-from lapjoint.figures.style import COLUMN_WIDTH, PAGE_WIDTH, figure_of
-
-OF_HISTORIES = (
-    plot_motion,
-    plot_phase_portrait,
-    plot_poincare_section,
-    plot_contact_impulses,
-    plot_contact_states,
-    plot_spectrum,
-)
-
-
-def assert_fits(axes: object, width: float, height: float) -> None:
-    """All that is drawn lies on the paper; the figure is laid out first, as it is when it is written."""
-    figure = figure_of(axes)  # type: ignore[arg-type]
-    figure.draw_without_rendering()
-    box = figure.get_tightbbox()
-    assert box.x0 >= 0
-    assert box.y0 >= 0
-    assert box.x1 <= width
-    assert box.y1 <= height
+from lapjoint.figures.style import COLUMN_WIDTH, PAGE_WIDTH
 
 
 @pytest.mark.parametrize("width", [COLUMN_WIDTH, PAGE_WIDTH])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from pathlib import Path
@@ -16,7 +15,6 @@ from lapjoint import (
     BaseMotion,
     Beam,
     Circle,
-    History,
     InputError,
     Material,
     ModalDamping,
@@ -34,7 +32,6 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
-from lapjoint.answers.contact_files import CONTACT_COLUMNS, write_contacts
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
 
@@ -239,28 +236,3 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
             read_problem(f"{tmp_path}/{name}")
     with pytest.raises(InputError, match="cannot be written"):
         write_problem(paper_joint(), tmp_path / "no" / "such.toml")
-
-
-def test_contacts_are_written_with_all_their_digits(history: History, tmp_path: Path) -> None:
-    write_contacts(history, tmp_path / "contacts.csv")
-    with (tmp_path / "contacts.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert tuple(rows[0]) == CONTACT_COLUMNS
-    assert [row["stop"] for row in rows] == ["above", "below"]
-    for row, contact in zip(rows, history.contacts, strict=True):
-        for column, value in (
-            ("start_s", contact.start),
-            ("end_s", contact.end),
-            ("duration_s", contact.duration),
-            ("impulse_Ns", contact.impulse),
-            ("peak_force_N", contact.peak_force),
-        ):
-            assert float(row[column]) == value
-        assert (row["open_start"], row["open_end"]) == ("False", "False")
-
-    write_contacts(history, tmp_path / "contacts.json")
-    content = json.loads((tmp_path / "contacts.json").read_text())
-    assert content["contacts"][1]["impulse_Ns"] == history.contacts[1].impulse
-    assert content["impulses_Ns"]["above"] == history.contacts[0].impulse
-    with pytest.raises(InputError, match=r"\.csv or \.json"):
-        write_contacts(history, tmp_path / "contacts.xls")
