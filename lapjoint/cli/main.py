@@ -54,10 +54,18 @@ class Lapjoint(click.Group):
 
 
 def _load(entry: EntryPoint) -> click.Command:
+    """The command of an entry point; where it cannot be loaded, one that says so, and leaves the others usable."""
     try:
         command: click.Command = entry.load()
     except (ImportError, AttributeError) as error:
-        raise click.ClickException(f"command {entry.name!r} is installed but cannot be loaded: {error}") from error
+        reason = f"command {entry.name!r} is installed but cannot be loaded: {error}"
+
+        def refuse(arguments: tuple[str, ...]) -> None:
+            raise click.ClickException(reason)
+
+        anything = click.Argument(["arguments"], nargs=-1, type=click.UNPROCESSED)
+        settings = {"ignore_unknown_options": True}
+        return click.Command(entry.name, settings, refuse, [anything], short_help="Cannot be loaded.")
     return command
 
 
