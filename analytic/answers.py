@@ -6,8 +6,8 @@ from analytic.march import Coordinates, Joint, march
 from analytic.motion import history_of
 from analytic.period_map import PeriodMap
 from analytic.start import initial_coordinates, initial_state
+from lapjoint.answers import History
 from lapjoint.problem import Problem
-from lapjoint.solution import History
 from lapjoint.solver import Progress
 
 

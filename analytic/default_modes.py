@@ -8,7 +8,7 @@ is their inertia: relative to the force of a closed stop,
 The first factor is the share of the left-out modes in the compliance that the stop feels, the second the inertia
 neglected at the fastest frequency omega_c that drives the contact: the excitation, or the lowest elastic frequency
 with every stop closed that can be.  Measured on the paper's joint from 515 to 5000 rad/s with 14 to 40 modes, the
-steady impulses change by 0.1 to 3 e_N when the number of modes is raised further (tests/test_analytic_steady.py).
+steady impulses change by 0.1 to 3 e_N when the number of modes is raised further (tests/analytic/test_steady_state.py).
 
 A step load excites every mode at once, and inertia does not help: the share of the left-out modes in the
 compliance at the load, sum_{i > N} Phi_i^2 / omega_i^2 over the sum of all, has to be small by itself.
@@ -26,7 +26,7 @@ import numpy as np
 from analytic.modes import ExactModes, exact_modes
 from analytic.start import initial_coordinates
 from analytic.state import Family, family_of, harmonics_of
-from lapjoint.contact import FREE, contact_states
+from lapjoint.answers.contact_state import FREE, contact_states
 from lapjoint.problem import AtRest, FloatArray, Problem, StepLoad
 
 LEAST, MOST = 10, 320

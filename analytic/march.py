@@ -10,10 +10,10 @@ import numpy as np
 from analytic import kernel
 from analytic.state import Passage, StateModel, build_passage, build_state, family_of, harmonics_of
 from analytic.tables import Tables, slots_of
-from lapjoint.contact import ContactState
+from lapjoint.answers import Contact
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import Contact
 from lapjoint.solver import Progress
 
 _ROOM = 64  # segments logged before the log is emptied

@@ -10,7 +10,7 @@ import numpy as np
 from analytic.boundary import boundary_matrix, mode_waves
 from analytic.characteristic import Layout, frequencies, layout_of
 from analytic.shapes import BeamFunctions, gram
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem
 
 _POOL = 40

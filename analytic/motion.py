@@ -9,13 +9,13 @@ import numpy as np
 from analytic import kernel
 from analytic.march import Joint, March, Segment, contacts_of
 from analytic.state import StateModel
+from lapjoint.answers import History
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History
 
 
 @dataclass(frozen=True)
 class ModalField:
-    """z(x, t) of (19), segment by segment; see `lapjoint.solution.Field`."""
+    """z(x, t) of (19), segment by segment; see `lapjoint.answers.Field`."""
 
     joint: Joint
     segments: tuple[Segment, ...]

@@ -16,12 +16,12 @@ from analytic.start import initial_coordinates, initial_state, resumed, translat
 from analytic.state import DRIFTING, OSCILLATING, SPLIT
 from analytic.tables import mirrored
 from analytic.tangent import _flow, _saltation
-from lapjoint.contact import FREE
+from lapjoint.answers import History
+from lapjoint.answers.contact_state import FREE
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History
 from lapjoint.solver import Progress
-from lapjoint.steady import SectionPoint
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,7 @@ class PeriodMap:
     def initial(self) -> SectionPoint:
         """The initial state."""
         state = initial_state(self.problem)
-        return _section_point(
-            Coordinates(state, *initial_coordinates(self.problem, self.joint.model(state).modes))
-        )
+        return _section_point(Coordinates(state, *initial_coordinates(self.problem, self.joint.model(state).modes)))
 
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
         """March on, piece by piece of a period."""

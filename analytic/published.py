@@ -38,12 +38,12 @@ import math
 from dataclasses import dataclass, replace
 
 from analytic.solver import Solver, check_count
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import SectionPoint, SteadyState
 
 
 @dataclass(frozen=True)

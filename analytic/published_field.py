@@ -9,8 +9,8 @@ import numpy as np
 from analytic.march import Segment, contacts_of
 from analytic.motion import ModalField
 from analytic.published_march import PublishedJoint, PublishedMarch
+from lapjoint.answers import History
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ import numpy as np
 
 from analytic.published_field import PublishedField
 from analytic.published_march import PublishedJoint, PublishedMarch
+from lapjoint.answers import History
 from lapjoint.problem import FloatArray
-from lapjoint.solution import History
 
 
 @dataclass(frozen=True)

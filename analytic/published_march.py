@@ -11,7 +11,7 @@ from analytic import kernel, published_kernel
 from analytic.march import Coordinates, Joint, March
 from analytic.published_kernel import Carried
 from analytic.tables import Slots, Tables, slots_of
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solver import Progress

@@ -13,9 +13,9 @@ from analytic import published_kernel
 from analytic.published_kernel import Carried
 from analytic.published_march import PublishedJoint
 from analytic.start import TOUCHING, initial_coordinates, initial_state
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.problem import FloatArray
-from lapjoint.steady import SectionPoint
 
 
 def started(joint: PublishedJoint, start: SectionPoint | None) -> tuple[int, Carried]:

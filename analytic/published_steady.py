@@ -23,10 +23,10 @@ from analytic.published_field import history_of
 from analytic.published_kernel import SETTLED, UNSETTLED, Carried, settle
 from analytic.published_march import MOST_SWITCHES, PublishedJoint, PublishedMarch, march, raise_if_stuck
 from analytic.published_start import packed, started
+from lapjoint.answers import History
+from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History
 from lapjoint.solver import Progress
-from lapjoint.steady import Outcome, SectionPoint, SteadyState, periodic_outcome, impulses_per_period
 
 _REPEATS = 20
 _CYCLES_AVERAGED = 1000

@@ -25,7 +25,7 @@ from analytic.boundary import boundary_matrix, force_row, foundation_waves
 from analytic.characteristic import layout_of
 from analytic.modes import ExactModes
 from analytic.shapes import BeamFunctions
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
 _FOUNDATION = 1.0  # gamma L of the foundation: its waves are as long as the beam, and well conditioned

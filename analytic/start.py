@@ -12,9 +12,9 @@ import numpy as np
 
 from analytic.march import Coordinates, Joint
 from analytic.modes import ExactModes
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
-from lapjoint.steady import SectionPoint
 
 TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed
 _POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding

@@ -27,7 +27,7 @@ import numpy as np
 from analytic.modes import ExactModes, exact_modes, pool_size
 from analytic.residual import Loads, Residual, residual
 from analytic.shapes import gram, integral
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import (
     AtRest,
     BaseMotion,

@@ -26,7 +26,7 @@ from analytic.state import (
     roots_of,
     static_answer,
 )
-from lapjoint.contact import FREE, ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import FloatArray, Problem
 
 HALVINGS = 40  # of the longest tabulated step

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lapjoint import Outcome, paper_joint
-from lapjoint.sweep import FREQUENCY, Axis, sweep
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
 
 
 def curve(solver: str, points: int, workers: int) -> Any:

@@ -13,7 +13,7 @@ COMMANDS = {
     "import lapjoint": ["-c", "import lapjoint"],
     "import analytic": ["-c", "import analytic"],
     "import fe_lapjoint": ["-c", "import fe_lapjoint"],
-    "lapjoint --help": ["-c", "from validation.cli import main; main(['--help'])"],
+    "lapjoint --help": ["-c", "from lapjoint.cli.main import main; main(['--help'])"],
 }
 
 

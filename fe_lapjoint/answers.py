@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.march import march
-from fe_lapjoint.mesh import mesh_nodes
-from fe_lapjoint.model import Model
-from fe_lapjoint.modes import ElementShapes
-from fe_lapjoint.motion import history_of
+from fe_lapjoint.march.field import history_of
+from fe_lapjoint.march.initial import initial_coordinates, initial_state
+from fe_lapjoint.march.march import march
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.eigenmodes import eigenmodes
+from fe_lapjoint.modes.mesh import mesh_nodes
+from fe_lapjoint.modes.shapes import ElementShapes
 from fe_lapjoint.period_map import PeriodMap
-from fe_lapjoint.start import initial_coordinates, initial_state
-from fe_lapjoint.system import eigenmodes
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:

@@ -12,20 +12,20 @@ from functools import cached_property
 
 import numpy as np
 
-from fe_lapjoint.assembly import Assembly
-from fe_lapjoint.march import march
-from fe_lapjoint.model import Model
-from fe_lapjoint.motion import history_of
-from fe_lapjoint.start import initial_coordinates, initial_state
-from fe_lapjoint.tangent import carried, traced
-from lapjoint.contact import FREE, ContactState
+from fe_lapjoint.march.field import history_of
+from fe_lapjoint.march.initial import initial_coordinates, initial_state
+from fe_lapjoint.march.march import march
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.tangent import carried, traced
+from fe_lapjoint.modes.assembly import Assembly
+from lapjoint.answers import History
+from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.orbits.period_map import Followed, Linearised, Passage
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.problem_symmetry import mirror_twins
-from lapjoint.solution import History
+from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
-from lapjoint.steady import SectionPoint
 
 _TOUCHING = 1e-12  # of the gap: a stop that is nearer than this to its gap stays open or closed as it was
 

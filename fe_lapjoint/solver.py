@@ -9,12 +9,12 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import SectionPoint, SteadyState
 
 if TYPE_CHECKING:
     from fe_lapjoint.period_map import PeriodMap
@@ -81,7 +81,7 @@ class Solver:
         elements = math.ceil(self.elements * factor)
         if self.nodes is None:
             return replace(self, elements=elements)
-        from fe_lapjoint.mesh import split_elements
+        from fe_lapjoint.modes.mesh import split_elements
 
         return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 

@@ -1,31 +1,49 @@
-"""The shared ground: what is solved, and what an answer is.  Knows neither solver."""
+"""The shared ground: what is solved, what an answer is, and all that needs only answers.  Knows neither solver."""
 
-from lapjoint.contact import FREE, ContactState, contact_states, paper_state_number
-from lapjoint.errors import InputError
-from lapjoint.files import read_problem, write_problem
-from lapjoint.presets import paper_joint, sdnl104
-from lapjoint.problem import (
-    AtRest,
-    BaseMotion,
-    Beam,
-    Circle,
-    Material,
-    ModalDamping,
-    NoDamping,
-    PolynomialShape,
-    Problem,
-    Rectangle,
-    SampledShape,
-    SineLoad,
-    StepLoad,
-    Stop,
-    Support,
-    Tube,
-    ViscousDamping,
-    initial_from_functions,
-)
-from lapjoint.solution import Contact, History, Modes
-from lapjoint.steady import Exponent, Outcome, SectionPoint, SteadyState
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from lapjoint.answers import (
+        FREE,
+        Contact,
+        ContactState,
+        Exponent,
+        History,
+        Modes,
+        Outcome,
+        SectionPoint,
+        SteadyState,
+        contact_states,
+        paper_state_number,
+    )
+    from lapjoint.errors import InputError
+    from lapjoint.problem import (
+        AtRest,
+        BaseMotion,
+        Beam,
+        Circle,
+        Material,
+        ModalDamping,
+        NoDamping,
+        PolynomialShape,
+        Problem,
+        Rectangle,
+        SampledShape,
+        SineLoad,
+        StepLoad,
+        Stop,
+        Support,
+        Tube,
+        ViscousDamping,
+        initial_from_functions,
+        paper_joint,
+        read_problem,
+        sdnl104,
+        write_problem,
+    )
 
 __all__ = [
     "FREE",
@@ -63,3 +81,19 @@ __all__ = [
     "sdnl104",
     "write_problem",
 ]
+_HOMES = ("lapjoint.errors", "lapjoint.answers", "lapjoint.problem")
+"""Where the names above are defined, in the order in which they are looked for."""
+
+
+def __getattr__(name: str) -> Any:
+    """A name of `__all__`, imported when first asked for: ``lapjoint --help`` needs none of them."""
+    if name in __all__:
+        for home in map(import_module, _HOMES):
+            if hasattr(home, name):
+                globals()[name] = getattr(home, name)
+                return globals()[name]
+    raise AttributeError(f"module 'lapjoint' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -7,11 +7,11 @@ from dataclasses import fields, is_dataclass
 from importlib.metadata import entry_points
 from typing import Any, Protocol, runtime_checkable
 
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
-from lapjoint.solution import History, Modes
-from lapjoint.steady import SectionPoint, SteadyState
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
 Progress = Callable[[float, float], None]

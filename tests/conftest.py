@@ -1,4 +1,4 @@
-"""What several tests need: a history that is known exactly, because it is written down and not solved for."""
+"""What several tests need: a history that is written down, and a machine that can draw."""
 
 from __future__ import annotations
 
@@ -6,25 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS, swinging
 
 from lapjoint import FREE, Beam, Contact, ContactState, History, Problem, Stop
-
-AMPLITUDE = 3e-3  # m
-OMEGA = 2 * math.pi  # rad/s: one period a second
-GAP = 1e-3  # m
-STIFFNESS = 1e4  # N/m
-
-
-def swinging(x: NDArray[np.float64], t: NDArray[np.float64], dx: int = 0, dt: int = 0) -> NDArray[np.float64]:
-    """z = A x^2 (3 - x) / 2 sin(omega t) on a beam of length 1, and its derivatives, shape ``(n, m)``."""
-    shape = (x**2 * (3 - x) / 2, (6 * x - 3 * x**2) / 2, 3 - 3 * x, np.full_like(x, -3.0))[dx]
-    wave = (
-        np.sin(OMEGA * t),
-        OMEGA * np.cos(OMEGA * t),
-        -(OMEGA**2) * np.sin(OMEGA * t),
-    )[dt]
-    return AMPLITUDE * np.outer(shape, wave)
 
 
 @pytest.fixture
@@ -61,7 +45,7 @@ def graphics(tmp_path_factory: pytest.TempPathFactory) -> None:
     from lapjoint import sdnl104
     from lapjoint.errors import OutputError
     from lapjoint.scene import Look, save_picture
-    from lapjoint.scene.process import NO_GRAPHICS
+    from lapjoint.scene.render_process import NO_GRAPHICS
 
     motion = analytic.Solver(n_modes=2).simulate(sdnl104(), 0.01)
     try:

@@ -1,8 +1,9 @@
-"""Who imports whom: validation -> analytic, fe_lapjoint -> lapjoint, and nothing else."""
+"""Who imports whom: validation -> analytic, fe_lapjoint -> lapjoint, nothing else; and each folder has a purpose."""
 
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ ALLOWED = {
     "fe_lapjoint": {"fe_lapjoint", "lapjoint"},
     "validation": {"validation", "analytic", "fe_lapjoint", "lapjoint"},
 }
+SOLVERS = ("analytic", "fe_lapjoint")
 
 
 def imported_packages(path: Path) -> set[str]:
@@ -41,6 +43,24 @@ def test_a_package_imports_only_what_lies_below_it(package: str) -> None:
         assert ours <= ALLOWED[package], f"{file} imports {ours - ALLOWED[package]}"
 
 
+@pytest.mark.parametrize("package", sorted(ALLOWED))
+def test_every_folder_says_what_it_is_for(package: str) -> None:
+    folders = {file.parent for file in (ROOT / package).rglob("*.py")}
+    for folder in sorted(folders):
+        initial = folder / "__init__.py"
+        assert initial.exists(), f"{folder} is no package"
+        said = ast.get_docstring(ast.parse(initial.read_text())) or ""
+        first = re.split(r"\n\s*\n", said)[0]
+        assert len(first.split()) > 4, f"{initial}: says not what the folder is for"
+        assert first.rstrip().endswith((".", "?")), f"{initial}: begins with no sentence: {first}"
+
+
+def test_tests_stand_where_the_code_stands() -> None:
+    places = {file.parent.relative_to(ROOT / "tests") for file in (ROOT / "tests").rglob("test_*.py")}
+    strangers = [place for place in places if str(place) not in (".", "cross") and not (ROOT / place).is_dir()]
+    assert not strangers
+
+
 @pytest.mark.parametrize(("one", "other"), [("analytic", "fe_lapjoint"), ("fe_lapjoint", "analytic")])
 def test_a_solver_runs_without_the_other_being_loaded(one: str, other: str) -> None:
     question = "from lapjoint import FREE, paper_joint; solver.modes(paper_joint(), FREE, 2)"
@@ -50,7 +70,7 @@ def test_a_solver_runs_without_the_other_being_loaded(one: str, other: str) -> N
 
 def test_help_loads_nothing_heavy() -> None:
     code = (
-        "import sys; from click.testing import CliRunner; from validation.cli import main; "
+        "import sys; from click.testing import CliRunner; from lapjoint.cli.main import main; "
         "assert CliRunner().invoke(main, ['--help']).exit_code == 0; "
         "heavy = {'numpy', 'scipy', 'matplotlib', 'pyvista', 'skfem', 'numba'} & set(sys.modules); "
         "sys.exit(', '.join(heavy) or 0)"
@@ -59,7 +79,9 @@ def test_help_loads_nothing_heavy() -> None:
     assert done.returncode == 0, f"loaded: {done.stderr}"
 
 
-@pytest.mark.parametrize("module", ["lapjoint", "lapjoint.figures", "lapjoint.sweep", "analytic", "fe_lapjoint"])
+@pytest.mark.parametrize(
+    "module", ["lapjoint", "lapjoint.problem", "lapjoint.answers", "lapjoint.figures", "lapjoint.campaigns", *SOLVERS]
+)
 def test_a_library_is_imported_without_what_only_its_answers_need(module: str) -> None:
     heavy = "{'scipy', 'numba', 'skfem', 'matplotlib', 'xarray', 'meshio'} & set(sys.modules)"
     code = f"import sys, {module}; sys.exit(', '.join({heavy}) or 0)"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from lapjoint.files import from_toml
+from lapjoint.problem.files import from_toml
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text()

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from validation.quantity import Check, Criterion, Verdict
+from validation.verdict import Check, Criterion, Verdict
 
 Level = Literal["quick", "standard", "full"]
 Say = Callable[[str], None]

@@ -18,9 +18,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from lapjoint.answers import History
 from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
-from lapjoint.solution import History
-from validation.quantity import Criterion
+from validation.verdict import Criterion
 
 _GAUSS = np.polynomial.legendre.leggauss(12)
 _PANELS_X = 24

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from lapjoint.errors import InputError
 from validation.case import CaseResult, Level, Say
-from validation.quantity import Verdict
+from validation.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -79,7 +79,7 @@ def main(
     InputError
         For an unknown case, a bad problem file, a peer that does not answer, or an output that cannot be written.
     """
-    from validation.report import write_reports
+    from validation.report.write import write_reports
 
     others = tuple(name for name in cases if name != PEERS)
     if len(others) < len(cases) and not peers:
@@ -121,17 +121,17 @@ def _chosen(cases: tuple[str, ...]) -> dict[str, Run]:
 
 
 def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
-    from lapjoint.files import read_problem
-    from validation.cases import own
+    from lapjoint.problem.files import read_problem
+    from validation.cases import own_problem
 
     problem = read_problem(path)
 
     def bound(part: Callable[[Problem, Level, Say], CaseResult]) -> Run:
         return lambda level, say: part(problem, level, say)
 
-    runs = {"frequencies": bound(own.frequencies), "transient": bound(own.transient)}
+    runs = {"frequencies": bound(own_problem.frequencies), "transient": bound(own_problem.transient)}
     if problem.excitation_frequency is not None:
-        runs["steady"] = bound(own.steady)
+        runs["steady"] = bound(own_problem.steady)
     unknown = [name for name in cases if name not in runs]
     if unknown:
         raise InputError(f"case = {unknown[0]!r}: this problem has {', '.join(runs)}")
@@ -139,7 +139,7 @@ def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
 
 
 def _peers(path: Path | None, names: tuple[str, ...]) -> Run:
-    from lapjoint.files import read_problem
+    from lapjoint.problem.files import read_problem
     from validation.cases import peers
 
     problem = None if path is None else read_problem(path)

@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from lapjoint.problem import FloatArray
-from validation.quantity import Estimate
+from validation.verdict import Estimate
 
 SAFETY_WITHOUT_ORDER = 3.0
 """Factor when the order is not shown: two refinements only, no monotone convergence, or an unexpected order."""

@@ -12,7 +12,7 @@ import numpy as np
 import analytic
 import fe_lapjoint
 from lapjoint import figures, paper_joint
-from lapjoint.sweep import FREQUENCY, Axis, sweep
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

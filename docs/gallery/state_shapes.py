@@ -6,7 +6,7 @@ share their modes, so do 3 and 5, and so do 6 to 9.  The frequencies are those o
 
 import analytic
 from lapjoint import contact_states, figures, paper_joint, paper_state_number
-from lapjoint.presets import TABLE_4_DENSITY
+from lapjoint.problem.presets import TABLE_4_DENSITY
 
 joint = paper_joint(k_star=5000.0, density=TABLE_4_DENSITY)
 solver = analytic.Solver()

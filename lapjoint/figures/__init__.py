@@ -6,11 +6,11 @@ writes as PNG, SVG or PDF.  All share one style, `lapjoint.figures.style`, and t
 
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
 from lapjoint.figures.convergence import plot_convergence
-from lapjoint.figures.curve import plot_curve
-from lapjoint.figures.curve_wide import plot_curve_wide
+from lapjoint.figures.impulse_curve import plot_curve
+from lapjoint.figures.impulse_curve_wide import plot_curve_wide
+from lapjoint.figures.mode_shapes import plot_mode_shapes, plot_state_shapes
 from lapjoint.figures.motion import plot_motion
-from lapjoint.figures.phase import plot_phase_portrait, plot_poincare_section
-from lapjoint.figures.shapes import plot_mode_shapes, plot_state_shapes
+from lapjoint.figures.phase_portrait import plot_phase_portrait, plot_poincare_section
 from lapjoint.figures.spectrum import plot_spectrum
 from lapjoint.figures.style import new_axes, new_panels, save
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.contact import ContactState, state_label, state_order
-from lapjoint.figures.place import heading
+from lapjoint.answers import Contact, History
+from lapjoint.answers.contact_state import ContactState, state_label, state_order
+from lapjoint.figures.sampling import heading
 from lapjoint.figures.style import (
     COLOURS,
     GREY,
@@ -21,8 +22,7 @@ from lapjoint.figures.style import (
     room_of,
     style,
 )
-from lapjoint.figures.words import apart, key, literal, shortened, width_of
-from lapjoint.solution import Contact, History
+from lapjoint.figures.text import apart, key, literal, shortened, width_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

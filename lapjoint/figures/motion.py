@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lapjoint.answers import History
 from lapjoint.errors import InputError
-from lapjoint.figures.place import checked_position, heading, in_contact, line_width, times_drawn
+from lapjoint.figures.sampling import checked_position, heading, in_contact, line_width, times_drawn
 from lapjoint.figures.style import (
     COLOURS,
     GREY,
@@ -21,9 +22,8 @@ from lapjoint.figures.style import (
     room_of,
     style,
 )
-from lapjoint.figures.words import apart, literal, shortened
+from lapjoint.figures.text import apart, literal, shortened
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

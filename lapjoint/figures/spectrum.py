@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lapjoint.answers import History
 from lapjoint.errors import InputError
-from lapjoint.figures.place import heading, one_position
+from lapjoint.figures.sampling import heading, one_position
 from lapjoint.figures.style import COLOURS, GREY, THIN, entitle, new_axes, style
 from lapjoint.problem import FloatArray
-from lapjoint.solution import History
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.errors import InputError, OutputError
-from lapjoint.figures.keys import BETWEEN, HANDLE, LINE, key_that_fits
-from lapjoint.figures.words import SMALL, boxes_for_unknown_signs, literal, wrapped
-from lapjoint.unfinished import completed
+from lapjoint.figures.legend import BETWEEN, HANDLE, LINE, key_that_fits
+from lapjoint.figures.text import SMALL, boxes_for_unknown_signs, literal, wrapped
+from lapjoint.output_files import completed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -155,7 +155,7 @@ def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
 def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
     """What is drawn, and the key to its lines below, both above the axes, where no curve can be.
 
-    Title and labels are drawn as they are, no part of them as mathematics; see `lapjoint.figures.words`.  The labels
+    Title and labels are drawn as they are, no part of them as mathematics; see `lapjoint.figures.text`.  The labels
     beside the axes are `beside` inches wide.
     """
     room = max(1.0, room_of(axes) - beside)

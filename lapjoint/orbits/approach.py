@@ -26,9 +26,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.watch import Deviated, Watch
 from lapjoint.problem import FloatArray
-from lapjoint.steady import ComplexArray
 
 LINEAR = 0.9  # of a distance: what a deviation may take of it where the map is linear
 CURVED = 0.5  # and where it is not

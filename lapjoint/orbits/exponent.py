@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from lapjoint.answers.steady_state import Exponent
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Exponent
 
 _BLOCKS = 16  # so few leave Student's t with 15 degrees of freedom: two standard errors are missed in 6 % of cases
 

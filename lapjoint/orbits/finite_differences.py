@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lapjoint.answers import History
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.period_map import Followed, Linearised, PeriodMap, Segment
 from lapjoint.problem import FloatArray
-from lapjoint.solution import History
-from lapjoint.steady import SectionPoint
 
 _STEP = 1e-6  # of the size of the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten digits
 _SMALL = 1e-7  # of the size of the motion: how far a march that is followed is beside the other

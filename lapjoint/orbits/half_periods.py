@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent
 from lapjoint.orbits.watch import SegmentWatch, Watch
 from lapjoint.problem import FloatArray
-from lapjoint.problem_symmetry import mirror_twins
-from lapjoint.steady import SectionPoint
+from lapjoint.problem.symmetry import mirror_twins
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
+from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits.approach import Forecast, forecast
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.watch import Watch
 from lapjoint.problem import FloatArray
-from lapjoint.steady import ComplexArray, SectionPoint
 
 RESIDUAL = 1e-9  # of the size of the motion: within it an orbit closes; the last step of Newton's squares it once more
 FAR = 2.0  # of the size: residuals of one period from which Newton's method is tried at all

@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
+from lapjoint.answers import History
+from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History
-from lapjoint.steady import ComplexArray, SectionPoint
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lapjoint.answers.steady_state import Acceptance, Outcome, SectionPoint
 from lapjoint.orbits.exponent import exponent_of, largest_growth
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
@@ -31,7 +32,6 @@ from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
-from lapjoint.steady import Acceptance, Outcome, SectionPoint
 
 FIRST_LOOK = 8  # periods: most of what starts from rest is then near enough for Newton's method
 FIRST_LOOK_NEAR = 4  # if the start is likely to be near the motion

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from lapjoint.answers import History
+from lapjoint.answers.steady_state import SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, Found, Search
 from lapjoint.problem import StepLoad
-from lapjoint.solution import History
 from lapjoint.solver import Progress
-from lapjoint.steady import SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 
 
 def find_steady_state(

@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray
-from lapjoint.steady import SectionPoint
 
 REPEATS = 1e-4  # of the size of the motion: what comes back so closely repeats, to the jumps of ten or more modes
 NARROW = 1e-2  # of the size: so far a march may be held away from the motion at which it is held

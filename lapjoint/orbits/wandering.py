@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from lapjoint.answers.steady_state import Exponent, Outcome, SectionPoint
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Exponent, Outcome, SectionPoint
 
 _WATCHED = 64  # periods over which it is looked how far a march wanders
 

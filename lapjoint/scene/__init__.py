@@ -1,9 +1,9 @@
 """The motion in three dimensions: files for ParaView, pictures, films and windows."""
 
+from lapjoint.scene.appearance import Look
 from lapjoint.scene.export import export_modes, export_motion
-from lapjoint.scene.look import Look
 from lapjoint.scene.pictures import FILMS, PICTURES, save_film, save_picture, show_window
-from lapjoint.scene.process import check_can_show
+from lapjoint.scene.render_process import check_can_show
 
 __all__ = [
     "FILMS",

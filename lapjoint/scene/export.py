@@ -21,13 +21,13 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from lapjoint.contact import state_label
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import state_label
 from lapjoint.errors import InputError
-from lapjoint.figures.words import plain
+from lapjoint.figures.text import plain
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.scene.frame_times import chosen_times
 from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_scene
-from lapjoint.scene.times import chosen_times
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
 
 ROOM = 1_000_000
@@ -59,7 +59,7 @@ def export_motion(
         ``pvd``, ``vtkhdf`` or ``xdmf``; see the head of this module.
     times, frames, tolerance
         One of three ways to choose the times; by default, as many as the motion needs.  Every switch of the contact
-        state is always among them.  See `lapjoint.scene.times.chosen_times`.
+        state is always among them.  See `lapjoint.scene.frame_times.chosen_times`.
     points : int
         Equidistant stations along the beam, at least 2; the positions of supports and stops are added.
     progress : callable, optional

@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from lapjoint.beam import Rectangle
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.scene.section import IntArray
+from lapjoint.problem.beam import Rectangle
+from lapjoint.scene.section_mesh import IntArray
 
 MOST_POINTS = 100_000
 

@@ -50,8 +50,8 @@ import numpy as np
 
 from lapjoint.problem import FloatArray, Support
 from lapjoint.scene.layout import Layout
-from lapjoint.scene.sample import Sample
-from lapjoint.scene.section import IntArray, section_mesh
+from lapjoint.scene.sampled_motion import Sample
+from lapjoint.scene.section_mesh import IntArray, section_mesh
 
 PARTS = ("beam", "solid", "stops", "gaps", "base")
 Arrays = dict[str, FloatArray | IntArray]

@@ -11,17 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
+from lapjoint.answers import History
 from lapjoint.errors import InputError
+from lapjoint.output_files import completed
 from lapjoint.problem import FloatArray
-from lapjoint.scene.compose import job_of
-from lapjoint.scene.job import Job
-from lapjoint.scene.look import Look
-from lapjoint.scene.process import check_can_show, draw
+from lapjoint.scene.appearance import Look
+from lapjoint.scene.frame_builder import job_of
+from lapjoint.scene.frame_times import check_frames, span_of
+from lapjoint.scene.frames import Job
+from lapjoint.scene.render_process import check_can_show, draw
 from lapjoint.scene.scene import histories_of
-from lapjoint.scene.times import check_frames, span_of
-from lapjoint.solution import History
 from lapjoint.solver import Progress
-from lapjoint.unfinished import completed
 
 PICTURES = (".png",)
 FILMS = (".gif", ".mp4")

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lapjoint.answers import History, Modes
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.scene.layout import Layout
 from lapjoint.scene.parts import UNITS, Arrays, Part, Values, parts_of
-from lapjoint.scene.sample import ModesInTurn, Motion, Source
-from lapjoint.solution import History, Modes
+from lapjoint.scene.sampled_motion import ModesInTurn, Motion, Source
 
 BLOCK = 64
 """Times that are evaluated at once."""

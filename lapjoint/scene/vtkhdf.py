@@ -18,9 +18,9 @@ from typing import Any
 import h5py
 import numpy as np
 
+from lapjoint.output_files import completed
 from lapjoint.scene.parts import Arrays, Part
 from lapjoint.scene.scene import Block, Scene
-from lapjoint.unfinished import completed
 
 VERSION = (2, 3)
 _TYPE = "UnstructuredGrid"

@@ -8,7 +8,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import ModalDamping, Outcome, Problem, SteadyState, ViscousDamping, paper_joint
 from validation.case import CaseResult, Level, Say, table
-from validation.quantity import Check, Criterion, Estimate
+from validation.verdict import Check, Criterion, Estimate
 
 JOINTS = {
     "modal damping 0.002, 700 rad/s": paper_joint(angular_frequency=700.0).replace(damping=ModalDamping(ratio=0.002)),

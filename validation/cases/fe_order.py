@@ -16,8 +16,8 @@ from lapjoint.figures import plot_convergence
 from lapjoint.figures.style import COLOURS as PALETTE
 from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Level, Say, table
-from validation.drawing import draw
-from validation.quantity import Criterion
+from validation.report.drawing import draw
+from validation.verdict import Criterion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,7 +13,7 @@ import fe_lapjoint
 from lapjoint import FREE, BaseMotion, Beam, ModalDamping, Problem, Stop, Support
 from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Level, Say, table
-from validation.quantity import Check, Criterion, Estimate
+from validation.verdict import Check, Criterion, Estimate
 
 RATIO = 0.02
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)

@@ -12,7 +12,6 @@ from lapjoint.figures import plot_phase_portrait, plot_poincare_section
 from lapjoint.figures.style import entitle
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say
-from validation.drawing import COLOURS, draw
 from validation.ledger.curves import TIP_BOTTOM, TIP_TOP, Figure4, figure_4
 from validation.ledger.entry import Entry, Ruling, counted, ledger_table
 from validation.ledger.modal import modal_entries
@@ -20,7 +19,8 @@ from validation.ledger.numerics import numerical_entries
 from validation.ledger.peak_claims import peak_entries
 from validation.ledger.tolerance_claims import tolerance_entries
 from validation.ledger.window_claims import window_entries
-from validation.quantity import Criterion
+from validation.report.drawing import COLOURS, draw
+from validation.verdict import Criterion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

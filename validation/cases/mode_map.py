@@ -15,8 +15,8 @@ from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
-from validation.drawing import draw
-from validation.quantity import Criterion
+from validation.report.drawing import draw
+from validation.verdict import Criterion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

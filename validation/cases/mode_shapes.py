@@ -10,12 +10,12 @@ import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, contact_states, paper_joint, paper_state_number
 from lapjoint.figures import plot_state_shapes
-from lapjoint.figures.shapes import state_groups
+from lapjoint.figures.mode_shapes import state_groups
 from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Drawing, Level, Say, table
-from validation.drawing import draw, drawing
-from validation.quantity import Check, Criterion, Estimate, Kind
+from validation.report.drawing import draw, drawing
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Criterion, Estimate, Kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,13 +8,13 @@ from dataclasses import replace
 import analytic
 import fe_lapjoint
 from lapjoint import History, Problem
-from lapjoint.solution import Contact
-from validation.quantity import Check, Estimate
+from lapjoint.answers import Contact
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Estimate
 
 ANALYTIC_ORDER = 5.0
 """Impulses converge with the sixth power of the number of modes, event times with the fifth
-(tests/test_analytic_steady.py)."""
+(tests/analytic/test_steady_state.py)."""
 FE_ORDER = 4.0
 EVENT_FLOOR = 2.2e-11  # s, to which both solvers locate a switch
 

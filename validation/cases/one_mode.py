@@ -14,8 +14,8 @@ from lapjoint import Beam, History, PolynomialShape, Problem, Stop, Support
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.bilinear import Bilinear, classical_frequency
-from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Estimate, Kind
 
 LENGTH, MASS = 1.0, 3.0  # m, kg/m: a moment of inertia of m L^3 / 3 about the pin
 TORSION, STOP = 100.0, 525.0  # N m/rad, N/m: omega_2 / omega_1 = 2.5, at which no harmonic looked at is resonant

@@ -16,8 +16,8 @@ from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
 from validation.cases.steady import IMPULSE_ORDER, ORBIT
-from validation.quantity import Check, Criterion, Estimate
 from validation.uncertainty import refined_estimate, refined_vector
+from validation.verdict import Check, Criterion, Estimate
 
 NEAR = {515.0: 15.0, 820.0: 15.0, 2950.0: 40.0}
 """The paper's peak frequencies, and how far around each the peak is looked for, rad/s."""

@@ -13,8 +13,9 @@ from itertools import combinations
 import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, ViscousDamping, contact_states, paper_joint
+from lapjoint.answers import Contact
+from lapjoint.cli.arguments import named_solver
 from lapjoint.errors import InputError, SolverError
-from lapjoint.solution import Contact
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import (
@@ -25,9 +26,8 @@ from validation.cases.motions import (
     contact_estimates,
     fe_levels,
 )
-from validation.chosen import named_solver
-from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Estimate, Kind
 
 MODES, CONTACTS = 5, 4
 DURATION = 0.015  # s, of the damped joint: the first contacts

@@ -11,8 +11,8 @@ from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import analytic_levels, fe_levels
 from validation.cases.transient import WITNESS_TOLERANCE, motion_drawing
 from validation.invariants import witness
-from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Estimate, Kind
 
 DURATION = 0.2
 AT = 0.16  # s, where the kinetic energy is compared

@@ -9,11 +9,11 @@ import numpy as np
 
 import analytic
 from lapjoint import FREE, Outcome, Problem, ViscousDamping, paper_joint
-from lapjoint.presets import PAPER_DENSITY, TABLE_4_DENSITY
-from lapjoint.sweep import FREQUENCY, Axis, sweep
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
+from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
-from validation.quantity import Criterion
+from validation.verdict import Criterion
 
 RATIO = 0.08
 PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}  # and how far around each to look, rad/s

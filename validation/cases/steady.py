@@ -14,10 +14,10 @@ from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
 from validation.cases.transient import WITNESS_TOLERANCE
-from validation.drawing import COLOURS, draw
 from validation.invariants import witness
-from validation.quantity import Check, Criterion, Estimate
+from validation.report.drawing import COLOURS, draw
 from validation.uncertainty import refined_vector
+from validation.verdict import Check, Criterion, Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 FEWER = (5.0, 100.0, 250.0, 515.0, 820.0, 1000.0, 1400.0, 2060.0, 2950.0, 3500.0, 4200.0, 5000.0)
 MORE = (*FEWER, 1800.0, 2500.0, 3250.0, 4500.0)
 IMPULSE_ORDER = 6.0
-"""Order of the analytic impulses in the number of modes (tests/test_analytic_steady.py)."""
+"""Order of the analytic impulses in the number of modes (tests/analytic/test_steady_state.py)."""
 
 ORBIT = "Newton's residual, event times"
 """What limits a steady impulse once modes or mesh no longer do."""

@@ -7,11 +7,11 @@ import numpy as np
 import analytic
 import fe_lapjoint
 from lapjoint import contact_states, paper_joint, paper_state_number
-from lapjoint.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.case import CaseResult, Level, Say, Table, table
-from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import ROUNDING, refined_estimate
+from validation.verdict import Check, Estimate, Kind
 
 MODES = 8
 STIFFNESSES = (5.0, 1200.0, 5000.0)

@@ -14,8 +14,8 @@ from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER
 from validation.cases.textbook_equations import BEAMS, ROOTS, Textbook, roots
-from validation.quantity import Check, Estimate, Kind
 from validation.uncertainty import refined_estimate
+from validation.verdict import Check, Estimate, Kind
 
 DATA = Path(__file__).with_name("textbook.toml")
 EXACT = 4e-15  # relative: some roundings of either root finder

@@ -12,9 +12,9 @@ from lapjoint.figures import plot_motion
 from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Drawing, Level, Say, Table, table
 from validation.cases.motions import compare_contacts
-from validation.drawing import COLOURS, draw
 from validation.invariants import energy, power, witness
-from validation.quantity import Check
+from validation.report.drawing import COLOURS, draw
+from validation.verdict import Check
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint import Outcome, paper_joint
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.problem import FloatArray
-from lapjoint.sweep import FREQUENCY, Axis, sweep
 from validation.case import Level, Say
 
 if TYPE_CHECKING:

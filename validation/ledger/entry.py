@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from validation.case import Table, table
-from validation.quantity import Estimate
+from validation.verdict import Estimate
 
 
 class Ruling(Enum):

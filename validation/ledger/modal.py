@@ -9,11 +9,11 @@ import numpy as np
 import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, contact_states, paper_joint, paper_state_number
-from lapjoint.presets import PAPER_DENSITY, TABLE_4_DENSITY
+from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.cases.table4 import PRINTED
 from validation.ledger.entry import Entry, Ruling, matches, written
-from validation.quantity import Estimate
 from validation.uncertainty import refined_estimate
+from validation.verdict import Estimate
 
 MESHES = (16, 32, 64)
 TIP, MIDDLE = 2.5, 1.25

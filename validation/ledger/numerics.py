@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 import analytic
 from lapjoint import FREE, paper_joint
-from lapjoint.presets import TABLE_4_DENSITY
+from lapjoint.problem.presets import TABLE_4_DENSITY
 from validation.ledger.entry import Entry, Ruling
 
 FREQUENCY_INTERVAL, EVENT_INTERVAL = 7.38e-15, 2.2e-11  # rad/s and s, as printed
@@ -82,5 +82,5 @@ def equation_29() -> Entry:
         Ruling.MISPRINT,
         f"amplitude of an oscillator of {omega:g} rad/s and ratio {ratio:g} driven at {Omega:g}: by direct integration "
         f"{integrated:.4g}, as with C* omega; the printed entry has not the units of its row either",
-        "tests/test_analytic_march.py",
+        "tests/analytic/test_march.py",
     )

@@ -8,12 +8,12 @@ import numpy as np
 
 import analytic
 from lapjoint import ContactState, paper_joint
-from lapjoint.presets import PAPER_DENSITY, TABLE_4_DENSITY
+from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.case import Level, Say
 from validation.cases.peaks import NEAR, Peak, solve_peak
 from validation.ledger.curves import PUBLISHED, Figure4, at
 from validation.ledger.entry import Entry, Ruling, matches, written
-from validation.quantity import Estimate
+from validation.verdict import Estimate
 
 BOTH_BOTTOM = ContactState((0, 1))
 AXIS = 1.5e4

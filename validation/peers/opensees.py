@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, ModalDamping, Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import SectionPoint, SteadyState
 
 MOST_ELEMENTS = 400
 MOST_STEPS = 1_000_000

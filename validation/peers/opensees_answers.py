@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.contact import ContactState
+from lapjoint.answers import History, Modes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import History, Modes
 from lapjoint.solver import Progress
-from lapjoint.steady import Outcome, SectionPoint, SteadyState, periodic_outcome, impulses_per_period
 from validation.peers.opensees_motion import along, history_of
 from validation.peers.opensees_script import mesh
 from validation.peers.process import in_another_process
@@ -32,7 +32,7 @@ def ask(question: str, *arguments: Any) -> Any:
 
 @dataclass(frozen=True)
 class ElementShapes:
-    """Mode shapes of the mesh; see `lapjoint.solution.ModeShapes`."""
+    """Mode shapes of the mesh; see `lapjoint.answers.ModeShapes`."""
 
     nodes: FloatArray
     vectors: FloatArray

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from lapjoint.contact import ContactState
+from lapjoint.answers import Contact, History
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.solution import Contact, History
 from validation.peers.opensees_script import Record
 
 
@@ -26,7 +26,7 @@ def along(nodes: FloatArray, values: FloatArray, x: FloatArray, derivative: int)
 
 @dataclass(frozen=True)
 class RecordedField:
-    """z(x, t) of a record; see `lapjoint.solution.Field`."""
+    """z(x, t) of a record; see `lapjoint.answers.Field`."""
 
     nodes: FloatArray
     in_time: CubicHermiteSpline

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lapjoint.contact import ContactState
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem, Support, ViscousDamping
 
 FAR = 1e3  # m: where the gap springs' law ends

@@ -1,0 +1,94 @@
+"""Displacement and its derivatives anywhere in a marched motion, from the Hermite elements."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fe_lapjoint.march.gaps import Coordinates
+from fe_lapjoint.march.march import March, Piece
+from fe_lapjoint.march.model import Model
+from lapjoint.answers import Contact, History
+from lapjoint.problem import FloatArray
+
+
+@dataclass(frozen=True)
+class ElementField:
+    """z(x, t) of the finite element solution; see `lapjoint.answers.Field`."""
+
+    model: Model
+    pieces: tuple[Piece, ...]
+
+    def __call__(self, x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
+        """The `dx`-th x-derivative of the `dt`-th t-derivative of z, shape ``(n, m)``."""
+        rows = self.model.assembly.shapes(x, dx)
+        starts = np.array([piece.start for piece in self.pieces])
+        which = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
+        result = np.empty((x.size, t.size))
+        for i in np.unique(which):
+            here, piece = which == i, self.pieces[i]
+            modes = rows @ self.model.system(piece.state).vectors
+            result[:, here] = modes @ piece.coordinates(t[here], dt)
+        return result
+
+
+@dataclass(frozen=True)
+class Later:
+    """Coordinates of a piece whose time counts from its own march's start."""
+
+    coordinates: Coordinates
+    offset: float
+    """s."""
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """At the times ``(m,)`` of the whole motion."""
+        return self.coordinates(t - self.offset, dt)
+
+
+def history_of(name: str, model: Model, motions: Sequence[March], period: float) -> History:
+    """Marches that follow each other, a period apart, each from its own time 0, as the History that everybody reads."""
+    pieces = [_later(piece, i * period) for i, motion in enumerate(motions) for piece in motion.pieces]
+    switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
+    states = [pieces[0].state, *(pieces[i + 1].state for i in switches)]
+    return History(
+        problem=model.problem,
+        solver=name,
+        start=pieces[0].start,
+        end=pieces[-1].end,
+        switch_times=np.array([pieces[i].end for i in switches]),
+        states=tuple(states),
+        contacts=_joined(motions, period),
+        field=ElementField(model, tuple(pieces)),
+    )
+
+
+def _later(piece: Piece, offset: float) -> Piece:
+    if not offset:
+        return piece
+    start, end = piece.start + offset, piece.end + offset
+    return replace(piece, start=start, end=end, coordinates=Later(piece.coordinates, offset), flow=None)
+
+
+def _joined(motions: Sequence[March], period: float) -> tuple[Contact, ...]:
+    """All contacts, by start time; those that a march ends and the next one begins with are one."""
+    done: list[Contact] = []
+    going: dict[int, Contact] = {}
+    for i, motion in enumerate(motions):
+        for contact in motion.contacts:
+            contact = replace(contact, start=contact.start + i * period, end=contact.end + i * period)
+            before = going.pop(contact.stop, None) if contact.open_start else None
+            if before is not None:
+                contact = replace(
+                    before,
+                    end=contact.end,
+                    impulse=before.impulse + contact.impulse,
+                    peak_force=max(before.peak_force, contact.peak_force),
+                    open_end=contact.open_end,
+                )
+            if contact.open_end:
+                going[contact.stop] = contact
+            else:
+                done.append(contact)
+    return tuple(sorted([*done, *going.values()], key=lambda contact: (contact.start, contact.stop)))

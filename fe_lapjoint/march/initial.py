@@ -1,0 +1,31 @@
+"""The initial state on the mesh: nodal values and slopes of z(x, 0) and z_t(x, 0), and the stops closed then."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fe_lapjoint.march.system import System
+from fe_lapjoint.modes.assembly import Assembly
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray
+
+
+def initial_state(assembly: Assembly) -> ContactState:
+    """The stops pressed at t = 0, or touched by a beam that moves against them."""
+    problem, closed = assembly.problem, []
+    for k, stop in enumerate(problem.stops):
+        at = np.array(stop.x)
+        z, speed = (float(f(at)) * stop.sign for f in (problem.initial.displacement_at, problem.initial.velocity_at))
+        if z > stop.gap or (z == stop.gap and stop.gap > 0 and speed > 0):
+            closed.append(k)
+    return ContactState(tuple(closed))
+
+
+def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
+    """(q, q') at t = 0 by Hermite interpolation, shape ``(2 n,)``."""
+    initial, L = assembly.problem.initial, assembly.problem.beam.length
+    parts = []
+    for shape in (initial.displacement_at, initial.velocity_at):
+        u = np.stack([shape(assembly.nodes), L * shape(assembly.nodes, 1)], axis=1).ravel()[assembly.free]
+        parts.append(system.vectors.T @ (assembly.mass @ u))
+    return np.concatenate(parts)

@@ -1,0 +1,245 @@
+"""The march of the finite element model: linear flows between switches, with this package's own event handling.
+
+Time is cut into windows.  In each, the linear system of the present contact state is integrated: by its exact flow,
+or by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.march.events` looks for the first
+switch in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.
+`fe_lapjoint.ExactPropagator` is the same exact flow as a method of `solve_ivp`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from fe_lapjoint.march.events import Switch, first_switch
+from fe_lapjoint.march.gaps import Coordinates, FlowGaps, SolutionGaps
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.system import SAMPLES
+from lapjoint.answers import Contact
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.errors import SolverError
+from lapjoint.problem import FloatArray
+from lapjoint.solver import Progress
+
+_GAUSS = np.polynomial.legendre.leggauss(10)
+WINDOWS_PER_PERIOD = 3
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A stretch of the motion in one state, as integrated."""
+
+    state: ContactState
+    start: float
+    end: float
+    y: FloatArray
+    """(q, q') at the start, shape ``(2 n,)``."""
+    coordinates: Coordinates
+    flow: Flow | None
+    """The exact flow, if the method is exact."""
+    switched: int
+    """The stop that switches at the end; -1 if none does."""
+
+
+def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
+    """Integrate one state over a window by a library method, through `solve_ivp`."""
+    system = model.system(state)
+    options: dict[str, Any] = {"method": model.method, "rtol": model.rtol, "atol": model.atol}
+    if model.method != "DOP853":
+        options["jac"] = system.jacobian(t, y) if model.method in ("Radau", "BDF") else system.jacobian
+    solution = solve_ivp(system.rates, (t, end), y, dense_output=True, **options)
+    if not solution.success:
+        raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
+    n = system.omega.size
+
+    def coordinates(times: FloatArray, order: int = 0) -> FloatArray:
+        values = solution.sol(times)
+        if order == 2:
+            return np.array([system.rates(s, values[:, i])[n:] for i, s in enumerate(times)]).T
+        return np.asarray(values[:n] if order == 0 else values[n:])
+
+    return coordinates
+
+
+@dataclass(frozen=True)
+class March:
+    """A motion as pieces and contacts, and its end."""
+
+    model: Model
+    pieces: tuple[Piece, ...]
+    contacts: tuple[Contact, ...]
+    """By start time; empty if the march was not to be recorded."""
+    state: ContactState
+    y: FloatArray
+    """(q, q') at the end, shape ``(2 n,)``."""
+    switches: int
+
+    @property
+    def impulses(self) -> FloatArray:
+        """Impulse of each stop over the march, N s, shape ``(P,)``."""
+        total = np.zeros(self.model.sign.size)
+        for contact in self.contacts:
+            total[contact.stop] += contact.impulse
+        return total
+
+
+@dataclass
+class _Going:
+    start: float
+    open_start: bool
+    area: float = 0.0
+    deepest: float = 0.0
+
+
+def march(
+    model: Model,
+    state: ContactState,
+    y: FloatArray,
+    start: float,
+    end: float,
+    *,
+    progress: Progress | None = None,
+    record: bool = True,
+    peaks: bool = True,
+    max_switches: int = 200_000,
+) -> March:
+    """March from `start` to `end`; contacts are listed only if `record` is set, with their peak forces if `peaks` is.
+
+    Raises
+    ------
+    SolverError
+        If the integrator fails, or more than `max_switches` switches occur.
+    """
+    step = _window(model, state) / SAMPLES
+    fresh = np.full(model.sign.size, start)
+    going = {k: _Going(start, True) for k in state.closed}
+    pieces: list[Piece] = []
+    contacts: list[Contact] = []
+    t, switches = start, 0
+    while t < end or not pieces:
+        piece, y = _advance(model, state, t, end, step, y, fresh)
+        pieces.append(piece)
+        if record:
+            _account(model, piece, going, peaks)
+        t = piece.end
+        if piece.switched >= 0:
+            k, switches = piece.switched, switches + 1
+            if switches > max_switches:
+                raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
+            if not record:
+                pass
+            elif k in state:
+                contacts.append(_contact(model, k, going.pop(k), t, open_end=False))
+            else:
+                going[k] = _Going(t, False)
+            new = state.toggled(k)
+            fresh[k] = t
+            S = model.transfer(state, new)
+            y = (y.reshape(2, -1) @ S.T).ravel()
+            state = new
+        if progress is not None and len(pieces) % 32 == 0:
+            progress(t - start, end - start)
+    if record:
+        contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
+    contacts.sort(key=lambda contact: (contact.start, contact.stop))
+    return March(model, tuple(pieces), tuple(contacts), state, y, switches)
+
+
+def _window(model: Model, state: ContactState) -> float:
+    """A third of the shortest excitation period or of the slowest bending, s."""
+    beam = model.problem.beam
+    slow = 2 * math.pi * math.sqrt(beam.m * beam.length**4 / beam.EI)
+    periods = [2 * math.pi / omega for omega in model.system(state).driven]
+    return float(min([slow, *periods]) / WINDOWS_PER_PERIOD)
+
+
+def _advance(
+    model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, fresh: FloatArray
+) -> tuple[Piece, FloatArray]:
+    """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end."""
+    system = model.system(state)
+    orientation, offset = model.orientation(state), model.offset(state)
+    count = min(SAMPLES, max(1, math.ceil((end - t) / step)))
+    until = min(t + count * step, end)
+    if model.method == "exact":
+        flow = Flow(system, t, *y.reshape(2, -1))
+        switch: Switch | None = None
+        if orientation.size:
+            # the flow goes on beyond the end: the last step may too
+            grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
+            h = orientation[:, None] * z - offset[:, None]
+            gaps = FlowGaps(flow, orientation, offset)
+            switch = first_switch(gaps, grid, h, flow.curvature_bound(step, count), fresh)
+        switch = switch if switch is not None and switch.time <= until else None
+        until = until if switch is None else switch.time
+        return Piece(state, t, until, y, flow, flow, -1 if switch is None else switch.stop), flow.at(until)
+    return _advance_by_library(model, state, t, until, y, fresh)
+
+
+def _advance_by_library(
+    model: Model, state: ContactState, t: float, end: float, y: FloatArray, fresh: FloatArray
+) -> tuple[Piece, FloatArray]:
+    """A window integrated by `solve_ivp`."""
+    coordinates = integrate(model, state, t, end, y)
+    gaps = SolutionGaps(model.system(state).stops, coordinates, model.orientation(state), model.offset(state))
+    grid = np.linspace(t, end, SAMPLES + 1)
+    switch = (
+        first_switch(gaps, grid, gaps(grid), np.outer(gaps.curvature(t, end), np.ones(SAMPLES)), fresh)
+        if fresh.size
+        else None
+    )
+    until = end if switch is None else switch.time
+    at = np.array([until])
+    y_end = np.concatenate([coordinates(at, order)[:, 0] for order in (0, 1)])
+    return Piece(state, t, until, y, coordinates, None, -1 if switch is None else switch.stop), y_end
+
+
+def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) -> None:
+    """Add a piece to the area and the depth of the contacts that last through it."""
+    if not going or piece.end <= piece.start:
+        return
+    system, duration = model.system(piece.state), piece.end - piece.start
+    if piece.flow is not None:
+        area = system.stops @ piece.flow.integral(piece.end)
+    else:
+        # Ten Gauss points on each of 16 panels: beyond the accuracy of the integrators' dense output
+        edges = np.linspace(piece.start, piece.end, 17)
+        half = np.diff(edges)[:, None] / 2
+        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        area = system.stops @ piece.coordinates(t, 0) @ w
+    for k, contact in going.items():
+        contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
+    if not peaks:
+        return
+    t = np.linspace(piece.start, piece.end, 33)
+    z = system.stops @ piece.coordinates(t, 0) if piece.flow is None else piece.flow.at_stops(t)
+    for k, contact in going.items():
+        contact.deepest = max(contact.deepest, _deepest(model.sign[k] * z[k]) - float(model.gap[k]))
+
+
+def _deepest(z: FloatArray) -> float:
+    """Largest of the samples, improved by the parabola through the three around it."""
+    i = int(np.argmax(z))
+    if 0 < i < z.size - 1:
+        a, b = (z[i + 1] - z[i - 1]) / 2, z[i + 1] - 2 * z[i] + z[i - 1]
+        if b < 0:
+            return float(z[i]) - float(a) ** 2 / (2 * float(b))
+    return float(z[i])
+
+
+def _contact(model: Model, k: int, it: _Going, end: float, *, open_end: bool) -> Contact:
+    stiffness = float(model.stiffness[k])
+    return Contact(
+        stop=k,
+        start=it.start,
+        end=end,
+        impulse=float(model.sign[k]) * stiffness * max(it.area, 0.0),
+        peak_force=stiffness * max(it.deepest, 0.0),
+        open_start=it.open_start,
+        open_end=open_end,
+    )

@@ -1,0 +1,66 @@
+"""A problem on a mesh with its contact states, each built when it is first entered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fe_lapjoint.march.system import System, build_system
+from fe_lapjoint.modes.assembly import Assembly
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray, Problem
+
+
+@dataclass
+class Model:
+    """A problem on a mesh; contact states are built when first needed, and kept."""
+
+    problem: Problem
+    assembly: Assembly
+    method: str
+    rtol: float
+    atol: float
+    _systems: dict[ContactState, System] = field(default_factory=dict)
+    _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+    _weighted: dict[ContactState, FloatArray] = field(default_factory=dict)
+    _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        stops = self.problem.stops
+        self.sign = np.array([stop.sign for stop in stops], dtype=float)
+        self.gap = np.array([stop.gap for stop in stops], dtype=float)
+        self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
+
+    def system(self, state: ContactState) -> System:
+        """One contact state."""
+        if state not in self._systems:
+            self._systems[state] = build_system(self.assembly, state)
+        return self._systems[state]
+
+    def weighted(self, state: ContactState) -> FloatArray:
+        """M Phi: modal coordinates of a state are displacements times it, shape ``(n, n)``."""
+        if state not in self._weighted:
+            self._weighted[state] = self.assembly.mass @ self.system(state).vectors
+        return self._weighted[state]
+
+    def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
+        """Modal coordinates of `new` from those of `old`: Phi_new^T M Phi_old, orthogonal."""
+        if (old, new) not in self._maps:
+            self._maps[old, new] = self.system(new).vectors.T @ self.weighted(old)
+        return self._maps[old, new]
+
+    def orientation(self, state: ContactState) -> FloatArray:
+        """+1 or -1 for each stop, so that ``orientation * z - offset`` rises through 0 at its next switch."""
+        return self._signs(state)[0]
+
+    def offset(self, state: ContactState) -> FloatArray:
+        """The gap of each stop, with the sign that belongs to `orientation`."""
+        return self._signs(state)[1]
+
+    def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
+        if state not in self._gaps:
+            closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
+            turn = np.where(closed, -1.0, 1.0)
+            self._gaps[state] = turn * self.sign, turn * self.gap
+        return self._gaps[state]

@@ -1,0 +1,281 @@
+r"""The exact flow of one contact state, alone and as an `OdeSolver` for `scipy.integrate.solve_ivp`.
+
+Each mode is a driven oscillator q'' + 2 a q' + omega^2 q = f0 + sum_h fh sin(Omega_h t + phase_h).  With
+s = sqrt(a^2 - omega^2), real or imaginary,
+
+    q(t) = p(t) + exp(-a t) [ (q0 - p(0)) (cosh s t + a sinh(s t) / s) + (v0 - p'(0)) sinh(s t) / s ]
+
+where p answers the loads alone.  For the modes that oscillate the bracket is one turning phasor; sinh(s t) / s is
+smooth through s = 0, so critical damping and rigid-body modes need no case of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DenseOutput, OdeSolver
+
+from fe_lapjoint.march.system import ComplexArray, System
+from lapjoint.problem import FloatArray
+
+
+def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Answers C to a unit displacement and S to a unit velocity; ``t`` of shape ``(m,)`` gives ``(n, m)`` each."""
+    square = (a**2 - omega**2)[:, None]
+    s = np.sqrt(np.abs(square))
+    w = s * t
+    small = w < 1e-3
+    w_ = np.where(small, 1.0, w)
+    # for overdamped modes the growing half is combined with the decay before it can overflow
+    fast, slow = (
+        np.exp(-(a[:, None] + s) * t),
+        np.exp(-np.where(square > 0, _slow_rate(a, omega)[:, None], 0.0) * t),
+    )
+    decay = np.exp(-a[:, None] * t)
+    oscillating = decay * np.where(small, 1 - w**2 / 6 * (1 - w**2 / 20), np.sin(w_) / w_) * t
+    splitting = np.where(small, decay * (1 + w**2 / 6 * (1 + w**2 / 20)) * t, (slow - fast) / (2 * w_) * t)
+    S = np.where(square > 0, splitting, oscillating)
+    cosine = np.where(square > 0, (slow + fast) / 2, decay * np.cos(w))
+    return cosine + a[:, None] * S, S
+
+
+def _slow_rate(a: FloatArray, omega: FloatArray) -> FloatArray:
+    """a - sqrt(a^2 - omega^2) without cancellation, where a exceeds omega."""
+    s = np.sqrt(np.maximum(a**2 - omega**2, 0.0))
+    return omega**2 / np.where(a + s > 0, a + s, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """The exact motion of a `System` from a state at a time."""
+
+    system: System
+    start: float
+    q: FloatArray
+    """Modal displacements at the start, shape ``(n,)``."""
+    v: FloatArray
+    """Modal velocities at the start, shape ``(n,)``."""
+
+    @cached_property
+    def free(self) -> tuple[FloatArray, FloatArray]:
+        """Displacement and velocity at the start that the forced motion does not account for, each ``(n,)``."""
+        it = self.system
+        wave = it.amplitudes * np.exp(1j * (it.driven * self.start + it.phase))
+        x = self.q - wave.imag.sum(axis=1) - it.equilibrium
+        y = self.v - (wave.real @ it.driven)
+        return (x, y) if it.drift is None else (x, y - it.drift[0])
+
+    @cached_property
+    def _turning(self) -> ComplexArray:
+        """Complex amplitudes of the oscillating modes, Re(c exp(root s))."""
+        x, y = self.free
+        if not self.system.all_oscillate:
+            x, y = x[self.system.oscillating], y[self.system.oscillating]
+        root = self.system.roots
+        return np.asarray(x - 1j * (y - root.real * x) / root.imag)
+
+    @cached_property
+    def _terms(self) -> ComplexArray:
+        """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
+        it = self.system
+        loads = it.place_amplitudes * (-1j * np.exp(1j * (it.driven * self.start + it.phase)))
+        return np.concatenate([it.place_modes * self._turning, loads, it.place_equilibrium], axis=1)
+
+    @cached_property
+    def _terms_and_rates(self) -> ComplexArray:
+        """Those of the displacement and of the velocity, shape ``(p, 2, terms)``."""
+        return np.stack([self._terms, self._terms * self.system.rates_of_terms], axis=1)
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative (0 to 2) of q at the times ``t`` of shape ``(m,)``; returns ``(n, m)``."""
+        result = self._forced(t, dt)
+        it = self.system
+        free = ((self._turning * it.roots**dt)[:, None] * np.exp(np.multiply.outer(it.roots, t - self.start))).real
+        if it.all_oscillate:
+            return np.asarray(result + free)
+        result[it.oscillating] += free
+        result[~it.oscillating] += self._others(t, dt)
+        return result
+
+    def at(self, t: float) -> FloatArray:
+        """(q, q') at one time, shape ``(2 n,)``."""
+        it = self.system
+        if not it.plain:
+            times = np.array([t])
+            return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
+        wave = it.amplitudes * np.exp(1j * (it.driven * t + it.phase))
+        turned = self._turning * np.exp(it.roots * (t - self.start))
+        q = turned.real + wave.imag.sum(axis=1) + it.equilibrium
+        return np.concatenate([q, (turned * it.roots).real + wave.real @ it.driven])
+
+    def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative of z at the stops, shape ``(P, m)``: the same sum, the modes contracted first."""
+        it = self.system
+        turning = np.exp(np.multiply.outer(it.rates_of_terms, t - self.start))
+        terms = self._terms * it.rates_of_terms**dt if dt else self._terms
+        return self._with_others((terms @ turning).real, t, dt)
+
+    def at_grid(self, step: float, count: int) -> FloatArray:
+        """z at the stops at the start and `count` equal steps on, shape ``(P, count + 1)``."""
+        z = (self._terms @ self.system.grid(step)[0][:, : count + 1]).real
+        return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
+
+    def at_stop(self, k: int, t: float) -> tuple[float, float]:
+        """z and its rate at one stop at one time."""
+        it = self.system
+        if not it.plain:
+            times = np.array([t])
+            return float(self.at_stops(times)[k, 0]), float(self.at_stops(times, 1)[k, 0])
+        z, rate = self._terms_and_rates[it.place_of[k]] @ np.exp(it.rates_of_terms * (t - self.start))
+        return float(z.real), float(rate.real)
+
+    def _with_others(self, z: FloatArray, t: FloatArray, dt: int) -> FloatArray:
+        """From the places to the stops, with what rigid-body and overdamped modes contribute, ``(P, m)``."""
+        it = self.system
+        if it.drift is not None:
+            z = z + it.places @ self._drift(t - self.start, dt)
+        if not it.all_oscillate:
+            z = z + it.places[:, ~it.oscillating] @ self._others(t, dt)
+        return np.asarray(z[it.place_of])
+
+    def _others(self, t: FloatArray, dt: int) -> FloatArray:
+        """Modes that do not oscillate, or hardly: overdamped, critical, rigid."""
+        it = self.system
+        rest = ~it.oscillating
+        a, square = it.decay[rest, None], it.omega[rest, None] ** 2
+        x, y = (part[rest, None] for part in self.free)
+        C, S = free_response(it.decay[rest], it.omega[rest], t - self.start)
+        displacement, velocity = x * C + y * S, -square * x * S + y * (C - 2 * a * S)
+        return np.asarray((displacement, velocity, -2 * a * velocity - square * displacement)[dt])
+
+    def _forced(self, t: FloatArray, dt: int) -> FloatArray:
+        """Answer to the loads alone, chosen so that it is periodic, constant or a polynomial, ``(n, m)``."""
+        it = self.system
+        angle = it.driven[:, None] * t + it.phase[:, None]
+        waves = (it.amplitudes @ ((1j * it.driven[:, None]) ** dt * np.exp(1j * angle))).imag
+        if dt == 0:
+            waves += it.equilibrium[:, None]
+        return np.asarray(waves if it.drift is None else waves + self._drift(t - self.start, dt))
+
+    def _drift(self, s: FloatArray, dt: int) -> FloatArray:
+        """Answer of rigid-body modes to the constant forces, ``(n, m)``."""
+        assert self.system.drift is not None
+        ramp, fall = self.system.drift
+        one, zero = np.ones_like(s), np.zeros_like(s)
+        return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
+
+    def integral(self, end: float) -> FloatArray:
+        """Integral of q from the start to `end`, shape ``(n,)``, from the equation of motion integrated once.
+
+        omega^2 int q = int f - [q'] - 2 a [q]; without stiffness the equation is integrated twice.
+        """
+        it, T = self.system, end - self.start
+        ends = np.array([end])
+        dq, dv = self(ends)[:, 0] - self.q, self(ends, 1)[:, 0] - self.v
+        first, second = self._load_integrals(T)
+        rigid, drag = it.omega == 0, it.decay > 0
+        stiff = (first - dv - 2 * it.decay * dq) / np.where(rigid, 1.0, it.omega**2)
+        dragged = self.q * T + (self.v * T + second - dq) / np.where(drag, 2 * it.decay, 1.0)
+        drifting = self.q * T + self.v * T**2 / 2 + self._third_load_integral(T)
+        return np.asarray(np.where(~rigid, stiff, np.where(drag, dragged, drifting)))
+
+    def _load_integrals(self, T: float) -> tuple[FloatArray, FloatArray]:
+        """Single and double integral of the modal force over T, each ``(n,)``."""
+        it = self.system
+        w, p0 = it.driven, it.driven * self.start + it.phase
+        p1 = p0 + w * T
+        single = (np.cos(p0) - np.cos(p1)) / w
+        double = np.cos(p0) * T / w - (np.sin(p1) - np.sin(p0)) / w**2
+        return it.constant * T + it.harmonic @ single, it.constant * T**2 / 2 + it.harmonic @ double
+
+    def _third_load_integral(self, T: float) -> FloatArray:
+        it = self.system
+        w, p0 = it.driven, it.driven * self.start + it.phase
+        p1 = p0 + w * T
+        triple = np.cos(p0) * T**2 / (2 * w) + (np.cos(p1) - np.cos(p0)) / w**3 + np.sin(p0) * T / w**2
+        return np.asarray(it.constant * T**3 / 6 + it.harmonic @ triple)
+
+    def curvature_bound(self, step: float, count: int) -> FloatArray:
+        """Bounds on |z''| at every stop from each of `count` grid times on, shape ``(P, count)``."""
+        it = self.system
+        # the acceleration of Re(c exp(r s)) is at most |c| |r|^2 exp(Re(r) s)
+        strength = np.abs(self._terms) * it.squares_of_terms
+        bound = strength @ it.grid(step)[1][:, :count]
+        if it.drift is not None:
+            bound += (np.abs(it.places) @ np.abs(it.drift[1]))[:, None]
+        if not it.all_oscillate:
+            bound += self._others_bound()[:, None]
+        return np.asarray(bound[it.place_of])
+
+    def _others_bound(self) -> FloatArray:
+        """The share of the modes that do not oscillate, shape ``(p,)``."""
+        it, rest = self.system, ~self.system.oscillating
+        x, y = (np.abs(part[rest]) for part in self.free)
+        omega, a = it.omega[rest], it.decay[rest]
+        # |q''| of a free damped mode never exceeds (omega + 2 a) (|y| + omega |x|):
+        # its energy falls, so |q'| <= |y| + omega |x| and omega |q| <= the same.
+        return np.asarray(np.abs(it.places[:, rest]) @ ((omega + 2 * a) * (y + omega * x)))
+
+
+def flow_matrix(system: System, s: float) -> FloatArray:
+    """d(q, q')(s) / d(q, q')(0), shape ``(2 n, 2 n)``."""
+    C, S = (part[:, 0] for part in free_response(system.decay, system.omega, np.array([s])))
+    return np.block([[np.diag(C), np.diag(S)], [np.diag(-(system.omega**2) * S), np.diag(C - 2 * system.decay * S)]])
+
+
+class _ExactDense(DenseOutput):  # type: ignore[misc]
+    def __init__(self, t_old: float, t: float, flow: Flow) -> None:
+        super().__init__(t_old, t)
+        self._flow = flow
+
+    def _call_impl(self, t: FloatArray) -> FloatArray:
+        times = np.atleast_1d(t)
+        y = np.concatenate([self._flow(times), self._flow(times, 1)])
+        return np.asarray(y if np.ndim(t) else y[:, 0])
+
+
+class ExactPropagator(OdeSolver):  # type: ignore[misc]
+    """Exact stepping of a linear `System` between events, as a method of `scipy.integrate.solve_ivp`.
+
+    Parameters
+    ----------
+    fun, t0, y0, t_bound, vectorized :
+        As for every `OdeSolver`; ``y`` = (q, q'), shape ``(2 n,)``; `fun` must be ``system.rates``.
+    system : System
+        The linear system; `fun` is not called.
+    max_step : float
+        Longest step, s; any step is exact, so only the spacing of the output depends on it.
+    """
+
+    t: float
+    y: FloatArray
+
+    def __init__(
+        self,
+        fun: Any,
+        t0: float,
+        y0: FloatArray,
+        t_bound: float,
+        vectorized: bool = False,
+        *,
+        system: System,
+        max_step: float = np.inf,
+        **_: Any,
+    ) -> None:
+        super().__init__(fun, t0, y0, t_bound, vectorized)
+        self._system, self._max_step = system, max_step
+        self._flow = Flow(system, t0, *np.split(np.asarray(y0, dtype=float), 2))
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        now = self.t
+        t = now + self.direction * min(self._max_step, abs(self.t_bound - now))
+        self._flow = Flow(self._system, now, *np.split(self.y, 2))
+        self.y = np.concatenate([part[:, 0] for part in (self._flow(np.array([t])), self._flow(np.array([t]), 1))])
+        self.t = t
+        return True, None
+
+    def _dense_output_impl(self) -> DenseOutput:
+        return _ExactDense(self.t_old, self.t, self._flow)

@@ -1,0 +1,234 @@
+r"""The semi-discrete beam in one contact state, in the coordinates of its own finite element modes.
+
+    M u'' + C u' + K u = f0 + sum_h fh sin(Omega_h t + phase_h)
+
+with the springs of the closed stops in K and their k gap in f0.  The modes of one mesh span all of its degrees of
+freedom, so nothing is lost between states: q_new = Phi_new^T M Phi_old q_old exactly.  Under modal damping every
+mode of the state has its ratio; under viscous damping C = (C / m) M.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.eigenmodes import eigenmodes
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
+
+ComplexArray = npt.NDArray[np.complex128]
+IndexArray = npt.NDArray[np.intp]
+SAMPLES = 48  # steps of the grid on which a flow is looked at
+_APART = 1e-4  # of the decay of a critical mode: between the two rates that stand for it
+_DETUNE = 1e-7  # an undamped mode met exactly by a load is moved by this fraction of its frequency
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """One contact state with ``n`` modes, ``P`` stops and ``H`` harmonic loads."""
+
+    state: ContactState
+    omega: FloatArray
+    """Natural angular frequencies, rad/s, shape ``(n,)``."""
+    vectors: FloatArray
+    """Mass-normalised modes as columns over the free degrees of freedom, shape ``(n, n)``."""
+    decay: FloatArray
+    """zeta omega of each mode, 1/s, shape ``(n,)``."""
+    constant: FloatArray
+    """Modal force of the closed stops' gaps and of the step loads, shape ``(n,)``."""
+    harmonic: FloatArray
+    """Modal amplitudes of the harmonic loads, shape ``(n, H)``."""
+    driven: FloatArray
+    """Their angular frequencies, rad/s, shape ``(H,)``."""
+    phase: FloatArray
+    """Their phases, rad, shape ``(H,)``."""
+    stops: FloatArray
+    """Rows that read z at the stops, shape ``(P, n)``."""
+
+    @cached_property
+    def oscillating(self) -> npt.NDArray[np.bool_]:
+        """Modes damped well below critical, shape ``(n,)``."""
+        return np.asarray(self.omega > self.decay * (1 + 1e-6))
+
+    @cached_property
+    def all_oscillate(self) -> bool:
+        """Whether every mode does."""
+        return bool(self.oscillating.all())
+
+    @cached_property
+    def roots(self) -> ComplexArray:
+        """-a + i sqrt(omega^2 - a^2) of the oscillating modes."""
+        a, omega = self.decay[self.oscillating], self.omega[self.oscillating]
+        return np.asarray(-a + 1j * np.sqrt(omega**2 - a**2))
+
+    @cached_property
+    def equilibrium(self) -> FloatArray:
+        """Modal displacements under the constant forces; 0 for rigid-body modes, shape ``(n,)``."""
+        rigid = self.omega == 0
+        return np.where(rigid, 0.0, self.constant / np.where(rigid, 1.0, self.omega) ** 2)
+
+    @cached_property
+    def amplitudes(self) -> ComplexArray:
+        """Complex amplitudes P of the forced motion Im(P exp(i angle)), shape ``(n, H)``."""
+        a, w, omega = self.decay[:, None], self.driven, self.omega[:, None]
+        resonant = (a < _DETUNE * omega) & (np.abs(omega - w) < _DETUNE * omega)
+        omega = np.where(resonant, w * (1 + _DETUNE), omega)
+        return np.asarray(self.harmonic / (omega**2 - w**2 + 2j * a * w))
+
+    @cached_property
+    def _distinct(self) -> tuple[FloatArray, IndexArray]:
+        rows, index = np.unique(self.stops, axis=0, return_inverse=True) if self.stops.size else (self.stops, None)
+        return rows, np.zeros(len(rows), dtype=np.intp) if index is None else np.asarray(index).ravel()
+
+    @property
+    def places(self) -> FloatArray:
+        """The distinct rows of `stops`: one for each position, shape ``(p, n)``."""
+        return self._distinct[0]
+
+    @property
+    def place_of(self) -> IndexArray:
+        """Which of the `places` each stop is at, shape ``(P,)``."""
+        return self._distinct[1]
+
+    @cached_property
+    def place_amplitudes(self) -> ComplexArray:
+        """The forced motion of the places, shape ``(p, H)``."""
+        return np.asarray(self.places @ self.amplitudes)
+
+    @cached_property
+    def place_modes(self) -> FloatArray:
+        """The oscillating modes at the places, shape ``(p, n)``."""
+        return np.asarray(self.places if self.all_oscillate else self.places[:, self.oscillating])
+
+    @cached_property
+    def place_equilibrium(self) -> ComplexArray:
+        """Where the constant forces hold the places, shape ``(p, 1)``."""
+        return np.asarray((self.places @ self.equilibrium)[:, None].astype(complex))
+
+    @cached_property
+    def rates_of_terms(self) -> ComplexArray:
+        """What the motion of a place is made of: exp(r t) for the oscillating modes, the loads and a constant."""
+        return np.concatenate([self.roots, 1j * self.driven, [0.0]])
+
+    @cached_property
+    def squares_of_terms(self) -> FloatArray:
+        """|r|^2 of `rates_of_terms`."""
+        return np.asarray(np.abs(self.rates_of_terms) ** 2)
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether these terms are all of it: no overdamped and no rigid-body modes."""
+        return self.all_oscillate and self.drift is None
+
+    @cached_property
+    def drift(self) -> tuple[FloatArray, FloatArray] | None:
+        """Speed and acceleration of rigid-body modes under constant forces, each ``(n,)``; None without such modes."""
+        rigid, drag = self.omega == 0, self.decay > 0
+        if not rigid.any():
+            return None
+        ramp = np.where(rigid & drag, self.constant / np.where(drag, 2 * self.decay, 1.0), 0.0)
+        return ramp, np.where(rigid & ~drag, self.constant, 0.0)
+
+    @cached_property
+    def exponentials(self) -> tuple[ComplexArray, IndexArray]:
+        """Rates of the free motion, 1/s, and the mode that each belongs to, shape ``(terms,)`` each.
+
+        One of a complex pair for the modes that oscillate, then the slow and the fast ones of the others.  Critical
+        ones are kept apart a little, and rigid-body modes without drag have none.
+        """
+        others = np.flatnonzero(~self.oscillating & (self.decay > 0))
+        a, omega = self.decay[others], self.omega[others]
+        s = np.maximum(np.sqrt(np.maximum(a**2 - omega**2, 0.0)), _APART * a)
+        slow = np.where(omega > 0, np.where(s > _APART * a, omega**2 / (a + s), a - s), 0.0)
+        rates = np.concatenate([self.roots, -slow, -(a + s)])
+        return rates, np.concatenate([np.flatnonzero(self.oscillating), others, others])
+
+    def amplitudes_of(self, q: FloatArray, v: FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """Complex amplitudes of the `exponentials` that free motions from ``q``, ``v``, each ``(n, m)``, are made of.
+
+        Also the displacement and the speed at the stops of rigid-body modes without drag, shape ``(P, 2, m)``.
+        """
+        rates, modes = self.exponentials
+        turning = self.oscillating
+        count = int(np.count_nonzero(turning))
+        one = self.roots[:, None]
+        oscillating = q[turning] - 1j * (v[turning] - one.real * q[turning]) / one.imag
+        others = modes[count : count + (modes.size - count) // 2]
+        slow, fast = np.split(rates[count:, None].real, 2)
+        first = (v[others] - fast * q[others]) / (slow - fast)
+        drifting = ~turning & (self.decay == 0)
+        drift = np.stack([self.stops[:, drifting] @ part[drifting] for part in (q, v)], axis=1)
+        return np.concatenate([oscillating, first, q[others] - first]), drift
+
+    def grid(self, step: float) -> tuple[ComplexArray, FloatArray]:
+        """exp(r t) of `rates_of_terms` at t = 0, step, ... `SAMPLES` step, and moduli, kept for next time."""
+        if step not in self._grids:
+            turning = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
+            self._grids[step] = turning, np.abs(turning)
+        return self._grids[step]
+
+    @cached_property
+    def _grids(self) -> dict[float, tuple[ComplexArray, FloatArray]]:
+        return {}
+
+    def rates(self, t: float, y: FloatArray) -> FloatArray:
+        """d(q, q')/dt for ``y`` = (q, q') of shape ``(2 n,)``."""
+        q, v = np.split(y, 2)
+        force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
+        return np.concatenate([v, force - 2 * self.decay * v - self.omega**2 * q])
+
+    def jacobian(self, t: float, y: FloatArray) -> FloatArray:
+        """Derivative of `rates` by y, shape ``(2 n, 2 n)``."""
+        n = self.omega.size
+        return np.block(
+            [
+                [np.zeros((n, n)), np.eye(n)],
+                [-np.diag(self.omega**2), -2 * np.diag(self.decay)],
+            ]
+        )
+
+
+def build_system(assembly: Assembly, state: ContactState) -> System:
+    """The modal form of a contact state on a mesh."""
+    problem = assembly.problem
+    omega, vectors = eigenmodes(assembly, state)
+    sines = [load for load in problem.point_loads if isinstance(load, SineLoad)]
+    steps = [load for load in problem.point_loads if isinstance(load, StepLoad)]
+    base = problem.base_motion
+    f0 = np.zeros(omega.size)
+    for k in state.closed:
+        stop = problem.stops[k]
+        f0 += stop.sign * stop.stiffness * stop.gap * assembly.unit_force(stop.x)
+    for step in steps:
+        f0 += step.force * assembly.unit_force(step.x)
+    columns = [load.force * assembly.unit_force(load.x) for load in sines]
+    driven, phase = ([load.angular_frequency for load in sines], [load.phase for load in sines])
+    if base is not None:
+        acceleration = base.amplitude * base.angular_frequency**2
+        columns.append(problem.beam.m * acceleration * assembly.uniform_load)
+        driven.append(base.angular_frequency)
+        phase.append(base.phase)
+    rows = [assembly.unit_force(stop.x) for stop in problem.stops]
+    return System(
+        state=state,
+        omega=omega,
+        vectors=vectors,
+        decay=_decay(assembly, omega),
+        constant=vectors.T @ f0,
+        harmonic=vectors.T @ np.array(columns).reshape(len(columns), omega.size).T,
+        driven=np.array(driven),
+        phase=np.array(phase),
+        stops=np.array(rows).reshape(len(rows), omega.size) @ vectors,
+    )
+
+
+def _decay(assembly: Assembly, omega: FloatArray) -> FloatArray:
+    damping = assembly.problem.damping
+    if isinstance(damping, ModalDamping):
+        return damping.ratios(omega.size) * omega
+    coefficient = damping.coefficient if isinstance(damping, ViscousDamping) else 0.0
+    return np.full(omega.size, coefficient / (2 * assembly.problem.beam.m))

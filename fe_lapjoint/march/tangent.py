@@ -1,0 +1,109 @@
+r"""How small deviations travel along a motion: the monodromy matrix, and one tangent vector alone.
+
+A deviation dy travels within a state by the linear flow, and at a switch at time T, where h is the gap function that
+vanishes and f- and f+ are the rates before and after,
+
+    dy+ = S dy- + (S f- - f+) dT,    dT = -(dh/dy- dy-) / h'
+
+with S the constant, lossless map between the modes of the two states.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fe_lapjoint.march.march import March, Piece
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.propagator import free_response
+from fe_lapjoint.march.system import System
+from lapjoint.orbits.period_map import Segment
+from lapjoint.problem import FloatArray
+
+
+def monodromy(model: Model, motion: March) -> FloatArray:
+    """d(end) / d(start) of a march by the exact method, each in the modes of its state, shape ``(2 n, 2 n)``."""
+    return carried(model, motion, np.eye(motion.pieces[0].y.size))
+
+
+def carried(model: Model, motion: March, deviations: FloatArray) -> FloatArray:
+    """What becomes of deviations from the start, given as columns ``(2 n, m)``, by the end of a march."""
+    for piece, following in zip(motion.pieces, (*motion.pieces[1:], None), strict=True):
+        deviations = _flow(model.system(piece.state), piece.end - piece.start, deviations)
+        if piece.switched >= 0:
+            y = motion.y if following is None else following.y
+            deviations = _jump(model, piece, y, deviations)
+    return deviations
+
+
+def traced(model: Model, motion: March, deviations: FloatArray) -> tuple[Segment, ...]:
+    """A march as the sums of exponentials that its pieces are, and all deviations from it.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    motion : March
+        A march by the exact method.
+    deviations : FloatArray
+        (q, q') at the start by each coordinate of a deviation, in the modes of the first state, shape ``(2 n, m)``.
+    """
+    segments = []
+    for i, piece in enumerate(motion.pieces):
+        segments.append(_segment(model, piece, deviations))
+        deviations = _flow(model.system(piece.state), piece.end - piece.start, deviations)
+        if piece.switched >= 0 and i + 1 < len(motion.pieces):
+            deviations = _jump(model, piece, motion.pieces[i + 1].y, deviations)
+    return tuple(segments)
+
+
+def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
+    """A piece as a sum of exponentials, and deviations at its start, ``(2 n, m)``, as sums of the same."""
+    assert piece.flow is not None
+    system, flow = model.system(piece.state), piece.flow
+    q, v = np.split(deviations, 2)
+    free_q, free_v = (part[:, None] for part in flow.free)
+    rates, modes = system.exponentials
+    both = np.concatenate([q, free_q], axis=1), np.concatenate([v, free_v], axis=1)
+    terms, drift = system.amplitudes_of(*both)
+    loads = -1j * np.exp(1j * (system.driven * piece.start + system.phase))
+    polynomial = np.zeros((len(system.stops), 3))
+    polynomial[:, :2] = drift[:, :, -1]
+    polynomial[:, 0] += system.stops @ system.equilibrium
+    if system.drift is not None:
+        polynomial[:, 1] += system.stops @ system.drift[0]
+        polynomial[:, 2] = system.stops @ system.drift[1] / 2
+    return Segment(
+        start=piece.start,
+        end=piece.end,
+        closed=np.array([k in piece.state for k in range(len(system.stops))], dtype=bool),
+        rates=np.concatenate([rates, 1j * system.driven]),
+        weights=np.concatenate([system.stops[:, modes].astype(complex), system.stops @ system.amplitudes], axis=1),
+        amplitudes=np.concatenate([terms[:, -1], loads]),
+        polynomial=polynomial,
+        deviations=terms[:, :-1],
+        drift=drift[:, :, :-1],
+        switched=piece.switched,
+    )
+
+
+def _flow(system: System, s: float, deviations: FloatArray) -> FloatArray:
+    C, S = free_response(system.decay, system.omega, np.array([s]))
+    q, v = np.split(deviations, 2)
+    square, drag = (system.omega**2)[:, None], 2 * system.decay[:, None]
+    return np.concatenate([C * q + S * v, (C - drag * S) * v - square * S * q])
+
+
+def _jump(model: Model, piece: Piece, after: FloatArray, deviations: FloatArray) -> FloatArray:
+    """Over the switch at the end of a piece; ``after`` is (q, q') in the modes of the next state."""
+    state, k, n = piece.state, piece.switched, after.size // 2
+    old, new = model.system(state), model.system(state.toggled(k))
+    S = model.transfer(state, state.toggled(k))
+
+    def mapped(vectors: FloatArray) -> FloatArray:
+        return np.concatenate([S @ vectors[:n], S @ vectors[n:]])
+
+    before = (after.reshape(2, -1) @ S).ravel()  # S is orthogonal
+    row = model.orientation(state)[k] * old.stops[k]
+    change = mapped(old.rates(piece.end, before)) - new.rates(piece.end, after)
+    delay = -(row @ deviations[:n]) / (row @ before[n:])
+    return np.asarray(mapped(deviations) + np.multiply.outer(change, delay))

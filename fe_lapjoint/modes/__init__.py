@@ -1,0 +1,1 @@
+"""Mesh, assembly by Hermite elements, and the natural frequencies and mode shapes of each contact state."""

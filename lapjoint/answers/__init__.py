@@ -1,0 +1,26 @@
+"""What an answer is: contact states, modes, motions with their contacts, and steady states, whichever solver gave them.
+
+Only types live here, and how contacts are written to files.  How displacement is evaluated, where events lie and
+what an impulse comes to is each solver's own work, so that a shared mistake cannot hide from the comparison.
+"""
+
+from lapjoint.answers.contact_state import FREE, ContactState, contact_states, paper_state_number
+from lapjoint.answers.history import Contact, Field, History
+from lapjoint.answers.modes import Modes, ModeShapes
+from lapjoint.answers.steady_state import Exponent, Outcome, SectionPoint, SteadyState
+
+__all__ = [
+    "FREE",
+    "Contact",
+    "ContactState",
+    "Exponent",
+    "Field",
+    "History",
+    "ModeShapes",
+    "Modes",
+    "Outcome",
+    "SectionPoint",
+    "SteadyState",
+    "contact_states",
+    "paper_state_number",
+]

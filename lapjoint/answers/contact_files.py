@@ -1,0 +1,84 @@
+"""The contacts of a motion as CSV or JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+from lapjoint.answers.history import History
+from lapjoint.errors import InputError
+from lapjoint.output_files import write_text
+from lapjoint.problem.files import problem_tables_json
+
+CONTACT_COLUMNS = (
+    "stop",
+    "side",
+    "start_s",
+    "end_s",
+    "duration_s",
+    "impulse_Ns",
+    "peak_force_N",
+    "open_start",
+    "open_end",
+)
+
+
+def write_contacts(history: History, path: str | Path) -> None:
+    """Write the contacts of a history as CSV or JSON, by the ending of `path`.
+
+    The columns are `CONTACT_COLUMNS`; times in s, impulses in N s (top positive), forces in N.  The JSON file
+    also holds the problem, the solver, the first and last time, and the total impulse of each stop.
+
+    Raises
+    ------
+    InputError
+        If the ending is another one, or the file cannot be written.
+    """
+    ending = Path(path).suffix.lower()
+    if ending == ".csv":
+        out = io.StringIO()
+        writer = csv.DictWriter(out, CONTACT_COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(contact_rows(history))
+        write_text(path, out.getvalue())
+    elif ending == ".json":
+        impulses = dict(zip(history.problem.stop_names, history.impulses().tolist(), strict=True))
+        content = {
+            "problem": problem_tables_json(history.problem),
+            "solver": history.solver,
+            "start_s": history.start,
+            "end_s": history.end,
+            "impulses_Ns": impulses,
+            "contacts": contact_rows(history),
+        }
+        write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
+    else:
+        raise InputError(f"{path}: contacts are written as .csv or .json, not {ending or 'without an ending'}")
+
+
+def contact_rows(history: History) -> list[dict[str, Any]]:
+    """The contacts of a history as rows with the keys `CONTACT_COLUMNS`."""
+    stops, names = history.problem.stops, history.problem.stop_names
+    return [
+        dict(
+            zip(
+                CONTACT_COLUMNS,
+                (
+                    names[c.stop],
+                    stops[c.stop].side,
+                    float(c.start),
+                    float(c.end),
+                    float(c.duration),
+                    float(c.impulse),
+                    float(c.peak_force),
+                    c.open_start,
+                    c.open_end,
+                ),
+                strict=True,
+            )
+        )
+        for c in history.contacts
+    ]

@@ -1,0 +1,194 @@
+"""What a steady state is, and the certificate that says how it was established."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.history import History
+from lapjoint.problem import FloatArray, Problem
+
+ComplexArray = npt.NDArray[np.complex128]
+
+CERTAIN = 4.0  # standard errors: the error is itself an estimate from few stretches, and looked at more than once
+LEAST_GROWTH = 10.0  # logarithm: on a torus a deviation grows and shrinks by less, over however long a time
+ALIKE = 0.1  # of the value: halves that differ by less agree, even if the growth hardly scatters
+SMALL = 0.1  # of the slowest decay: nearby motions would take ten times as long to part as free vibration to die away
+SENSITIVE = 1e8  # rounding, 1e-16 of the motion, then is as large as what tells two motions apart
+
+
+class Outcome(Enum):
+    """What a search for a steady state established; the values are sentences."""
+
+    NO_CONTACT = "The motion is periodic and touches no stop."
+    PERIODIC = "The motion is periodic, with contacts."
+    CHATTERING = "The motion is periodic; in each period a stop chatters: contacts ever closer, then a lasting one."
+    QUASIPERIODIC = "The motion is quasi-periodic: it circles an unstable periodic one, and nearby motions keep apart."
+    APERIODIC = "The motion is aperiodic: nearby motions part exponentially."
+    UNDECIDED = "Within the effort allowed the motion did not settle, and nearby motions did not part for certain."
+
+
+@dataclass(frozen=True, eq=False)
+class SectionPoint:
+    """The state of a motion at a multiple of the excitation period, to start another motion from."""
+
+    state: ContactState
+    coordinates: FloatArray
+    """The solver's own coordinates and their rates, shape ``(2, n)``; only a solver of the same kind reads them."""
+    nodes: FloatArray | None = None
+    """Positions that nodal coordinates belong to, m, shape ``(nodes,)``; None where coordinates are modal."""
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """The largest Lyapunov exponent of a motion: the rate at which nearby motions part.
+
+    That it is above zero, below, or zero is said only for certain, and of one measurement at most one of the three
+    holds.  Above or below zero it must be in each half, which a transient that dies away is not.  Zero is not what
+    cannot be told from it: every part of the measurement must find it within a narrow interval.
+    """
+
+    value: float
+    """Mean rate of growth, 1/s; positive: chaos."""
+    standard_error: float
+    """Standard error of the mean, 1/s, with the correlation of the growth from period to period."""
+    periods: int
+    """Excitation periods over which it was measured."""
+    time: float
+    """Their duration, s."""
+    halves: tuple[float, float]
+    """Mean rates over the first half of the measurement and over the second, 1/s."""
+    quarters: tuple[float, ...]
+    """Rates over its quarters, 1/s, as weighted means that converge fast where the motion is quasi-periodic."""
+
+    @property
+    def positive(self) -> bool:
+        """Whether it is certainly above zero: in each half by `CERTAIN` errors, and over `LEAST_GROWTH` e-folds."""
+        return min(self.halves) > self._margin and self._steady and self.value * self.time > LEAST_GROWTH
+
+    @property
+    def negative(self) -> bool:
+        """Whether it is certainly below zero, as it is on a stable periodic motion, however long its period."""
+        return max(self.halves) < -self._margin and self._steady and self.value * self.time < -LEAST_GROWTH
+
+    def vanishes(self, rate: float) -> bool:
+        """Whether it is certainly zero: in every quarter within `SMALL` of `rate`, the slowest decay by damping, 1/s.
+
+        Without damping, `rate` zero or infinite, there is nothing that it could be small against.
+        """
+        if self.positive or self.negative or not 0 < rate < math.inf:
+            return False
+        return all(abs(quarter) <= SMALL * rate for quarter in self.quarters)
+
+    @property
+    def _margin(self) -> float:
+        """What the error may amount to, 1/s."""
+        return CERTAIN * self.standard_error
+
+    @property
+    def _steady(self) -> bool:
+        """Whether the halves agree: the standard error of their difference is twice that of the mean."""
+        return abs(self.halves[1] - self.halves[0]) <= max(3 * 2 * self.standard_error, ALIKE * abs(self.value))
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """From where, and how late, a motion was accepted as the steady state: anyone can march on from there."""
+
+    point: SectionPoint
+    """The section point of the march at which the motion was accepted."""
+    periods: int
+    """Excitation periods marched until then."""
+    pushes: int = 0
+    """How often the march was pushed off an unstable motion that it would not have left by itself."""
+    growth: float | None = None
+    """Largest factor by which a deviation grew on the way, from any period to any later one; None: not measured."""
+
+    @property
+    def sensitive(self) -> bool | None:
+        """Whether rounding or a push may have decided which motion was reached; None if it was not measured."""
+        if self.pushes:
+            return True
+        return None if self.growth is None else self.growth >= SENSITIVE
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """The motion that remains, and the certificate of how that was established."""
+
+    problem: Problem
+    solver: str
+    """Name of the solver and its numerical options."""
+    outcome: Outcome
+    period_multiple: int
+    """Number of excitation periods after which the motion repeats; 0 if it was not found to repeat."""
+    symmetric: bool
+    """Whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)."""
+    residual: float
+    """Distance between the start and the end of the motion's period, over the size of the motion."""
+    multipliers: ComplexArray = field(repr=False)
+    """Floquet multipliers over the motion's period, largest modulus first, ``(m,)``; empty if it does not repeat."""
+    exponent: Exponent | None
+    """Measured where the motion was not found to repeat."""
+    section_point: SectionPoint = field(repr=False)
+    """The state at the start of `history`."""
+    history: History = field(repr=False)
+    """One period of the motion (or the last periods marched), starting at a multiple of the excitation period."""
+    impulses: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Impulse of each stop over one excitation period (the mean over the motion's period), N s, ``(stops,)``."""
+    acceptance: Acceptance | None = None
+    """From where, and how late, the search accepted this motion; None where nothing was searched."""
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether all Floquet multipliers lie within the unit circle; None where no orbit was certified."""
+        if not self.multipliers.size:
+            return None
+        return bool(np.abs(self.multipliers).max() < 1.0)
+
+
+def periodic_outcome(history: History) -> Outcome:
+    """Which of the periodic outcomes a motion of one period is."""
+    if not history.contacts:
+        return Outcome.NO_CONTACT
+    return (
+        Outcome.CHATTERING if any(chatters(history, k) for k in range(len(history.problem.stops))) else Outcome.PERIODIC
+    )
+
+
+def chatters(history: History, stop: int) -> bool:
+    """Whether a stop chatters: at least three flights in a row each shorter than the last, then a lasting contact.
+
+    The contact that ends the chatter must last longer than the one before it and than its last flight: without
+    the bounces, a stop that is struck and then leaned on.  The history is read as one period of a motion.
+    """
+    mine = [contact for contact in history.contacts if contact.stop == stop]
+    if mine and mine[0].open_start and mine[-1].open_end:  # one contact, cut by the section
+        mine = [replace(mine[-1], end=mine[0].end + history.end - history.start), *mine[1:-1]]
+        mine.sort(key=lambda contact: contact.start)
+    if len(mine) < 4:
+        return False
+    turn = [
+        replace(c, start=c.start + history.end - history.start, end=c.end + history.end - history.start) for c in mine
+    ]
+    both = mine + turn
+    flights = [after.start - before.end for before, after in pairwise(both)]
+    return any(
+        flights[i] > flights[i + 1] > flights[i + 2]
+        and both[i + 3].duration > max(both[i + 2].duration, flights[i + 2])
+        for i in range(len(flights) - 2)
+    )
+
+
+def impulses_per_period(history: History, period_multiple: int) -> FloatArray:
+    """Mean impulse of each stop over one excitation period, N s, from a history of some periods, ``(stops,)``."""
+    total = np.zeros(len(history.problem.stops))
+    for contact in history.contacts:
+        total[contact.stop] += contact.impulse
+    return total / max(period_multiple, 1)

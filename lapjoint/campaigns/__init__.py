@@ -1,0 +1,13 @@
+"""Many answers: steady states over a grid of problems, by many workers, kept in a journal and given as a dataset.
+
+>>> from lapjoint import paper_joint
+>>> from lapjoint.campaigns import Axis, FREQUENCY, sweep
+>>> curve = sweep(paper_joint(), [Axis(FREQUENCY, range(400, 600, 10))], workers=2, out="curve.nc")  # doctest: +SKIP
+>>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
+"""
+
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
+from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.running import run, stored, sweep
+
+__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "run", "stored", "sweep"]

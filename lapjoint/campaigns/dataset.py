@@ -1,0 +1,238 @@
+"""The dataset of a sweep, in memory and as NetCDF.
+
+Its variables are listed in the README.  The contacts are a contiguous ragged array (CF 1.11, section 9.3.3): those
+of one motion lie together along the dimension ``contact``, motion after motion in C order of the grid, and
+``contact_count`` says how many each has.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lapjoint.answers.steady_state import Outcome
+from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
+from lapjoint.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SAME_MOTION = 1e-3
+"""Two motions are the same if their impulses differ by less than this, relative to the largest at the point."""
+
+Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
+# Name of the variable, field of the point, kind, units, and what it is.
+_SCALARS: tuple[tuple[str, str, str, str, str], ...] = (
+    ("order", "order", "i4", "1", "excitation periods after which the motion repeats; 0: it was not found to repeat"),
+    ("residual", "residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
+    ("multiplier", "multiplier", "f8", "1", "modulus of the largest Floquet multiplier"),
+    ("exponent", "exponent", "f8", "s-1", "largest Lyapunov exponent, measured where the motion does not repeat"),
+    ("spread", "spread", "f8", "s-1", "standard error of the largest Lyapunov exponent"),
+    ("span", "span", "f8", "s", "duration of the motion whose contacts are kept"),
+)
+_CONTACTS: tuple[tuple[str, str, str, str], ...] = (
+    ("contact_stop", "i4", "", "index of the stop, from 0"),
+    ("contact_start", "f8", "s", "time of impact, since the start of the motion that is kept"),
+    ("contact_duration", "f8", "s", "time in contact"),
+    ("contact_impulse", "f8", "N s", "time integral of the stop's force; positive at the top, negative at the bottom"),
+    ("contact_peak_force", "f8", "N", "largest force of the stop"),
+    ("contact_cut", "i1", "", "whether the contact is cut by the start or the end of the motion that is kept"),
+)
+
+
+def dataset_of(plan: Plan, points: Mapping[int, Point]) -> xr.Dataset:
+    """The dataset of a sweep whose points are all done."""
+    import xarray as xr
+
+    ordered = [points[cell] for cell in range(plan.size)]
+    grid = tuple(axis.name for axis in plan.grid.axes) + (("start",) if plan.has_starts else ())
+    variables = {
+        **_stops(plan),
+        **_impulse(plan, grid, ordered),
+        **_certificate(plan, grid, ordered),
+        **_contacts(plan, grid, ordered),
+    }
+    if plan.has_starts:
+        variables["distinct"] = _distinct(plan, grid, ordered)
+    return xr.Dataset(variables, coords=_coordinates(plan), attrs=_attributes(plan))
+
+
+def _coordinates(plan: Plan) -> dict[str, Variable]:
+    found: dict[str, Variable] = {}
+    for axis in plan.grid.axes:
+        name = "excitation angular frequency" if axis.name == "angular_frequency" else axis.path
+        attributes = {"units": axis.units, "long_name": name, "path": axis.path}
+        found[axis.name] = (axis.name,), np.array(axis.values), attributes
+    if plan.has_starts:
+        text = "number of the start; 0 is the problem's own initial state, the others are random"
+        text = "number of the random start" if plan.start == "random" else text
+        found["start"] = ("start",), np.arange(plan.starts, dtype="i4"), {"units": "1", "long_name": text}
+    names = np.array(plan.grid.problem.stop_names, dtype=object)
+    found["stop_name"] = ("stop",), names, {"long_name": "name of the stop"}
+    return found
+
+
+def _stops(plan: Plan) -> dict[str, Variable]:
+    signs = np.array([stop.sign for stop in plan.grid.problem.stops], dtype="i1")
+    meanings = {"flag_values": np.array([-1, 1], dtype="i1"), "flag_meanings": "bottom top"}
+    return {"stop_side": (("stop",), signs, {"long_name": "side of the stop", **meanings})}
+
+
+def _impulse(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[str, Variable]:
+    stops = len(plan.grid.problem.stops)
+    none = (np.nan,) * stops
+    values = np.array([point.impulses if point.outcome != FAILED else none for point in points], dtype=float)
+    text = "impulse of the stop over one excitation period; positive at the top, negative at the bottom"
+    shape = (*plan.shape, stops)
+    return {"impulse": ((*grid, "stop"), values.reshape(shape), {"units": "N s", "long_name": text})}
+
+
+def _certificate(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[str, Variable]:
+    def shaped(values: list[Any], kind: Any) -> Any:
+        return np.array(values, dtype=kind).reshape(plan.shape)
+
+    found: dict[str, Variable] = {}
+    sentences = ["The solver gave up; see the variable message.", *(outcome.value for outcome in Outcome)]
+    meanings = {
+        "flag_values": np.array(list(OUTCOME_CODES.values()), dtype="i1"),
+        "flag_meanings": " ".join(OUTCOME_CODES).lower(),
+        "comment": " ".join(f"{name.lower()}: {s}" for name, s in zip(OUTCOME_CODES, sentences, strict=True)),
+    }
+    codes = shaped([OUTCOME_CODES[point.outcome] for point in points], "i1")
+    found["outcome"] = grid, codes, {"long_name": "what the search for a steady state established", **meanings}
+    for name, field, kind, units, text in _SCALARS:
+        values = shaped([getattr(point, field) for point in points], kind)
+        found[name] = grid, values, {"units": units, "long_name": text}
+    yes_no = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
+    text = "whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)"
+    found["symmetric"] = grid, shaped([point.symmetric for point in points], "i1"), {"long_name": text, **yes_no}
+    text = "why the solver gave up; empty where it did not"
+    found["message"] = grid, shaped([point.message for point in points], object), {"long_name": text}
+    return found
+
+
+def _contacts(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[str, Variable]:
+    counts = np.array([len(point.contacts) for point in points], dtype="i4").reshape(plan.shape)
+    rows = [contact for point in points for contact in point.contacts]
+    order = ", ".join(grid)
+    attributes: dict[str, Any] = {
+        "units": "1",
+        "long_name": "number of contacts in the motion that is kept",
+        "sample_dimension": "contact",
+        "comment": "Contiguous ragged array: the contacts of each motion lie together along the dimension contact, "
+        f"motion after motion in C order of ({order}), the last fastest. Those of the motion with the flat index i "
+        "are contact_*[sum(contact_count.flat[:i]) : sum(contact_count.flat[:i + 1])].",
+    }
+    found: dict[str, Variable] = {"contact_count": (grid, counts, attributes)}
+    for column, (name, kind, units, text) in enumerate(_CONTACTS):
+        values = np.array([row[column] for row in rows], dtype=kind)
+        found[name] = ("contact",), values, {"long_name": text} | ({"units": units} if units else {})
+    found["contact_stop"][2]["comment"] = "index along the dimension stop"
+    masks = np.array([CUT_AT_START, CUT_AT_END], dtype="i1")
+    found["contact_cut"][2].update(flag_masks=masks, flag_meanings="cut_at_start cut_at_end")
+    return found
+
+
+def _distinct(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> Variable:
+    counts = [_motions(points[i : i + plan.starts]) for i in range(0, len(points), plan.starts)]
+    text = (
+        "number of different motions among the starts: by order and impulses (mirror images count twice); "
+        "all that do not repeat count as one"
+    )
+    attributes = {"units": "1", "long_name": text, "relative_tolerance": SAME_MOTION}
+    return grid[:-1], np.array(counts, dtype="i4").reshape(plan.grid.shape), attributes
+
+
+def _motions(points: list[Point]) -> int:
+    """Number of different motions among points, those without an answer left out."""
+    found: list[Point] = []
+    answers = [point for point in points if point.outcome != FAILED]
+    size = max((abs(impulse) for point in answers for impulse in point.impulses), default=0.0)
+    for point in answers:
+        if not any(_same(point, other, SAME_MOTION * size) for other in found):
+            found.append(point)
+    return len(found)
+
+
+def _same(one: Point, other: Point, tolerance: float) -> bool:
+    if one.order != other.order:
+        return False
+    return one.order == 0 or bool(np.allclose(one.impulses, other.impulses, rtol=0.0, atol=tolerance))
+
+
+def _attributes(plan: Plan) -> dict[str, Any]:
+    identity = plan.identity
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"Steady states of: {plan.grid.problem.title or 'a joint'}",
+        "problem": identity["problem"],
+        "solver": plan.solver,
+        "options": json.dumps(identity["options"]),
+        "start": plan.start,
+        "starts": plan.starts,
+        "seed": plan.seed,
+        **{f"version_{name}": number for name, number in identity["versions"].items()},
+        "fingerprint": plan.fingerprint,
+    }
+
+
+def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset as NetCDF, all of it or nothing: what was there before stays until the new file is whole.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset.
+    path : path
+        The file.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    content = io.BytesIO()
+    encoding = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind != "O"}
+    dataset.to_netcdf(content, engine="h5netcdf", encoding=encoding)
+    temporary = Path(path).with_name(f".{Path(path).name}.part")  # one left by a crash is written over
+    try:
+        with open(temporary, "wb") as file:
+            file.write(content.getbuffer())
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException as error:
+        with suppress(OSError):
+            temporary.unlink()
+        if isinstance(error, OSError):
+            raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise
+
+
+def read_curve(path: str | Path) -> xr.Dataset:
+    """The dataset of a sweep in a NetCDF file, in memory.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is not one.
+    """
+    import xarray as xr
+
+    try:
+        with open(path, "rb") as file:
+            found = xr.load_dataset(file, engine="h5netcdf")
+    except (OSError, ValueError, RuntimeError, KeyError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else "is not a NetCDF-4 file"
+        raise InputError(f"{path}: cannot be read: {reason}") from None
+    if "fingerprint" not in found.attrs or "outcome" not in found:
+        raise InputError(f"{path}: is not the result of a sweep")
+    return found

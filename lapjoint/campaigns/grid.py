@@ -1,0 +1,201 @@
+"""What is swept: the axes, and the problem at each point of the grid that they span.
+
+The points are numbered in C order, the last axis fastest.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.problem.files import problem_from_tables, problem_tables
+from lapjoint.problem.override import assign, path_keys
+
+FREQUENCY = "base_motion.angular_frequency"
+"""Path of the excitation frequency: of the base motion and of every sine load."""
+MOST_POINTS = 10_000_000
+CHECKED_POINTS = 5000
+"""A grid of so many points is validated as a whole before any work; of a larger one, the corners are."""
+
+UNITS = {
+    "x": "m",
+    "gap": "m",
+    "length": "m",
+    "breadth": "m",
+    "height": "m",
+    "diameter": "m",
+    "outer_diameter": "m",
+    "inner_diameter": "m",
+    "amplitude": "m",
+    "stiffness": "N m-1",
+    "translational": "N m-1",
+    "torsional": "N m rad-1",
+    "bending_stiffness": "N m2",
+    "mass_per_length": "kg m-1",
+    "youngs_modulus": "Pa",
+    "density": "kg m-3",
+    "ratio": "1",
+    "coefficient": "N s m-2",
+    "angular_frequency": "rad s-1",
+    "phase": "rad",
+    "force": "N",
+}
+"""Units of the fields of a problem, by the last key of their path."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One number of the problem, and the values that it takes.
+
+    Parameters
+    ----------
+    path : str
+        Where the number is, as ``--set`` takes it: ``stops.*.gap``, ``damping.ratio``; `FREQUENCY` sets all of
+        the periodic excitation.
+    values : iterable of float
+        The values, each once, in any order.
+
+    Raises
+    ------
+    InputError
+        If there is no path, no value, or one is not a number or given twice.
+    """
+
+    path: str
+    values: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not path_keys(self.path):
+            raise InputError(f"axis {self.path!r}: must be the path of a number of the problem, as in stops.*.gap")
+        object.__setattr__(self, "path", ".".join(path_keys(self.path)))
+        object.__setattr__(self, "values", tuple(self._numbers(self.values)))
+        if not self.values:
+            raise InputError(f"axis {self.path}: has no values; must have at least one")
+        for value, number in Counter(self.values).items():
+            if number > 1:
+                raise InputError(
+                    f"axis {self.path}: {value:.10g} is given {number} times; each value must be there once"
+                )
+
+    def _numbers(self, values: Iterable[Any]) -> Iterator[float]:
+        for value in values:
+            number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+            if not number or math.isnan(value):
+                raise InputError(f"axis {self.path}: {value!r} must be a number")
+            yield float(value)
+
+    @property
+    def name(self) -> str:
+        """Name of the dimension: ``angular_frequency``, or the path as a word, ``stops_all_gap``."""
+        if self.path == FREQUENCY:
+            return "angular_frequency"
+        return re.sub(r"\W+", "_", self.path.replace("*", "all"))
+
+    @property
+    def units(self) -> str:
+        """Units of the values."""
+        named = [UNITS[key] for key in reversed(path_keys(self.path)) if key in UNITS]
+        return named[0] if named else "1"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A problem, and the axes along which it is changed.
+
+    Raises
+    ------
+    InputError
+        If there is no axis, two are the same, or the grid is too large.
+    """
+
+    problem: Problem
+    axes: tuple[Axis, ...]
+
+    def __post_init__(self) -> None:
+        if not self.axes:
+            raise InputError("axes: there are none; give at least one")
+        names = [axis.name for axis in self.axes]
+        for i, axis in enumerate(self.axes):
+            if axis.name in names[:i]:
+                raise InputError(f"axis {axis.path}: is given twice")
+        if self.size > MOST_POINTS:
+            raise InputError(f"axes: they span {self.size} points; at most {MOST_POINTS} are allowed")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    def values_at(self, point: int) -> tuple[float, ...]:
+        """The value of each axis at a point."""
+        places = np.unravel_index(point, self.shape)
+        return tuple(axis.values[int(i)] for axis, i in zip(self.axes, places, strict=True))
+
+    def describe(self, point: int) -> str:
+        """The point in words, ``stops.*.gap = 0.001, damping.ratio = 0.08``."""
+        return _described(self.axes, self.values_at(point))
+
+    def problem_at(self, point: int) -> Problem:
+        """The problem at a point.
+
+        Raises
+        ------
+        InputError
+            If there is no valid problem there; the message names the point.
+        """
+        values = self.values_at(point)
+        tables = copy.deepcopy(self._tables)
+        for axis, value in zip(self.axes, values, strict=True):
+            for path in self._paths(axis):
+                assign(tables, path, value, f"axis {axis.path}")
+        return problem_from_tables(tables, _described(self.axes, values))
+
+    @cached_property
+    def _tables(self) -> dict[str, Any]:
+        return problem_tables(self.problem)
+
+    def _paths(self, axis: Axis) -> list[str]:
+        if axis.path != FREQUENCY:
+            return [axis.path]
+        loads = [i for i, load in enumerate(self.problem.point_loads) if load.kind == "sine"]
+        paths = [FREQUENCY] if self.problem.base_motion is not None else []
+        paths += [f"point_loads.{i}.angular_frequency" for i in loads]
+        if not paths:
+            raise InputError(f"axis {FREQUENCY}: nothing excites this problem; give it a base_motion or a sine load")
+        return paths
+
+    def check(self) -> None:
+        """Validate the problems of the grid, or those at its corners where it is large.
+
+        Raises
+        ------
+        InputError
+            If one is not valid, or is not excited at one frequency; the message names the point.
+        """
+        ends = [sorted({0, n - 1}) for n in self.shape]
+        corners = [int(np.ravel_multi_index(corner, self.shape)) for corner in product(*ends)]
+        for point in range(self.size) if self.size <= CHECKED_POINTS else corners:
+            if self.problem_at(point).excitation_frequency is None:
+                raise InputError(
+                    f"{self.describe(point)}: base_motion and sine loads must have one common angular_frequency"
+                )
+
+
+def _described(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:
+    return ", ".join(f"{axis.path} = {value:.10g}" for axis, value in zip(axes, values, strict=True))

@@ -1,0 +1,167 @@
+"""A sweep as it is asked for: the grid, the solver, and where each motion starts from.
+
+A *cell* is one motion to find: a point of the grid, and the number of its start; cells are numbered in C order,
+the start fastest.  What a cell's answer depends on is written in the plan, and neither the order of the work nor
+the number of workers is.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from itertools import product
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from lapjoint.campaigns.grid import Grid
+from lapjoint.campaigns.random_start import random_initial
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.problem.files import to_toml
+from lapjoint.solver import Solver, make_solver
+
+Start = Literal["rest", "up", "down", "random"]
+MOST_STARTS = 10_000
+PACKAGES = ("lapjoint", "numpy", "scipy", "numba")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that the answers of a sweep depend on.
+
+    Parameters
+    ----------
+    grid : Grid
+        The problem and the axes.
+    solver : str
+        Entry-point name of the solver.
+    options : mapping
+        Its numerical options.
+    start : {"rest", "up", "down", "random"}
+        "rest": every motion starts from the problem's own initial state.  "up", "down": along the first axis,
+        ascending or descending, each starts from where the one before it has settled.  "random": from random
+        initial states.
+    starts : int
+        Number of starts at each point; with "rest", those after the first are random.
+    seed : int
+        Seed of the random initial states.
+
+    Raises
+    ------
+    InputError
+        If one of them is not allowed.
+    """
+
+    grid: Grid
+    solver: str = "analytic"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    start: Start = "rest"
+    starts: int = 1
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.start not in get_args(Start):
+            raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
+        _check_integer("starts", self.starts, 1, MOST_STARTS)
+        _check_integer("seed", self.seed, 0, 2**63 - 1)
+        if self.chained and self.starts > 1:
+            raise InputError(f"starts = {self.starts}: must be 1 with start = {self.start!r}, which follows one motion")
+
+    @property
+    def chained(self) -> bool:
+        """Whether each motion starts from the one before it."""
+        return self.start in ("up", "down")
+
+    @property
+    def has_starts(self) -> bool:
+        """Whether there is a dimension of starts."""
+        return self.start == "random" or self.starts > 1
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return self.grid.size * self.starts
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the cells: the grid's, and the starts where there is a dimension of them."""
+        return (*self.grid.shape, self.starts) if self.has_starts else self.grid.shape
+
+    def problem_at(self, cell: int, solver: Solver) -> Problem:
+        """The problem of a cell, with its initial state."""
+        point, number = divmod(cell, self.starts)
+        problem = self.grid.problem_at(point)
+        if self.start != "random" and number == 0:
+            return problem
+        return problem.replace(initial=random_initial(problem, solver, (self.seed, point, number)))
+
+    def describe(self, cell: int) -> str:
+        """A cell in words."""
+        point, number = divmod(cell, self.starts)
+        return self.grid.describe(point) + (f", start {number}" if self.has_starts else "")
+
+    def chains(self) -> Iterator[tuple[int, ...]]:
+        """The cells of each chain, in the order in which one follows the other."""
+        first, *others = self.grid.axes
+        order = np.argsort(first.values)
+        order = order[::-1] if self.start == "down" else order
+        for rest in product(*(range(len(axis.values)) for axis in others)):
+            yield tuple(int(np.ravel_multi_index((int(i), *rest), self.grid.shape)) for i in order)
+
+    def check(self) -> Solver:
+        """The solver, after a look at everything that can be checked before any work.
+
+        Raises
+        ------
+        InputError
+            If the solver does not take its options, or a point has no valid problem.
+        """
+        solver = make_solver(self.solver, **self.options)
+        self.grid.check()
+        return solver
+
+    @cached_property
+    def identity(self) -> dict[str, Any]:
+        """What distinguishes this sweep from any other, in plain values; floats are written exactly."""
+        return {
+            "problem": to_toml(self.grid.problem),
+            "axes": {axis.path: list(axis.values) for axis in self.grid.axes},
+            "solver": self.solver,
+            "options": dict(self.options),
+            "start": self.start,
+            "starts": self.starts,
+            "seed": self.seed,
+            "versions": versions(),
+        }
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A digest of the identity."""
+        try:
+            text = json.dumps(self.identity)
+        except TypeError as error:
+            raise InputError(f"options = {dict(self.options)!r}: cannot be written to a file: {error}") from None
+        return sha256(text.encode()).hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of what the answers are computed with."""
+
+    def installed(name: str) -> str:
+        try:
+            return version(name)
+        except PackageNotFoundError:
+            return "unknown"
+
+    return {name: installed(name) for name in PACKAGES} | {"python": platform.python_version()}
+
+
+def _check_integer(name: str, value: object, low: int, high: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        raise InputError(f"{name} = {value!r}: must be an integer from {low} to {high}")

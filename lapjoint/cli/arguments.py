@@ -1,0 +1,202 @@
+"""What a person chose on the command line: the problem, the solver, contact states, and files to write."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_state_number, sdnl104
+from lapjoint.answers.contact_state import is_paper_joint
+from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
+from lapjoint.errors import InputError
+from lapjoint.figures.phase_portrait import excitation_frequency
+from lapjoint.problem import files
+from lapjoint.problem.override import override, toml_value
+from lapjoint.scene.frame_times import check_frames
+from lapjoint.solver import Solver, make_solver
+
+PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
+
+
+def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
+    """The problem in a TOML file or a preset, with the changes asked for by ``--set``."""
+    kind, colon, name = source.partition(":")
+    if kind == "preset" and colon:
+        if name not in PRESETS:
+            raise InputError(f"preset:{name}: there is no such preset; allowed: {', '.join(PRESETS)}")
+        tables = files.problem_tables(PRESETS[name]())
+    else:
+        tables = files.read_tables(source)
+    for assignment in overrides:
+        override(tables, assignment)
+    return files.problem_from_tables(tables, source)
+
+
+def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
+    """The solver with this name, with the numerical options given."""
+    return make_solver(solver_name, **options_from(n_modes, elements, options))
+
+
+def named_solver(text: str) -> Solver:
+    """A solver as one option names it: NAME, or NAME:KEY=VALUE,KEY=VALUE with its numerical options."""
+    name, colon, options = text.partition(":")
+    return make_solver(name, **options_from(None, None, tuple(options.split(",")) if colon else ()))
+
+
+def other_name(text: str, taken: Collection[str]) -> str:
+    """A short name for the solver that `text` names, different from those taken."""
+    name = text.partition(":")[0]
+    return name if name not in taken else f"{name}-2"
+
+
+def options_from(n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> dict[str, Any]:
+    """The numerical options given."""
+    chosen: dict[str, Any] = {}
+    for option in options:
+        key, equals, value = option.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--option {option}: must be key=value")
+        chosen[key.strip().replace("-", "_")] = toml_value(value)
+    for key, number in (("n_modes", n_modes), ("elements", elements)):
+        if number is not None:
+            chosen[key] = number
+    return chosen
+
+
+def axes_from(first: float | None, last: float | None, step: float, fields: tuple[str, ...]) -> tuple[Axis, ...]:
+    """The axes of a sweep: the excitation frequency if it is given, then the other fields in their order."""
+    if (first is None) != (last is None):
+        raise InputError(f"--{'to' if last is None else 'from'}: is missing; give both --from and --to, or neither")
+    if first is None and not fields:
+        raise InputError("sweep: nothing is swept; give --from and --to, or --over")
+    axes = [axis_from(field) for field in fields]
+    if first is None or last is None:
+        return tuple(axes)
+    return (Axis(FREQUENCY, frequencies(first, last, step)), *axes)
+
+
+def frequencies(first: float, last: float, step: float) -> tuple[float, ...]:
+    """Frequencies from `first` to `last`, both included where the step allows."""
+    for option, value in (("--from", first), ("--to", last), ("--step", step)):
+        if not 0 < value < float("inf"):
+            raise InputError(f"{option} {value:g}: must be positive and finite, in rad/s")
+    if last < first:
+        raise InputError(f"--to {last:g}: must be at least --from, {first:g} rad/s")
+    steps = (last - first) / step * (1 + 1e-12) + 1e-9
+    if steps >= MOST_POINTS:
+        raise InputError(f"--step {step:g}: makes {steps:.3g} points; at most {MOST_POINTS} are allowed")
+    return tuple(first + i * step for i in range(int(steps) + 1))
+
+
+def axis_from(text: str) -> Axis:
+    """An axis from ``PATH=FROM:TO:COUNT`` or ``PATH=a,b,c``."""
+    path, equals, values = text.partition("=")
+    if not equals or not path.strip():
+        raise InputError(f"--over {text}: must be PATH=FROM:TO:COUNT or PATH=a,b,c, as in stops.*.gap=1e-3:3e-3:5")
+    try:
+        if ":" not in values:
+            return Axis(path, tuple(float(value) for value in values.split(",")))
+        low, high, number = values.split(":")
+        first, last, count = float(low), float(high), int(number)
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"--over {text}: must be FROM:TO:COUNT or numbers with commas between them") from None
+    if not 1 <= count <= MOST_POINTS or not math.isfinite(last - first):
+        raise InputError(f"--over {text}: must have finite ends, and a count from 1 to {MOST_POINTS}")
+    return Axis(path, tuple(np.linspace(first, last, count).tolist()))
+
+
+def states_from(problem: Problem, text: str, option: str = "--state") -> tuple[ContactState, ...]:
+    """The contact states asked for: ``all``, a paper's number, or names of closed stops joined by ``+``."""
+    if text == "all":
+        return contact_states(problem)
+    names = [] if text == "free" else [name.strip() for name in text.split("+")]
+    if all(name in problem.stop_names for name in names):
+        state = ContactState(tuple(problem.stop_names.index(name) for name in names))
+        if state not in contact_states(problem):
+            raise InputError(f"{option} {text}: these stops cannot be closed while the others are open")
+        return (state,)
+    if is_paper_joint(problem):
+        found = [state for state in contact_states(problem) if str(paper_state_number(problem, state)) == text]
+        if found:
+            return (found[0],)
+    numbered = ", 1 to 9" if is_paper_joint(problem) else ""
+    raise InputError(
+        f"{option} {text}: there is no such state; allowed: all, free{numbered}, "
+        f"or stops joined by +, of {', '.join(problem.stop_names) or 'none'}"
+    )
+
+
+def times_from(frames: int | None, times: str | None) -> list[float] | None:
+    """The times of ``--times``, s, where they are given and ``--frames`` is not."""
+    if times is None:
+        if frames is not None:
+            check_frames(frames)
+        return None
+    if frames is not None:
+        raise InputError("--frames, --times: give one of them")
+    try:
+        return [float(time) for time in times.split(",")]
+    except ValueError:
+        raise InputError(f"--times {times}: must be numbers with commas between them, in s") from None
+
+
+def size_from(text: str | None) -> tuple[int, int] | None:
+    """Width and height, pixels, from ``900x400``."""
+    if text is None:
+        return None
+    width, x, height = text.lower().partition("x")
+    if not (x and width.isdecimal() and height.isdecimal()):
+        raise InputError(f"--size {text}: must be width and height in pixels, as in 900x400")
+    return int(width), int(height)
+
+
+def refuse(reason: str, **given: object) -> None:
+    """Refuse options that mean nothing here: those whose value is neither None nor False."""
+    for name, value in given.items():
+        if value is not None and value is not False:
+            raise InputError(f"--{name.replace('_', '-')}: {reason}; leave it out")
+
+
+def check_duration(duration: float) -> None:
+    """Refuse a duration that is not positive and finite."""
+    if not 0 < duration < float("inf"):
+        raise InputError(f"--duration {duration:g}: must be positive and finite, in s")
+
+
+def check_file(option: str, path: str | None, *endings: str) -> None:
+    """Refuse, before any work is done, the name of a file that could not be written after it."""
+    if path is None:
+        return
+    if endings and Path(path).suffix.lower() not in endings:
+        raise InputError(f"{option} {path}: the name must end in {', '.join(endings)}")
+    if Path(path).is_dir():
+        raise InputError(f"{option} {path}: cannot be written: it is a directory")
+    if not Path(path).resolve().parent.is_dir():
+        raise InputError(f"{option} {path}: cannot be written: there is no such directory")
+
+
+def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> None:
+    """Refuse, before any work is done, a drawing without a file, or a section of what has no period."""
+    if draw and not figure:
+        raise InputError(f"--draw {draw}: nothing is drawn without --figure FILE")
+    if draw == "poincare":
+        excitation_frequency(problem)
+
+
+def check_directory(path: str) -> None:
+    """Refuse, before any work is done, a directory that could not be made or written to after it."""
+    if not path:
+        raise InputError("--output: is empty; it must name a directory")
+    there = Path(path).resolve()
+    while not there.exists():
+        there = there.parent
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        reason = "is not a directory" if not there.is_dir() else "may not be written to"
+        raise InputError(f"--output {path}: cannot be written: {there} {reason}")

@@ -1,0 +1,140 @@
+"""The commands ``lapjoint export`` and ``lapjoint show``."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import click
+
+from lapjoint.cli.motions import find_motions
+from lapjoint.cli.options import motion_options, problem_options, solver_options
+
+
+@click.command()
+@problem_options
+@solver_options
+@motion_options
+@click.option("-o", "--output", "directory", required=True, metavar="DIR", help="Where the files go.")
+@click.option("--modes-of", "modes_of", metavar="STATE", help="Write mode shapes: of P2+P4, free, 1-9, or all states.")
+@click.option("--count", type=click.IntRange(min=1), default=8, show_default=True, help="Number of modes.")
+@click.option(
+    "--format",
+    "file_format",
+    type=click.Choice(["pvd", "vtkhdf", "xdmf"]),
+    default="pvd",
+    show_default=True,
+    help="pvd: .vtu files and a .pvd, for ParaView; vtkhdf: one file, for ParaView from 5.12 on; xdmf: for meshio.",
+)
+@click.option("--frames", type=int, help="Equidistant times.  [default: as many as the motion needs]")
+@click.option("--times", metavar="T,T,..", help="The times themselves, s.")
+@click.option("--points", type=int, default=81, show_default=True, help="Equidistant points along the beam.")
+def export(
+    problem: str,
+    overrides: tuple[str, ...],
+    directory: str,
+    duration: float | None,
+    steady_state: bool,
+    beside: str | None,
+    modes_of: str | None,
+    count: int,
+    file_format: Literal["pvd", "vtkhdf", "xdmf"],
+    frames: int | None,
+    times: str | None,
+    points: int,
+    **solver: Any,
+) -> None:
+    """Write the motion of PROBLEM, or its mode shapes, to DIR for ParaView: open DIR/motion.pvd.
+
+    The switches of the contact state are always among the times.
+    """
+    from lapjoint.cli import arguments
+    from lapjoint.cli.progress import shown_progress
+    from lapjoint.scene import export_modes, export_motion
+    from lapjoint.scene.layout import check_points
+
+    arguments.check_directory(directory)
+    check_points(points)
+    at = arguments.times_from(frames, times)
+    if modes_of is not None:
+        arguments.refuse(
+            "mode shapes have none", duration=duration, steady=steady_state, beside=beside, frames=frames, times=times
+        )
+        this, answering = arguments.problem_from(problem, overrides), arguments.solver_from(**solver)
+        answers = [answering.modes(this, state, count) for state in arguments.states_from(this, modes_of, "--modes-of")]
+        written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
+        click.echo("\n".join(f"Wrote {path}" for path in written))
+        return
+    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
+    with shown_progress("export") as progress:
+        path = export_motion(
+            motion, directory, format=file_format, times=at, frames=frames, points=points, progress=progress
+        )
+    click.echo(f"Wrote {path}")
+
+
+@click.command()
+@problem_options
+@solver_options
+@motion_options
+@click.option("-o", "--output", metavar="FILE", help="A picture (.png) or a film (.gif, .mp4).  [default: a window]")
+@click.option("--at", type=float, help="Time of a picture, s.  [default: when the stops push hardest]")
+@click.option("--frames", type=int, help="Number of frames of a film, or of a window.  [default: 60]")
+@click.option("--pace", type=float, help="Frames a second of a film.  [default: 20]")
+@click.option(
+    "--colour",
+    type=click.Choice(["stress", "velocity", "moment", "displacement"]),
+    help="What colours the beam.  [default: stress, or moment where the problem gives no section]",
+)
+@click.option(
+    "--scale", type=float, help="Factor of displacements and gaps, 1 for true scale.  [default: by the motion]"
+)
+@click.option("--absolute", is_flag=True, help="Seen from outside, and not from the moving base.")
+@click.option("--size", metavar="WxH", help="Width and height, pixels.  [default: 1200x520, films 900x400]")
+def show(
+    problem: str,
+    overrides: tuple[str, ...],
+    duration: float | None,
+    steady_state: bool,
+    beside: str | None,
+    output: str | None,
+    at: float | None,
+    frames: int | None,
+    pace: float | None,
+    colour: Literal["stress", "velocity", "moment", "displacement"] | None,
+    scale: float | None,
+    absolute: bool,
+    size: str | None,
+    **solver: Any,
+) -> None:
+    """Show the motion of PROBLEM in three dimensions: in a window, as a picture, or as a film.
+
+    The beam is coloured by its bending stress, stops light up while they act, and the picture states its scale.
+    """
+    from lapjoint import scene
+    from lapjoint.cli import arguments
+    from lapjoint.cli.progress import shown_progress
+
+    look = scene.Look(colour, scale, "absolute" if absolute else "relative", arguments.size_from(size))
+    if output is not None:
+        arguments.check_file("--output", output, *scene.PICTURES, *scene.FILMS)
+    picture = output is not None and output.lower().endswith(scene.PICTURES)
+    if picture:
+        arguments.refuse("a picture has none", frames=frames, pace=pace)
+    else:
+        arguments.refuse("only a picture is of one time", at=at)
+    if output is None:
+        arguments.refuse("a window has none", pace=pace)
+    scene.check_can_show(output)
+    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
+    number = 60 if frames is None else frames
+    if output is None:
+        scene.show_window(motion, frames=number, look=look)
+        return
+    if picture:
+        scene.save_picture(motion, output, at=at, look=look)
+    else:
+        with shown_progress("draw") as progress:
+            scene.save_film(
+                motion, output, frames=number, pace=20.0 if pace is None else pace, look=look, progress=progress
+            )
+    click.echo(f"Wrote {output}")

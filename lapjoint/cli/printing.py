@@ -1,0 +1,136 @@
+"""Answers as the command line shows them, and as its JSON files hold them."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lapjoint import History, Modes, Problem, SteadyState
+from lapjoint.answers.contact_state import state_label
+from lapjoint.figures.text import apart, cut_to
+from lapjoint.output_files import write_text
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ROWS_SHOWN = 20
+FAILURES_SHOWN = 5
+NAME_SHOWN, STATE_SHOWN = 24, 48
+"""Characters of the name of a stop, and of a state, in a table; files hold all of it."""
+
+
+def print_modes(problem: Problem, solver: str, answers: list[Modes]) -> None:
+    """Print natural angular frequencies, a line for each contact state."""
+    labels = apart([state_label(problem, answer.state) for answer in answers], lambda name: cut_to(name, STATE_SHOWN))
+    width = max(len(label) for label in labels)
+    click.echo(f"Natural angular frequencies [rad/s], {solver}")
+    for label, answer in zip(labels, answers, strict=True):
+        click.echo(f"{label:<{width}}  " + "".join(f"{omega:12.6g}" for omega in answer.angular_frequencies))
+
+
+def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[str, Any]:
+    """Natural angular frequencies as JSON holds them."""
+    states = [
+        {
+            "name": answer.state.name(problem),
+            "closed": [problem.stop_names[i] for i in answer.state.closed],
+            "angular_frequencies": answer.angular_frequencies.tolist(),
+        }
+        for answer in answers
+    ]
+    return {"solver": solver, "unit": "rad/s", "states": states}
+
+
+def print_history(history: History) -> None:
+    """Print the first contacts and a summary."""
+    problem, contacts = history.problem, history.contacts
+    names, width = stop_column(problem)
+    click.echo(problem.title or "Untitled problem")
+    click.echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
+    if contacts:
+        click.echo(f"\n{'stop':<{width}}{'start [s]':>15}{'duration [s]':>15}{'impulse [N s]':>15}{'peak [N]':>13}")
+    for c in contacts[:ROWS_SHOWN]:
+        remark = "  closed at the start" if c.open_start else "  closed at the end" if c.open_end else ""
+        click.echo(
+            f"{names[c.stop]:<{width}}{c.start:15.9f}{c.duration:15.6g}{c.impulse:15.6g}{c.peak_force:13.5g}{remark}"
+        )
+    if len(contacts) > ROWS_SHOWN:
+        click.echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
+    print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
+
+
+def print_steady_state(found: SteadyState) -> None:
+    """Print what was found and how."""
+    click.echo(found.problem.title or "Untitled problem")
+    click.echo(f"{found.solver}: {found.outcome.value}")
+    if found.order:
+        periods = "period" if found.order == 1 else "periods"
+        mirrored = ", mirrored after half of them" if found.symmetric else ""
+        click.echo(f"Repeats after {found.order} excitation {periods}, to {found.residual:.2g} of its size{mirrored}")
+    if found.multipliers.size:
+        moduli = ", ".join(f"{value:.6g}" for value in found.multipliers[:5])
+        click.echo(f"Floquet multipliers, moduli: {moduli}{' ...' if found.multipliers.size > 5 else ''}")
+    if found.exponent is not None:
+        rate, spread = found.exponent.value, found.exponent.spread
+        click.echo(f"Largest Lyapunov exponent: {rate:.4g} 1/s +- {spread:.2g}, over {found.exponent.periods} periods")
+        if found.exponent.negative:
+            click.echo("Nearby motions come together: it repeats, but after more periods than max_order")
+    print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]")
+
+
+def print_impulses(problem: Problem, impulses: list[float], heading: str) -> None:
+    """Print one impulse for each stop; nothing where there are no stops."""
+    if problem.stops:
+        click.echo(f"\n{heading}, top positive")
+        names, width = stop_column(problem)
+        for name, stop, impulse in zip(names, problem.stops, impulses, strict=True):
+            click.echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}")
+
+
+def stop_column(problem: Problem) -> tuple[list[str], int]:
+    """The names of the stops, long ones shortened, and the width of a column of them with the space after it."""
+    names = apart(problem.stop_names, lambda name: cut_to(name, NAME_SHOWN))
+    return names, max([8, *(len(name) for name in names)]) + 2
+
+
+def steady_state_summary(found: SteadyState) -> dict[str, Any]:
+    """A steady state as JSON holds it."""
+    return {
+        "solver": found.solver,
+        "outcome": found.outcome.name.lower(),
+        "order": found.order,
+        "symmetric": found.symmetric,
+        "residual": found.residual,
+        "multipliers": found.multipliers.tolist(),
+        "lyapunov_exponent_per_s": None if found.exponent is None else found.exponent.value,
+        "lyapunov_exponent_spread_per_s": None if found.exponent is None else found.exponent.spread,
+        "impulses_Ns": dict(zip(found.problem.stop_names, found.impulses.tolist(), strict=True)),
+    }
+
+
+def write_json(path: str, content: Any) -> None:
+    """Write JSON; numbers that are not finite become null."""
+
+    def finite(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: finite(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [finite(item) for item in value]
+        return None if isinstance(value, float) and not abs(value) < float("inf") else value
+
+    write_text(path, json.dumps(finite(content), indent=2, allow_nan=False) + "\n")
+
+
+def print_curve(curve: xr.Dataset) -> None:
+    """Print how many points of a sweep ended how, and why the solver gave up at the first ones."""
+    outcome = curve.outcome.values
+    names = zip(curve.outcome.attrs["flag_values"], curve.outcome.attrs["flag_meanings"].split(), strict=True)
+    counts = [(name.replace("_", " "), int((outcome == code).sum())) for code, name in names]
+    click.echo(f"{outcome.size} points: " + ", ".join(f"{count} {name}" for name, count in counts if count))
+    messages = [str(text) for text in curve.message.values.flat if text]
+    for text in messages[:FAILURES_SHOWN]:
+        click.echo(f"failed: {text}")
+    if len(messages) > FAILURES_SHOWN:
+        click.echo(f"... and {len(messages) - FAILURES_SHOWN} more, in the variable message")

@@ -1,0 +1,123 @@
+"""The commands ``lapjoint modes``, ``lapjoint simulate`` and ``lapjoint steady``: one answer, printed and drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from lapjoint.cli.motions import find_motion, find_steady_state
+from lapjoint.cli.options import DRAWINGS, FIGURES, figure_options, problem_options, solver_options
+
+if TYPE_CHECKING:
+    from lapjoint import History
+
+CONTACTS = (".csv", ".json")
+
+
+@click.command()
+@problem_options
+@solver_options
+@click.option("--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all.")
+@click.option("--count", type=int, default=8, show_default=True, help="Number of modes to print.")
+@click.option("--json", "json_path", metavar="FILE", help="Write the frequencies to FILE as JSON too.")
+@click.option(
+    "--figure", metavar="FILE", help="Draw the mode shapes (of several states the first three): .png, .svg or .pdf."
+)
+def modes(
+    problem: str,
+    overrides: tuple[str, ...],
+    state: str,
+    count: int,
+    json_path: str | None,
+    figure: str | None,
+    **solver: Any,
+) -> None:
+    """Print natural angular frequencies [rad/s] of the contact states of PROBLEM."""
+    from lapjoint.cli import arguments, printing
+
+    arguments.check_file("--figure", figure, *FIGURES)
+    arguments.check_file("--json", json_path)
+    this = arguments.problem_from(problem, overrides)
+    states = arguments.states_from(this, state)
+    answering = arguments.solver_from(**solver)
+    answers = [answering.modes(this, one, count) for one in states]
+    printing.print_modes(this, answering.name, answers)
+    if json_path:
+        printing.write_json(json_path, printing.modes_summary(this, answering.name, answers))
+    if figure:
+        from lapjoint.figures import plot_mode_shapes, plot_state_shapes, save
+
+        save(plot_mode_shapes(this, answers[0]) if len(answers) == 1 else plot_state_shapes(this, answers), figure)
+
+
+@click.command()
+@problem_options
+@solver_options
+@click.option("--duration", type=float, required=True, help="Time to simulate from the initial state, s.")
+@click.option("--contacts", "contacts_path", metavar="FILE", help="Write all contacts to FILE: .csv or .json.")
+@figure_options
+def simulate(
+    problem: str,
+    overrides: tuple[str, ...],
+    duration: float,
+    contacts_path: str | None,
+    figure: str | None,
+    draw: str | None,
+    **solver: Any,
+) -> None:
+    """Simulate PROBLEM from its initial state, and print its contacts."""
+    from lapjoint.cli import arguments, printing
+
+    arguments.check_file("--contacts", contacts_path, *CONTACTS)
+    arguments.check_file("--figure", figure, *FIGURES)
+    arguments.check_duration(duration)
+    this = arguments.problem_from(problem, overrides)
+    arguments.check_drawing(this, figure, draw)
+    history = find_motion(this, arguments.solver_from(**solver), duration)
+    printing.print_history(history)
+    write_results(history, contacts_path, figure, draw)
+
+
+@click.command()
+@problem_options
+@solver_options
+@click.option("--contacts", "contacts_path", metavar="FILE", help="Write the contacts to FILE: .csv or .json.")
+@figure_options
+@click.option("--json", "json_path", metavar="FILE", help="Write the impulses to FILE as JSON.")
+def steady(
+    problem: str,
+    overrides: tuple[str, ...],
+    contacts_path: str | None,
+    figure: str | None,
+    draw: str | None,
+    json_path: str | None,
+    **solver: Any,
+) -> None:
+    """Find the steady state of PROBLEM, and print the impulse of each stop over one excitation period."""
+    from lapjoint import Outcome
+    from lapjoint.cli import arguments, printing
+
+    arguments.check_file("--contacts", contacts_path, *CONTACTS)
+    arguments.check_file("--figure", figure, *FIGURES)
+    arguments.check_file("--json", json_path)
+    this = arguments.problem_from(problem, overrides)
+    arguments.check_drawing(this, figure, draw)
+    found = find_steady_state(this, arguments.solver_from(**solver))
+    printing.print_steady_state(found)
+    write_results(found.history, contacts_path, figure, draw)
+    if json_path:
+        printing.write_json(json_path, printing.steady_state_summary(found))
+    click.get_current_context().exit(1 if found.outcome is Outcome.UNDECIDED else 0)
+
+
+def write_results(history: History, contacts_path: str | None, figure: str | None, draw: str | None) -> None:
+    """Write the files asked for."""
+    if contacts_path:
+        from lapjoint.answers.contact_files import write_contacts
+
+        write_contacts(history, contacts_path)
+    if figure:
+        from lapjoint import figures
+
+        figures.save(getattr(figures, DRAWINGS[draw or "motion"])(history), figure)

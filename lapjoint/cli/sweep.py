@@ -1,0 +1,99 @@
+"""The commands ``lapjoint sweep`` and ``lapjoint plot``: many answers, and the curve that they make."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from lapjoint.cli.options import FIGURES, problem_options, solver_options
+
+
+@click.command()
+@problem_options
+@solver_options
+@click.option("--from", "first", type=float, help="First excitation frequency, rad/s.")
+@click.option("--to", "last", type=float, help="Last excitation frequency, rad/s.")
+@click.option("--step", type=float, default=1.0, show_default=True, help="Step between them, rad/s.")
+@click.option(
+    "--over",
+    "fields",
+    multiple=True,
+    metavar="PATH=VALUES",
+    help="Change another number of the problem too, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    "damping.ratio=0.02,0.08; repeatable: all combinations.",
+)
+@click.option("--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option(
+    "--start",
+    type=click.Choice(["rest", "up", "down", "random"]),
+    default="rest",
+    show_default=True,
+    help="Where each motion starts: from the problem's initial state; from where the one before it settled, along "
+    "the first axis upwards or downwards; from random states.",
+)
+@click.option("--starts", type=int, default=1, show_default=True, help="Starts at each point; further ones are random.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random states.")
+@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
+@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
+@click.option("--force", is_flag=True, help="Throw away another sweep that is in FILE.")
+def sweep(
+    problem: str,
+    overrides: tuple[str, ...],
+    solver_name: str,
+    n_modes: int | None,
+    elements: int | None,
+    options: tuple[str, ...],
+    first: float | None,
+    last: float | None,
+    step: float,
+    fields: tuple[str, ...],
+    out: str,
+    start: Literal["rest", "up", "down", "random"],
+    starts: int,
+    seed: int,
+    workers: int,
+    scheduler: str | None,
+    force: bool,
+) -> None:
+    """Find the steady state of PROBLEM at every point of a grid: excitation frequencies, or any of its numbers.
+
+    Interrupted in any way, the same command resumes.
+    """
+    from lapjoint.campaigns import Grid, Plan, run, stored
+    from lapjoint.cli import arguments, printing
+    from lapjoint.cli.progress import shown_points
+
+    arguments.check_file("--out", out, ".nc")
+    axes = arguments.axes_from(first, last, step, fields)
+    this = arguments.problem_from(problem, overrides)
+    numerics = arguments.options_from(n_modes, elements, options)
+    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed)
+    there = stored(plan, out, force=force)
+    if there is None:
+        with shown_points("sweep") as progress:
+            found = run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+        click.echo(f"Wrote {out}")
+    else:
+        found = there
+        click.echo(f"{out}: holds this sweep already, finished")
+    printing.print_curve(found)
+    click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
+
+
+@click.command()
+@click.argument("curve")
+@click.option("-o", "--output", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
+@click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
+def plot(curve: str, figure: str | None, wide: bool) -> None:
+    """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
+    from lapjoint.campaigns.dataset import read_curve
+    from lapjoint.cli import arguments
+    from lapjoint.figures import plot_curve, plot_curve_wide, save
+
+    path = figure or str(Path(curve).with_suffix(".pdf"))
+    arguments.check_file("--output", path, *FIGURES)
+    dataset = read_curve(curve)
+    save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
+    click.echo(f"Wrote {path}")

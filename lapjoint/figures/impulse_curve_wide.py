@@ -1,0 +1,176 @@
+"""A sweep as wide as a page: the impulse of each stop, and what was established at each point.
+
+A second swept field is drawn as one line for each value, or as a map where there are many; several starts as points.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lapjoint.figures.impulse_curve import draw_line, limit
+from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
+from lapjoint.figures.sweep_axes import axis_label, each_line, fields, held, in_order, short, units
+from lapjoint.figures.text import apart, literal, shortened, wrapped
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_NAME_ROOM = 4.5
+"""Width of a stop's name above its panel, inches: that of sixty characters and more."""
+MOST_LINES = 7
+"""A second field with more values than this is drawn as a map."""
+OUTCOME_COLOURS = {
+    "no_contact": "#DDDDDD",
+    "periodic": "#56B4E9",
+    "periodic_n": "#0072B2",
+    "chattering": "#009E73",
+    "quasiperiodic": "#CC79A7",
+    "aperiodic": "#D55E00",
+    "undecided": "#F0E442",
+    "failed": "#000000",
+}
+"""Colours of what was established; ``periodic_n`` repeats after several excitation periods."""
+_LABELS = {"no_contact": "no contact", "periodic": "periodic, 1", "periodic_n": "periodic, n"}
+
+
+@style()
+def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
+    """A panel for each stop, and a strip that says what was established at each point; as wide as a page.
+
+    A second field is drawn as a line for each of its values, or as a map.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+
+    Returns
+    -------
+    tuple of matplotlib.axes.Axes
+        One for each stop, and that of the strip.
+    """
+    dataset = in_order(dataset)
+    first, second = fields(dataset)
+    stops = dataset.sizes["stop"]
+    as_map = second is not None and dataset.sizes[second] > MOST_LINES
+    strip = max(0.18, 1.5 if as_map else 0.14 * _rows(dataset, first))  # inches high
+    heights = [1.15] * stops + [strip]
+    height = sum(heights) + 0.32 * stops + 0.9
+    panels = new_panels(stops + 1, 1, PAGE_WIDTH, height, sharex=True, height_ratios=heights)
+    figure = figure_of(panels)
+    names = apart(
+        [str(name) for name in dataset.stop_name.values], lambda name: shortened(name, _NAME_ROOM, STYLE["font.size"])
+    )
+    for stop, axes in enumerate(panels[:-1]):
+        impulse = dataset.impulse.isel(stop=stop)
+        if as_map:
+            _map(figure, axes, dataset, impulse, first, second or "")
+        else:
+            _panel(axes, dataset, impulse, first, second, legend=stop == 0)
+        axes.set_title(literal(names[stop]), pad=2)
+    _certificate_strip(figure, panels[-1], dataset, first, second)
+    panels[-1].set_xlabel(axis_label(dataset, first))
+    limit(panels[-1], dataset[first].values)
+    if held(dataset):
+        lines = wrapped(", ".join(held(dataset)), PAGE_WIDTH - 0.5, STYLE["font.size"])
+        figure.suptitle("\n".join(literal(line) for line in lines), fontsize=STYLE["font.size"])
+    return panels
+
+
+def certificates(dataset: xr.Dataset) -> Any:
+    """What was established at each point, as an index into `OUTCOME_COLOURS`."""
+    keys = list(OUTCOME_COLOURS)
+    meanings = dataset.outcome.attrs["flag_meanings"].split()
+    codes = np.full(dataset.outcome.shape, keys.index("failed"))
+    for value, meaning in zip(np.atleast_1d(dataset.outcome.attrs["flag_values"]), meanings, strict=True):
+        codes[dataset.outcome.values == value] = keys.index(meaning)
+    many = (codes == keys.index("periodic")) & (dataset.order.values > 1)
+    return np.where(many, keys.index("periodic_n"), codes)
+
+
+def _panel(
+    axes: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str | None, legend: bool
+) -> None:
+    for i, line in enumerate(each_line(impulse, second)):
+        label = None if second is None else f"{dataset[second].values[i]:.4g}"
+        draw_line(axes, dataset[first].values, line, COLOURS[i % len(COLOURS)], STYLES[i % len(STYLES)], label)
+    axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
+    axes.set_ylabel("impulse [N s]")
+    if second is not None and legend:
+        title = literal(f"{short(dataset, second)} [{units(dataset, second)}]")
+        axes.legend(title=title, title_fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.05))
+
+
+def _map(figure: Figure, axes: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str) -> None:
+    values = impulse.mean("start") if "start" in impulse.dims else impulse
+    mesh = axes.pcolormesh(
+        _edges(dataset[first].values), _edges(dataset[second].values), values.values.T, cmap="cividis", rasterized=True
+    )
+    bar = figure.colorbar(mesh, ax=axes, pad=0.01)
+    bar.set_label("impulse [N s]")
+    axes.set_ylabel(axis_label(dataset, second))
+    axes.grid(False)
+
+
+def _rows(dataset: xr.Dataset, first: str) -> int:
+    return max(1, int(dataset.outcome.size) // dataset.sizes[first])
+
+
+def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: str, second: str | None) -> None:
+    """A row for each value of the second field and each start, coloured by what was established."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    codes = certificates(dataset).reshape(dataset.sizes[first], -1).T
+    axes.pcolormesh(
+        _edges(dataset[first].values),
+        np.arange(len(codes) + 1) - 0.5,
+        codes,
+        cmap=ListedColormap(list(OUTCOME_COLOURS.values())),
+        vmin=-0.5,
+        vmax=len(OUTCOME_COLOURS) - 0.5,
+        rasterized=True,
+    )
+    axes.set_title("what was established" if dataset.sizes["stop"] else "what was established, without stops", pad=2)
+    axes.grid(False)
+    _strip_ticks(axes, dataset, second, len(codes))
+    keys = list(OUTCOME_COLOURS)
+    patches = [
+        Patch(facecolor=OUTCOME_COLOURS[keys[i]], label=_LABELS.get(keys[i], keys[i]), edgecolor="0.5", linewidth=0.4)
+        for i in np.unique(codes)
+    ]
+    figure.legend(
+        handles=patches,
+        loc="outside lower center",
+        ncols=len(patches),
+        handlelength=1.4,
+    )
+
+
+def _strip_ticks(axes: Axes, dataset: xr.Dataset, second: str | None, rows: int) -> None:
+    """Say at the strip's side what its rows are: some values of the second field, or starts."""
+    if second is None:
+        axes.set_yticks([])
+        if rows > 1:
+            axes.set_ylabel("start")
+        return
+    number = dataset.sizes[second]
+    each = rows // number  # starts
+    shown = np.arange(number) if number <= MOST_LINES else np.linspace(0, number - 1, 5).round().astype(int)
+    axes.set_yticks(
+        shown * each + (each - 1) / 2, [f"{value:.3g}" for value in dataset[second].values[shown]], fontsize=6
+    )
+    if number > MOST_LINES:
+        axes.set_ylabel(axis_label(dataset, second))
+
+
+def _edges(values: Any) -> Any:
+    """The ends of the cells around ascending values, one more than these."""
+    if values.size == 1:
+        return values[0] + np.array([-0.5, 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middles, [1.5 * values[-1] - 0.5 * values[-2]]])

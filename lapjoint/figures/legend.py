@@ -1,0 +1,65 @@
+"""Keys that fit above their axes, whatever the number of entries and the length of their names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lapjoint.figures.text import SMALL, apart, literal, shortened, width_of
+
+HANDLE, BETWEEN = 2.0, 1.2
+"""Widths of a sample of a line, and between two columns, in sizes of the text."""
+LINE = 1.5 * SMALL / 72.0
+"""Height of a line of a key, inches."""
+_EM = SMALL / 72.0
+_SAMPLE = (HANDLE + 0.8) * _EM
+"""Width of a sample and the space after it, inches."""
+
+
+def key_that_fits(handles: list[Any], labels: list[str], room: float, lines: int) -> tuple[list[Any], list[str], int]:
+    """Entries of a key, and in how many columns to write them, in a width of `room` inches.
+
+    The columns are as many as fit side by side.  Where that makes more than the given number of lines, the last entries
+    are left out, and the last label says how many.
+
+    Parameters
+    ----------
+    handles, labels : list
+        As matplotlib gives them; the labels are shown literally, the long ones shortened.
+    room : float
+        Width, inches.
+    lines : int
+        Lines there is room for; two are always taken.
+    """
+    room -= 0.8 * _EM  # the key's own margins
+    labels = apart(labels, lambda label: shortened(label, room - _SAMPLE))
+    kept = len(labels)
+    columns, rows = _columns(labels, room)
+    while rows > max(2, lines) and kept > 2:
+        kept -= 1
+        columns, rows = _columns([*labels[:kept], _more(labels, kept)], room)
+    if kept < len(labels):
+        handles, labels = [*handles[:kept], _nothing()], [*labels[:kept], _more(labels, kept)]
+    return handles, [literal(label) for label in labels], columns
+
+
+def _nothing() -> Any:
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], linestyle="")
+
+
+def _more(labels: list[str], kept: int) -> str:
+    return f"… {len(labels) - kept} more"
+
+
+def _columns(labels: list[str], room: float) -> tuple[int, int]:
+    """Columns and rows: the fewest rows in which the entries, filled column by column, fit side by side."""
+    widths = [_SAMPLE + width_of(label) for label in labels]
+    for rows in range(1, len(widths)):
+        columns = -(-len(widths) // rows)
+        most, longer = divmod(len(widths), columns)  # the first columns have one row more
+        ends = [(i + 1) * most + min(i + 1, longer) for i in range(columns)]
+        taken = sum(max(widths[start:end]) for start, end in zip([0, *ends], ends, strict=False))
+        if taken + (columns - 1) * BETWEEN * _EM <= room:
+            return columns, most + (longer > 0)
+    return 1, len(widths)

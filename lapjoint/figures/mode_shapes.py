@@ -1,0 +1,181 @@
+"""Mode shapes: of one contact state, and of all states, those that share them in one panel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.answers import Modes
+from lapjoint.answers.contact_state import is_paper_joint, paper_state_number, state_order
+from lapjoint.errors import InputError
+from lapjoint.figures.style import (
+    COLOURS,
+    GREY,
+    PAGE_WIDTH,
+    STYLES,
+    THIN,
+    each_axes,
+    entitle,
+    new_axes,
+    new_panels,
+    style,
+)
+from lapjoint.figures.text import cut_to
+from lapjoint.problem import FloatArray, Problem
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SAME = 1e-6
+"""Relative difference of frequencies up to which two states share them."""
+MOST_PANELS = 24
+"""More groups of states than this are not drawn in one figure."""
+_NAMED = 4  # states of a group whose closed stops are written out
+_UNBROKEN, _LONGEST = 16, 60
+"""Characters of a state's name up to which it is kept in one line, and up to which it is written out."""
+_POINTS_AT_BEAM = {"bottom": 6, "top": 7}
+"""Matplotlib's carets with their tip on the beam, by the stop's side."""
+
+
+@style()
+def plot_mode_shapes(problem: Problem, modes: Modes, axes: Axes | None = None, *, samples: int = 401) -> Axes:
+    """Mass-normalised mode shapes (16)-(17) of one contact state over the beam, the closed stops marked.
+
+    The sign of a mode is arbitrary; each is drawn with its largest deflection upwards.
+
+    Parameters
+    ----------
+    problem : Problem
+        The beam and its stops.
+    modes : Modes
+        Of one contact state.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.
+    samples : int
+        Number of equidistant positions.
+    """
+    axes = new_axes() if axes is None else axes
+    _draw_shapes(axes, problem, [modes], len(modes.angular_frequencies), samples)
+    entitle(axes, f"{problem.title}\n{group_title(problem, [modes])}".strip())
+    return axes
+
+
+@style()
+def plot_state_shapes(
+    problem: Problem, states_modes: Sequence[Modes], axes: Sequence[Axes] | None = None, *, count: int = 3
+) -> tuple[Axes, ...]:
+    """The first mode shapes of every contact state, a panel for each group of states that share them.
+
+    The groups and their order are those of the paper's Table 4, if the joint is the paper's: state 1; 2 and 4; 3 and
+    5; 6 to 9.  Each is drawn with its largest deflection upwards; carets mark the closed stops of the group.
+
+    Parameters
+    ----------
+    problem : Problem
+        The beam and its stops.
+    states_modes : sequence of Modes
+        One for each contact state, from any solver, in any order.
+    axes : sequence of matplotlib.axes.Axes, optional
+        Where to draw, a panel for each group, or an array of them; by default on a new figure.
+    count : int
+        Number of modes in a panel.
+
+    Returns
+    -------
+    tuple of matplotlib.axes.Axes
+        One for each of `state_groups`.
+
+    Raises
+    ------
+    InputError
+        If there are no states, more than `MOST_PANELS` groups of them or more than `axes`, or `count` is less than 1.
+    """
+    if count < 1:
+        raise InputError(f"count = {count}: must be 1 or more")
+    groups = state_groups(problem, states_modes)
+    if not 0 < len(groups) <= MOST_PANELS:
+        raise InputError(f"states_modes: has {len(groups)} groups of states; 1 to {MOST_PANELS} can be drawn")
+    given = () if axes is None else each_axes(axes)
+    if axes is not None and len(given) < len(groups):
+        raise InputError(f"axes: has {len(given)} panels; these states need {len(groups)}")
+    columns = min(2, len(groups))
+    rows = -(-len(groups) // columns)
+    panels = new_panels(rows, columns, PAGE_WIDTH, 0.3 + 2.1 * rows) if axes is None else given
+    for panel, group in zip(panels, groups, strict=False):
+        _draw_shapes(panel, problem, group, count, 401)
+        entitle(panel, group_title(problem, group))
+    if axes is None:
+        _tidy(panels, len(groups), columns)
+    return panels[: len(groups)]
+
+
+def _tidy(panels: tuple[Axes, ...], used: int, columns: int) -> None:
+    """The positions written only where no panel follows below, and nothing where a panel is not used."""
+    for panel in panels[: used - columns]:
+        panel.set_xlabel("")
+        panel.tick_params(labelbottom=False)
+    for panel in panels[used:]:
+        panel.set_axis_off()
+
+
+def state_groups(problem: Problem, states_modes: Sequence[Modes]) -> list[list[Modes]]:
+    """The states in order, those together that have springs at the same positions and the same frequencies."""
+    groups: list[list[Modes]] = []
+    for modes in sorted(states_modes, key=lambda each: state_order(problem, each.state)):
+        for group in groups:
+            if _alike(problem, group[0], modes):
+                group.append(modes)
+                break
+        else:
+            groups.append([modes])
+    return groups
+
+
+def _alike(problem: Problem, a: Modes, b: Modes) -> bool:
+    places = [sorted(problem.stops[stop].x for stop in modes.state.closed) for modes in (a, b)]
+    n = min(len(a.angular_frequencies), len(b.angular_frequencies))
+    one, other = a.angular_frequencies[:n], b.angular_frequencies[:n]
+    return places[0] == places[1] and np.allclose(one, other, rtol=SAME, atol=SAME * float(np.max(one, initial=0.0)))
+
+
+def upright(shape: FloatArray) -> FloatArray:
+    """A shape, ``(n,)``, with the sign that turns its largest deflection upwards."""
+    return shape * (-1.0 if shape[np.argmax(np.abs(shape))] < 0 else 1.0)
+
+
+def group_title(problem: Problem, group: Sequence[Modes]) -> str:
+    """Which states these are: the paper's numbers where they have some, and their closed stops; what the key holds."""
+    names = [_unbroken(modes.state.name(problem)) for modes in group]
+    text = " or ".join(names[:_NAMED]) + (f" or {len(names) - _NAMED} more" if len(names) > _NAMED else "")
+    word = "States" if len(group) > 1 else "State"
+    if is_paper_joint(problem):
+        word += " " + ", ".join(str(paper_state_number(problem, modes.state)) for modes in group)
+    return f"{word}: {text}\nmode: natural frequency [rad/s]"
+
+
+def _unbroken(name: str) -> str:
+    """A short name with fixed spaces, that a line's end divides no ``P2 + P3``."""
+    return name.replace(" ", "\u00a0") if len(name) <= _UNBROKEN else cut_to(name, _LONGEST)
+
+
+def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: int, samples: int) -> None:
+    x = np.linspace(0.0, problem.beam.length, samples)
+    modes = group[0]
+    axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
+    for i, (omega, shape) in enumerate(zip(modes.angular_frequencies[:count], modes.shapes(x), strict=False)):
+        axes.plot(
+            x,
+            upright(shape),
+            color=COLOURS[i % len(COLOURS)],
+            linestyle=STYLES[i % len(STYLES)],
+            label=f"{i + 1}: {omega:.4g}",
+        )
+    for place, side in sorted(
+        {(problem.stops[s].x, problem.stops[s].side) for each in group for s in each.state.closed}
+    ):
+        axes.plot([place], [0.0], marker=_POINTS_AT_BEAM[side], color="0.25", markersize=6, linestyle="", clip_on=False)
+    axes.set_xlabel("position x [m]")
+    axes.set_ylabel("mode shape [kg$^{-1/2}$]")
+    axes.set_xlim(0.0, problem.beam.length)

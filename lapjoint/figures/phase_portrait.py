@@ -1,0 +1,184 @@
+"""Velocity over displacement: the orbit, and where it stands once in every excitation period."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.answers import History
+from lapjoint.errors import InputError
+from lapjoint.figures.sampling import heading, in_contact, line_width, one_position, smooth_times, times_drawn
+from lapjoint.figures.style import COLUMN_WIDTH, GREY, THIN, entitle, new_axes, style
+from lapjoint.problem import FloatArray, Problem
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+IN_CONTACT = "in contact"
+_ROUNDING = 1e-9  # excitation periods: a section this little before the start belongs to the history
+_LEAST_SPAN = 0.1  # of the orbit: points closer than this are not drawn apart, for their distance is rounding
+
+
+@style()
+def plot_phase_portrait(
+    history: History,
+    axes: Axes | None = None,
+    *,
+    x: float | None = None,
+    samples: int = 4000,
+    label: str | None = None,
+) -> Axes:
+    """Velocity over displacement at one position, the gaps as thin lines, the orbit broader while in contact.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.  Further portraits on the same axes take further colours.
+    x : float, optional
+        Position, m; by default that of the stop farthest from the root, or the tip where there are no stops.
+        In contact means: with a stop here, or with any stop where there is none here.
+    samples : int
+        Number of times drawn, equidistant, at least; the switches are added to them, and more where an excitation
+        period would have fewer than 100 of them, or the orbit would be drawn with corners that it has not.
+    label : str, optional
+        Name of the orbit in the key; by default the position.
+
+    Raises
+    ------
+    InputError
+        If the position is outside the beam, or `samples` less than 2.
+    """
+    place = one_position(history.problem, x)
+    t = smooth_times(history, place, times_drawn(history, samples))
+    axes = _portrait_axes(axes)
+    z, v = _state(history, place, t)
+    width = line_width(history)
+    still = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
+    (orbit,) = axes.plot(z, v, linewidth=width, marker=still, label=label or f"x = {place:g} m")
+    here = [i for i, stop in enumerate(history.problem.stops) if stop.x == place]
+    contacts = [c for c in history.contacts if c.stop in here or not here]
+    if contacts:
+        closed = np.where(in_contact(contacts, t), v, np.nan)
+        known = {str(line.get_label()) for line in axes.lines}
+        axes.plot(
+            z,
+            closed,
+            color=orbit.get_color(),
+            linestyle="-",
+            linewidth=4 * width,
+            alpha=0.3,
+            solid_capstyle="butt",
+            label=f"_{IN_CONTACT}" if IN_CONTACT in known else IN_CONTACT,
+        )
+    for gap in {history.problem.stops[i].sign * history.problem.stops[i].gap for i in here}:
+        axes.axvline(1e3 * gap, color=GREY, linewidth=THIN, zorder=1)
+    entitle(axes, heading(history) if label is None else "")
+    return axes
+
+
+@style()
+def plot_poincare_section(
+    history: History,
+    axes: Axes | None = None,
+    *,
+    x: float | None = None,
+    phase: float = 0.0,
+    label: str | None = None,
+) -> Axes:
+    """Velocity over displacement at one position, once in every excitation period.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.  Further sections on the same axes take further colours.
+    x : float, optional
+        Position, m; by default that of the stop farthest from the root, or the tip where there are no stops.
+    phase : float
+        Phase of the excitation at the section, rad: it is taken at the times t with omega t = phase + 2 pi k.
+    label : str, optional
+        Name of the section in the key; by default the position and the phase.
+
+    Raises
+    ------
+    InputError
+        If the excitation has not one frequency, the history holds no section, or the position is outside the beam.
+    """
+    place = one_position(history.problem, x)
+    t = section_times(history, phase)
+    axes = _portrait_axes(axes)
+    z, v = _state(history, place, t)
+    size = 4.0 if t.size < 100 else 1.8
+    name = label or f"x = {place:g} m, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} section{'s' * (t.size > 1)}"
+    axes.plot(z, v, linestyle="", marker="o", markersize=size, markeredgewidth=0, label=name)
+    _widen(axes, *_state(history, place, times_drawn(history, 500)))
+    entitle(axes, heading(history) if label is None else "")
+    return axes
+
+
+def section_times(history: History, phase: float = 0.0) -> FloatArray:
+    """The times t of the history, s, with omega t = phase + 2 pi k, ascending.
+
+    A history that ends at a section and starts at one has whole periods, and its end is the start of what follows: it
+    is left out, so that a motion of three periods has three sections.
+
+    Raises
+    ------
+    InputError
+        If the excitation has not one frequency, the phase is not finite, or the history holds no such time.
+    """
+    omega = excitation_frequency(history.problem)
+    if not math.isfinite(phase):
+        raise InputError(f"phase = {phase}: must be finite, in rad")
+    turns = (np.array([history.start, history.end]) * omega - phase) / (2 * math.pi)
+    k = np.arange(math.ceil(turns[0] - _ROUNDING), math.floor(turns[1] + _ROUNDING) + 1)
+    if k.size > 1 and k[0] - turns[0] < _ROUNDING and turns[1] - k[-1] < _ROUNDING:
+        k = k[:-1]
+    if not k.size:
+        raise InputError(
+            f"phase = {phase:g}: the history, {history.start:g} to {history.end:g} s, holds no section; allowed are "
+            f"histories of an excitation period, {2 * math.pi / omega:g} s, or more"
+        )
+    return np.clip((phase + 2 * math.pi * k) / omega, history.start, history.end)
+
+
+def excitation_frequency(problem: Problem) -> float:
+    """The one angular frequency of the excitation, rad/s.
+
+    Raises
+    ------
+    InputError
+        If there is none, or several.
+    """
+    omega = problem.excitation_frequency
+    if omega is None:
+        raise InputError(
+            "excitation_frequency = None: a Poincare section needs base motion and sine loads of one frequency, "
+            "and these have none or several"
+        )
+    return omega
+
+
+def _portrait_axes(axes: Axes | None) -> Axes:
+    axes = new_axes(COLUMN_WIDTH, 3.0) if axes is None else axes
+    axes.set_xlabel("displacement z [mm]")
+    axes.set_ylabel("velocity z$_t$ [m/s]")
+    return axes
+
+
+def _state(history: History, x: float, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Displacement, mm, and velocity, m/s, at one position, each ``(m,)``."""
+    return 1e3 * history.displacement(x, t)[0], history.velocity(x, t)[0]
+
+
+def _widen(axes: Axes, z: FloatArray, v: FloatArray) -> None:
+    """Show at least a tenth of the orbit, given by `z` and `v`, around the points drawn."""
+    for limits, set_limits, of in ((axes.get_xlim(), axes.set_xlim, z), (axes.get_ylim(), axes.set_ylim, v)):
+        lack = max(0.0, _LEAST_SPAN * float(np.ptp(of)) - (limits[1] - limits[0])) / 2
+        if lack:
+            set_limits(limits[0] - lack, limits[1] + lack)

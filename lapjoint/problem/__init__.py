@@ -1,0 +1,64 @@
+"""What is solved: an immutable, validated description of a beam, its supports, its stops and its excitation.
+
+The beam lies along x, from the root (x = 0) to the tip (x = L).  z(x, t) is the displacement relative to the
+moving base, positive upwards; y(t) = Y sin(omega t + phase) is the base.  With E I = EI and rho A = m::
+
+    EI z'''' + damping + m z_tt = m Y omega^2 sin(omega t + phase) + supports + stops + point loads
+
+A closed stop pushes with ``-k (|z| - gap) sign(z)``.  SI units throughout, angles in radians, angular
+frequencies in rad/s.  Nothing numerical (modes, elements, tolerances) belongs here.
+"""
+
+from lapjoint.problem.beam import Beam, Circle, Material, Rectangle, Section, Tube
+from lapjoint.problem.damping import Damping, ModalDamping, NoDamping, ViscousDamping
+from lapjoint.problem.excitation import BaseMotion, PointLoad, SineLoad, StepLoad
+from lapjoint.problem.files import read_problem, write_problem
+from lapjoint.problem.initial import (
+    AtRest,
+    InitialState,
+    PolynomialShape,
+    SampledShape,
+    ShapeFunction,
+    initial_from_functions,
+)
+from lapjoint.problem.presets import paper_joint, sdnl104
+from lapjoint.problem.problem import Problem
+from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, SpringStiffness
+from lapjoint.problem.supports_and_stops import Side, Stop, Support
+
+__all__ = [
+    "AtRest",
+    "BaseMotion",
+    "Beam",
+    "Circle",
+    "Damping",
+    "Finite",
+    "FloatArray",
+    "InitialState",
+    "Material",
+    "ModalDamping",
+    "NoDamping",
+    "NonNegative",
+    "Part",
+    "PointLoad",
+    "PolynomialShape",
+    "Positive",
+    "Problem",
+    "Rectangle",
+    "SampledShape",
+    "Section",
+    "ShapeFunction",
+    "Side",
+    "SineLoad",
+    "SpringStiffness",
+    "StepLoad",
+    "Stop",
+    "Support",
+    "Tube",
+    "ViscousDamping",
+    "initial_from_functions",
+    "paper_joint",
+    "read_problem",
+    "sdnl104",
+    "write_problem",
+]

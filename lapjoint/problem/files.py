@@ -1,0 +1,163 @@
+"""Problems in and out as TOML, lossless both ways.
+
+What a file leaves out takes the default of the schema, so that defaults are not written; floats are written
+with the fewest digits that give the same number back, and an infinite stiffness as ``inf``.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import BaseModel, ValidationError
+
+from lapjoint.errors import InputError
+from lapjoint.output_files import write_text
+from lapjoint.problem.messages import explain
+from lapjoint.problem.problem import Problem
+from lapjoint.problem.schema import Part
+
+_KINDS = ("kind", "shape")  # the keys that tell parts of a union apart: always written
+
+
+def read_problem(path: str | Path) -> Problem:
+    """The problem in a TOML file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is not a valid problem; one line for each fault.
+    """
+    return problem_from_tables(read_tables(path), str(path))
+
+
+def write_problem(problem: Problem, path: str | Path) -> None:
+    """Write a problem as TOML.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    write_text(path, to_toml(problem))
+
+
+def read_tables(path: str | Path) -> dict[str, Any]:
+    """The tables of a TOML file, not validated yet.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is not TOML.
+    """
+    try:
+        raw = Path(path).read_bytes()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"{path}: cannot be read: {reason}") from None
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise InputError(f"{path}: is not a text file in UTF-8 (line {line})") from None
+    if not text.strip():
+        raise InputError(f"{path}: is empty; `lapjoint init` writes an example of a problem")
+    return tables_from_toml(text, str(path))
+
+
+def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
+    """The tables of a TOML text, not validated yet; `source` names it in messages.
+
+    Raises
+    ------
+    InputError
+        If it is not valid TOML; the message gives the line.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        lines = text.count("\n", 0, len(text.rstrip())) + 1
+        reason = str(error).replace("at end of document", f"at the end of the document, line {lines}")
+        raise InputError(f"{source}: is not valid TOML: {reason}") from None
+    except (RecursionError, ValueError) as error:
+        raise InputError(f"{source}: is not valid TOML: {error}") from None
+
+
+def problem_from_tables(tables: Mapping[str, Any], source: str = "problem") -> Problem:
+    """A validated problem from tables as TOML holds them; `source` names them in messages.
+
+    Raises
+    ------
+    InputError
+        With one line for each fault.
+    """
+    try:
+        return Problem.model_validate(tables)
+    except ValidationError as error:
+        faults = explain(error, tables, Problem).split("\n")
+        if len(faults) == 1:
+            raise InputError(f"{source}: {faults[0]}") from None
+        lines = "\n".join(f"  {fault}" for fault in faults)
+        raise InputError(f"{source}: {len(faults)} faults\n{lines}") from None
+
+
+def from_toml(text: str) -> Problem:
+    """The problem in a TOML text.
+
+    Raises
+    ------
+    InputError
+        If it is not a valid problem; one line for each fault.
+    """
+    return problem_from_tables(tables_from_toml(text))
+
+
+def to_toml(problem: Problem) -> str:
+    """A problem as TOML, without what is None or the default."""
+    return tomli_w.dumps(problem_tables(problem))
+
+
+def problem_tables(problem: Problem) -> dict[str, Any]:
+    """A problem as the tables of its TOML file, without what is None or the default."""
+    return _table(problem)
+
+
+def _table(part: BaseModel) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    for name, info in type(part).model_fields.items():
+        value = getattr(part, name)
+        if value is None or (name not in _KINDS and not info.is_required() and value == info.default):
+            continue
+        table[name] = _value(value)
+    return table
+
+
+def _value(value: Any) -> Any:
+    if isinstance(value, Part):
+        return _table(value)
+    if isinstance(value, tuple):
+        return [_value(item) for item in value]
+    return value
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of a problem file, with a description of every field."""
+    schema = Problem.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | schema
+
+
+def problem_tables_json(problem: Problem) -> dict[str, Any]:
+    """As `problem_tables`, with an infinite stiffness as the text ``inf``, which JSON has no number for."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [plain(item) for item in value]
+        return "inf" if value == float("inf") else value
+
+    result: dict[str, Any] = plain(problem_tables(problem))
+    return result

@@ -1,0 +1,134 @@
+"""How the motion starts: at rest, from polynomials in x, or from sampled shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from lapjoint.errors import InputError
+from lapjoint.problem.schema import Finite, FloatArray, Part
+
+ShapeFunction = Callable[[FloatArray], FloatArray]
+
+
+class AtRest(Part):
+    """Straight and still at t = 0."""
+
+    kind: Literal["rest"] = "rest"
+
+    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        return np.zeros_like(np.asarray(x, dtype=float))
+
+    velocity_at = displacement_at
+
+
+class PolynomialShape(Part):
+    """Initial displacement and velocity as polynomials in x, coefficients in ascending powers."""
+
+    kind: Literal["polynomial"] = "polynomial"
+    displacement: tuple[Finite, ...] = ()
+    """z(x, 0) = sum of displacement[n] x^n, m."""
+    velocity: tuple[Finite, ...] = ()
+    """z_t(x, 0) = sum of velocity[n] x^n, m/s."""
+
+    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        return _polynomial(self.displacement, x, derivative)
+
+    def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z_t(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        return _polynomial(self.velocity, x, derivative)
+
+
+class SampledShape(Part):
+    """Initial displacement and velocity through given points, joined by a C2 cubic spline (not-a-knot)."""
+
+    kind: Literal["sampled"] = "sampled"
+    x: Annotated[tuple[Finite, ...], Field(min_length=4)]
+    """Positions, m, ascending, from 0 to L."""
+    displacement: tuple[Finite, ...] = ()
+    """z(x, 0), m, one for each position; empty: zero."""
+    velocity: tuple[Finite, ...] = ()
+    """z_t(x, 0), m/s, one for each position; empty: zero."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if np.any(np.diff(self.x) <= 0):
+            raise ValueError("x must ascend strictly")
+        for name in ("displacement", "velocity"):
+            n = len(getattr(self, name))
+            if n not in (0, len(self.x)):
+                raise ValueError(f"{name} has {n} values, and x has {len(self.x)}")
+        return self
+
+    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        return _spline(self.x, self.displacement, x, derivative)
+
+    def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z_t(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        return _spline(self.x, self.velocity, x, derivative)
+
+
+@lru_cache(maxsize=32)
+def _spline_through(x: tuple[float, ...], values: tuple[float, ...]) -> Any:
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(x, values)
+
+
+def _spline(points: tuple[float, ...], values: tuple[float, ...], x: FloatArray, derivative: int) -> FloatArray:
+    if not values:
+        return np.zeros_like(np.asarray(x, dtype=float))
+    result: FloatArray = _spline_through(points, values)(x, derivative)
+    return result
+
+
+def _polynomial(coefficients: tuple[float, ...], x: FloatArray, derivative: int) -> FloatArray:
+    series = np.polynomial.Polynomial(np.array(coefficients or (0.0,), dtype=float))
+    result: FloatArray = (series.deriv(derivative) if derivative else series)(np.asarray(x, dtype=float))
+    return np.asarray(result, dtype=float)
+
+
+InitialState = Annotated[AtRest | PolynomialShape | SampledShape, Field(discriminator="kind")]
+
+
+def initial_from_functions(
+    length: float,
+    displacement: ShapeFunction | None = None,
+    velocity: ShapeFunction | None = None,
+    points: int = 401,
+) -> SampledShape:
+    """Initial state from Python callables, sampled at `points` equidistant positions over ``[0, length]``.
+
+    The callables take and return arrays of shape ``(points,)``.  The cubic spline through the samples is what
+    both solvers see, and what a file keeps; its error is O((length / points)^4).
+
+    Raises
+    ------
+    InputError
+        If a callable does not return one finite number for each position.
+    """
+    x = np.linspace(0.0, length, points)
+
+    def sample(name: str, function: ShapeFunction | None) -> tuple[float, ...]:
+        if function is None:
+            return ()
+        values = np.asarray(function(x), dtype=float)
+        if values.shape != x.shape or not np.all(np.isfinite(values)):
+            raise InputError(
+                f"initial.{name}: the function must return {points} finite numbers for {points} positions, "
+                f"and gave shape {values.shape}"
+            )
+        return tuple(values.tolist())
+
+    return SampledShape(
+        x=tuple(x.tolist()),
+        displacement=sample("displacement", displacement),
+        velocity=sample("velocity", velocity),
+    )

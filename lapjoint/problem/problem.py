@@ -1,0 +1,99 @@
+"""The problem as a whole, and what its parts must obey together: see `lapjoint.problem` for the equation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from lapjoint.problem.beam import Beam
+from lapjoint.problem.damping import Damping, NoDamping
+from lapjoint.problem.excitation import BaseMotion, PointLoad, SineLoad
+from lapjoint.problem.initial import AtRest, InitialState, SampledShape
+from lapjoint.problem.schema import Part
+from lapjoint.problem.supports_and_stops import Stop, Support
+
+
+class Problem(Part):
+    """A beam with supports, stops, damping, excitation and an initial state."""
+
+    title: str = ""
+    """What this problem is, in a line."""
+    beam: Beam
+    supports: tuple[Support, ...] = ()
+    """Linear springs, always acting; none: a free beam."""
+    stops: tuple[Stop, ...] = ()
+    """Gapped one-sided springs."""
+    damping: Damping = NoDamping()
+    base_motion: BaseMotion | None = None
+    point_loads: tuple[PointLoad, ...] = ()
+    initial: InitialState = AtRest()
+
+    @model_validator(mode="after")
+    def _parts_fit_together(self) -> Self:
+        faults = [*_outside_the_beam(self), *_names_used_twice(self)]
+        if not faults:
+            faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
+        if faults:
+            raise ValueError("\n".join(faults))
+        return self
+
+    @property
+    def stop_names(self) -> tuple[str, ...]:
+        """Names of the stops, in order; those without a name are called ``stop 1``, ``stop 2`` ..."""
+        return tuple(stop.name or f"stop {i + 1}" for i, stop in enumerate(self.stops))
+
+    @cached_property
+    def excitation_frequency(self) -> float | None:
+        """The one angular frequency of all periodic excitation, rad/s; None where there is none or several."""
+        found = {load.angular_frequency for load in self.point_loads if isinstance(load, SineLoad) and load.force}
+        if self.base_motion is not None and self.base_motion.amplitude > 0:
+            found.add(self.base_motion.angular_frequency)
+        return found.pop() if len(found) == 1 else None
+
+    def replace(self, **changes: Any) -> Problem:
+        """A validated copy with some of the top-level parts changed."""
+        return Problem.model_validate({name: getattr(self, name) for name in Problem.model_fields} | changes)
+
+
+def _outside_the_beam(problem: Problem) -> Iterator[str]:
+    L = problem.beam.length
+    for group in ("supports", "stops", "point_loads"):
+        for i, part in enumerate(getattr(problem, group)):
+            if part.x > L:
+                yield f"{group}[{i}].x = {part.x:g}: lies outside the beam; allowed are 0 to {L:g} m"
+
+
+def _names_used_twice(problem: Problem) -> Iterator[str]:
+    names = problem.stop_names
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            yield f'stops[{i}].name = "{name}": is the name of stops[{names.index(name)}] too'
+
+
+def _initial_off_the_beam(problem: Problem) -> Iterator[str]:
+    initial, L = problem.initial, problem.beam.length
+    if isinstance(initial, SampledShape) and (initial.x[0] != 0.0 or initial.x[-1] != L):
+        yield f"initial.x: runs from {initial.x[0]:g} to {initial.x[-1]:g}, and must run from 0 to {L:g} m"
+
+
+def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
+    initial = problem.initial
+    if isinstance(initial, AtRest):
+        return
+    grid = np.linspace(0.0, problem.beam.length, 101)
+    for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
+        for derivative, word, spring in ((0, "moves", "translational"), (1, "turns", "torsional")):
+            # A spline of a callable meets a fixed support to its interpolation error only.
+            allowed = 1e-6 * float(np.max(np.abs(shape(grid, derivative)), initial=0.0))
+            for i, support in enumerate(problem.supports):
+                value = float(shape(np.array(support.x), derivative))
+                if math.isinf(getattr(support, spring)) and abs(value) > allowed:
+                    yield (
+                        f"initial.{name}: {word} supports[{i}] at x = {support.x:g} m, which is fixed; "
+                        f"{'its slope' if derivative else 'it'} is {value:g} there and must be 0"
+                    )

@@ -1,0 +1,41 @@
+"""What holds the beam: springs that always act, and stops that it meets after crossing a gap."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from lapjoint.problem.schema import NonNegative, Part, Positive, SpringStiffness
+
+
+class Support(Part):
+    """Linear springs between beam and base at one point, always acting; an infinite stiffness fixes."""
+
+    x: NonNegative
+    """Position, m, within the beam."""
+    translational: SpringStiffness = 0.0
+    """Translational stiffness k, N/m, from 0 to inf."""
+    torsional: SpringStiffness = 0.0
+    """Torsional stiffness kt, N m/rad, from 0 to inf."""
+
+
+Side = Literal["top", "bottom"]
+
+
+class Stop(Part):
+    """A one-sided spring that the beam meets after crossing a gap."""
+
+    x: NonNegative
+    """Position, m, within the beam."""
+    side: Side
+    """"top" acts at z > gap, "bottom" at z < -gap."""
+    gap: NonNegative
+    """Gap when the beam is straight, m."""
+    stiffness: Positive
+    """Spring stiffness k, N/m."""
+    name: str = ""
+    """Name shown in tables; empty: numbered in the order given."""
+
+    @property
+    def sign(self) -> int:
+        """+1 for a top stop, -1 for a bottom stop: closed where ``sign * z > gap``."""
+        return 1 if self.side == "top" else -1

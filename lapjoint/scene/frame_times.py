@@ -1,0 +1,127 @@
+"""At which times a motion is shown: those a person asks for, or as many as the motion itself needs.
+
+Switches of the contact state are always among them, whoever chose the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lapjoint.answers import History
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray
+
+MOST_FRAMES = 100_000
+TOLERANCE = 0.01
+"""Default largest error of straight lines between frames, over the largest value."""
+_FEWEST = 33
+_STATIONS = 33
+_INSIDE = (0.2, 0.4, 0.6, 0.8)
+"""Where an interval is tried: at several places, so that no inflection hides a curve."""
+_MARGIN = 0.8
+"""Of the tolerance, for what lies between these places and stations."""
+
+
+def span_of(histories: Sequence[History]) -> tuple[float, float]:
+    """The time, s, that all histories cover.
+
+    Raises
+    ------
+    InputError
+        If they have none in common.
+    """
+    start, end = max(h.start for h in histories), min(h.end for h in histories)
+    if start > end:
+        raise InputError("motion: these motions have no time in common")
+    return start, end
+
+
+def chosen_times(
+    histories: Sequence[History],
+    *,
+    times: FloatArray | Sequence[float] | None = None,
+    frames: int | None = None,
+    tolerance: float | None = None,
+) -> FloatArray:
+    """Times of the frames, s, ascending: the switches, and those of one choice of three.
+
+    Parameters
+    ----------
+    histories : sequence of History
+        The motions to be shown; times are within all of them.
+    times : array_like, optional
+        The times themselves, s; the switches between the first and the last of them are added.
+    frames : int, optional
+        This many equidistant times.
+    tolerance : float, optional
+        As many times as the motion needs (and the default, with `TOLERANCE`): between two frames, displacement and
+        velocity differ from a straight line by this part of their largest value along the beam, at most.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, or there would be more than `MOST_FRAMES` times.
+    """
+    if sum(choice is not None for choice in (times, frames, tolerance)) > 1:
+        raise InputError("frames: give times, frames or tolerance, and not two of them")
+    start, end = span_of(histories)
+    if times is not None:
+        found = _given(times, start, end)
+        start, end = float(found[0]), float(found[-1])
+    elif frames is not None:
+        check_frames(frames)
+        found = np.linspace(start, end, frames)
+    else:
+        found = np.unique(np.concatenate([_resolved(h, start, end, tolerance) for h in histories]))
+    switches = np.concatenate([h.switch_times for h in histories])
+    found = np.union1d(found, switches[(switches >= start) & (switches <= end)])
+    return _not_too_many(found)
+
+
+def check_frames(frames: int, most: int = MOST_FRAMES) -> None:
+    """Refuse a number of frames that is not 2 to `most`."""
+    if not 2 <= frames <= most:
+        raise InputError(f"frames = {frames}: allowed are 2 to {most}")
+
+
+def _given(times: FloatArray | Sequence[float], start: float, end: float) -> FloatArray:
+    t = np.unique(np.asarray(times, dtype=float))
+    if not 1 <= t.size <= MOST_FRAMES or not np.all((t >= start) & (t <= end)):
+        raise InputError(f"times: allowed are 1 to {MOST_FRAMES} numbers within the history, {start:g} to {end:g} s")
+    return t
+
+
+def _not_too_many(times: FloatArray) -> FloatArray:
+    if times.size > MOST_FRAMES:
+        raise InputError(f"frames: with its switches, this motion needs {times.size}; allowed are {MOST_FRAMES}")
+    return times
+
+
+def _resolved(history: History, start: float, end: float, tolerance: float | None) -> FloatArray:
+    """Times between which straight lines are as good as `tolerance` says, found by halving intervals."""
+    allowed = TOLERANCE if tolerance is None else tolerance
+    if not 0 < allowed < 1:
+        raise InputError(f"tolerance = {allowed:g}: must be between 0 and 1")
+    x = np.linspace(0.0, history.problem.beam.length, _STATIONS)
+
+    def motion(t: FloatArray) -> FloatArray:
+        return np.stack([history.displacement(x, t), history.velocity(x, t)])
+
+    switches = history.switch_times
+    times = np.union1d(np.linspace(start, end, _FEWEST), switches[(switches > start) & (switches < end)])
+    left, right = times[:-1], times[1:]
+    largest = np.max(np.abs(motion(times)), axis=(1, 2))[:, None, None]
+    while left.size:
+        a, b, wrong = motion(left), motion(right), np.zeros(left.size)
+        for share in _INSIDE:
+            inside = motion(left + share * (right - left))
+            largest = np.maximum(largest, np.max(np.abs(inside), axis=(1, 2))[:, None, None])
+            error = np.abs(inside - (1 - share) * a - share * b) / np.where(largest > 0, largest, 1.0)
+            wrong = np.maximum(wrong, error.max(axis=(0, 1)))
+        halved = wrong > _MARGIN * allowed
+        middle = (left[halved] + right[halved]) / 2
+        times = _not_too_many(np.union1d(times, middle))
+        left, right = np.concatenate([left[halved], middle]), np.concatenate([middle, right[halved]])
+    return times

@@ -1,0 +1,163 @@
+"""The process that draws: ``python -m lapjoint.scene.render JOB``, with pyvista.
+
+It prints ``frame N`` after each frame, and ends with a message on standard error where it fails.
+"""
+
+from __future__ import annotations
+
+import errno
+import pickle
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lapjoint.scene.frames import Job
+from lapjoint.scene.plotter import BRIEF, INK, LIT, SILENT, Stage
+
+
+def draw_picture(job: Job) -> None:
+    """One frame, as PNG."""
+    from PIL import Image
+
+    assert job.output is not None
+    Image.fromarray(Stage(job, off_screen=True).image()).save(job.output, optimize=True)
+    print("frame 1", flush=True)
+
+
+def draw_film(job: Job) -> None:
+    """All frames, as GIF or MP4."""
+    assert job.output is not None
+    frames = _frames(job)
+    if job.output.suffix.lower() == ".mp4":
+        _save_mp4(frames, job)
+    else:
+        _save_gif(frames, job)
+
+
+def _save_mp4(frames: Any, job: Job) -> None:
+    import imageio.v3
+    import imageio_ffmpeg
+
+    assert job.output is not None
+    images = np.stack(list(frames))
+    even = images[:, : images.shape[1] // 2 * 2, : images.shape[2] // 2 * 2]  # the codec wants even sizes
+    imageio.v3.imwrite(job.output, even, extension=".mp4", fps=job.pace, codec="libx264", macro_block_size=1)
+    try:  # the encoder does not say when the disk is full
+        written = imageio_ffmpeg.count_frames_and_secs(str(job.output))[0]
+    except RuntimeError:
+        written = 0
+    if written != len(images):
+        raise OSError(errno.ENOSPC, "the film is not complete; is the disk full?")
+
+
+def _frames(job: Job) -> Any:
+    stage = Stage(job, off_screen=True)
+    for frame in range(len(job.captions)):
+        stage.at(frame)
+        yield stage.image()
+        print(f"frame {frame + 1}", flush=True)
+
+
+def _save_gif(frames: Any, job: Job) -> None:
+    """A GIF with one palette for all frames, so that what does not move is stored once."""
+    from PIL import Image
+
+    assert job.output is not None
+    images = [Image.fromarray(frame) for frame in frames]
+    palette = _palette(images)
+    flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    duration = 10 * round(100 / job.pace)  # a GIF counts in hundredths of a second
+    flat[0].save(job.output, save_all=True, append_images=flat[1:], duration=duration, loop=0, optimize=False)
+
+
+def _palette(images: list[Any]) -> Any:
+    """Colours for all frames, those of stops that act among them however thin they are drawn, and pure white."""
+    from PIL import Image, ImageColor
+
+    width, height = images[0].size
+    some = images[:: max(1, len(images) // 8)]
+    stripe = max(8, height // 20)
+    sheet = Image.new("RGB", (width, (height + 3 * stripe) * len(some)), "white")
+    for i, image in enumerate(some):
+        sheet.paste(image, (0, height * i))
+    shades = [
+        tuple(round(channel * light) for channel in ImageColor.getrgb(colour))
+        for colour in (SILENT, BRIEF, LIT)
+        for light in (1.0, 0.85, 0.7, 0.55)
+    ]
+    top = height * len(some)
+    patch = width // len(shades)
+    for i, shade in enumerate(shades):
+        sheet.paste(shade, (patch * i, top, patch * (i + 1), sheet.height))
+    palette = sheet.quantize(colors=255, dither=Image.Dither.NONE)
+    colours = np.array(palette.getpalette()).reshape(-1, 3)
+    colours[colours.min(axis=1) >= 248] = 255  # colours are matched coarsely
+    palette.putpalette(colours.ravel().tolist())
+    return palette
+
+
+def open_window(job: Job) -> None:
+    """A window with a slider for time; the space bar plays and pauses.
+
+    It says ``frame 0`` when it is open: VTK ends without a word where there is no display after all.
+    """
+    stage = Stage(job, off_screen=False)
+    milliseconds = 1e3 * job.times
+    playing = {"now": True, "frame": 0, "open": False}
+
+    def show(time: float) -> None:
+        playing["frame"] = int(np.argmin(np.abs(milliseconds - time)))
+        stage.at(playing["frame"])
+
+    def toggle() -> None:
+        playing["now"] = not playing["now"]
+
+    slider = stage.plotter.add_slider_widget(
+        show,
+        (milliseconds[0], milliseconds[-1]),
+        value=milliseconds[0],
+        title="time [ms]",
+        fmt="%.2f",
+        color=INK,
+        style="modern",
+        pointa=(0.72, 0.08),
+        pointb=(0.97, 0.08),
+    )
+
+    def step(_: int) -> None:
+        if not playing["open"]:
+            playing["open"] = True
+            print("frame 0", flush=True)
+        if playing["now"]:
+            frame = (playing["frame"] + 1) % job.times.size
+            show(milliseconds[frame])
+            slider.GetRepresentation().SetValue(milliseconds[frame])
+            stage.plotter.render()
+
+    stage.plotter.add_key_event("space", toggle)
+    stage.plotter.add_timer_event(max_steps=10**9, duration=round(1000 / job.pace), callback=step)
+    stage.plotter.show(title=job.title)
+
+
+def main() -> int:
+    """Draw the job in the file given."""
+    job: Job = pickle.loads(Path(sys.argv[1]).read_bytes())
+    try:
+        if job.output is None:
+            open_window(job)
+        elif len(job.captions) == 1 and job.pace == 0:
+            draw_picture(job)
+        else:
+            draw_film(job)
+    except Exception as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        kind = "OSError" if isinstance(error, OSError) else type(error).__name__
+        print(f"{kind}: {reason}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

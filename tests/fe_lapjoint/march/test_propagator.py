@@ -1,0 +1,97 @@
+"""The exact flow of the finite element model against the matrix exponential, the equation of motion and energy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import fe_lapjoint
+from fe_lapjoint.march.propagator import Flow, flow_matrix
+from fe_lapjoint.march.system import build_system
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.mesh import mesh_nodes
+from lapjoint import (
+    FREE,
+    BaseMotion,
+    Beam,
+    ModalDamping,
+    NoDamping,
+    PolynomialShape,
+    Problem,
+    SineLoad,
+    StepLoad,
+    Stop,
+    Support,
+    ViscousDamping,
+)
+
+BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
+CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
+SHAKEN = Problem(
+    beam=BEAM,
+    supports=(CLAMP,),
+    stops=(
+        Stop(x=2.0, side="top", gap=2e-3, stiffness=1e5),
+        Stop(x=1.0, side="bottom", gap=1e-3, stiffness=1e6),
+    ),
+    damping=ModalDamping(ratio=0.05),
+    base_motion=BaseMotion(amplitude=0.02, angular_frequency=35.0),
+    point_loads=(StepLoad(x=0.7, force=-3.0), SineLoad(x=1.1, force=5.0, angular_frequency=88.0)),
+)
+DAMPINGS = {
+    "modal": ModalDamping(ratio=0.05),
+    "overdamped": ModalDamping(ratio=(3.0, 1.0, 0.1)),
+    "viscous": ViscousDamping(coefficient=40.0),
+    "none": NoDamping(),
+}
+
+
+@pytest.mark.parametrize("name", DAMPINGS)
+@pytest.mark.parametrize("supports", [(CLAMP,), (Support(x=0.0, translational=math.inf),), ()])
+def test_the_exact_flow_is_the_matrix_exponential(name: str, supports: tuple[Support, ...]) -> None:
+    problem = SHAKEN.replace(damping=DAMPINGS[name], supports=supports, base_motion=None, point_loads=())
+    system = build_system(Assembly(problem, mesh_nodes(problem, 4, None)), FREE)
+    for t in (1e-4, 3e-2):
+        reference = expm(system.jacobian(0.0, np.zeros(0)) * t)
+        np.testing.assert_allclose(flow_matrix(system, t), reference, atol=1e-9 * np.abs(reference).max())
+
+
+@pytest.mark.parametrize("name", DAMPINGS)
+@pytest.mark.parametrize("supports", [(CLAMP,), (Support(x=0.0, translational=math.inf),)])
+def test_flow_rates_and_integrals_satisfy_the_equation_of_motion(name: str, supports: tuple[Support, ...]) -> None:
+    problem = SHAKEN.replace(damping=DAMPINGS[name], supports=supports)
+    system = build_system(Assembly(problem, mesh_nodes(problem, 4, None)), FREE)
+    rng, n = np.random.default_rng(0), system.omega.size
+    flow = Flow(system, 0.3, rng.normal(size=n) * 1e-3, rng.normal(size=n) * 1e-2)
+    t = np.array([0.3, 0.31, 0.4])
+    y = np.concatenate([flow(t), flow(t, 1)])
+    rates = np.array([system.rates(s, y[:, i]) for i, s in enumerate(t)]).T
+    np.testing.assert_allclose(np.concatenate([flow(t, 1), flow(t, 2)]), rates, atol=1e-9 * np.abs(rates).max())
+    np.testing.assert_allclose(y[:, 0], np.concatenate([flow.q, flow.v]), atol=1e-12)
+    np.testing.assert_allclose(flow.at_stops(t, 1), system.stops @ flow(t, 1), atol=1e-12)
+    x, w = np.polynomial.legendre.leggauss(2000)  # resolves the highest of these modes
+    area = flow(0.3 + (x + 1) * 0.01) @ w * 0.01
+    np.testing.assert_allclose(flow.integral(0.32), area, atol=1e-9 * np.abs(area).max())
+
+
+def test_energy_is_kept_without_damping_and_load() -> None:
+    problem = Problem(
+        beam=BEAM,
+        supports=(CLAMP,),
+        stops=(Stop(x=2.0, side="top", gap=1e-3, stiffness=1e5),),
+        initial=PolynomialShape(displacement=(0.0, 0.0, -2e-3)),
+    )
+    history = fe_lapjoint.Solver(elements=16).simulate(problem, 0.3)
+    assert len(history.contacts) >= 2
+    x, w = np.polynomial.legendre.leggauss(20)
+    edges = np.linspace(0, 2.0, 17)
+    half = np.diff(edges)[:, None] / 2
+    points, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    t = np.linspace(0, 0.3, 60)
+    energy = BEAM.m / 2 * weights @ history.velocity(points, t) ** 2
+    energy += BEAM.EI / 2 * weights @ history.evaluate(points, t, dx=2) ** 2
+    energy += 1e5 / 2 * np.maximum(history.displacement(2.0, t)[0] - 1e-3, 0) ** 2
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-8)

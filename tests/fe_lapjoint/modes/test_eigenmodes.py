@@ -1,0 +1,150 @@
+"""Frequencies of Hermite elements against the textbook characteristic equations of a uniform beam."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import fe_lapjoint
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.eigenmodes import eigenmodes
+from fe_lapjoint.modes.mesh import mesh_nodes
+from lapjoint import FREE, Beam, ContactState, InputError, Problem, Support, paper_joint
+
+LENGTH, EI, MASS = 2.5, 6.4e5, 118.0  # m, N m2, kg/m
+PINNED = {"translational": math.inf}
+CLAMPED = {"translational": math.inf, "torsional": math.inf}
+Equation = Callable[[float], float]
+
+
+def beam_on(*supports: Support) -> Problem:
+    return Problem(beam=Beam(length=LENGTH, bending_stiffness=EI, mass_per_length=MASS), supports=supports)
+
+
+def frequencies(equation: Equation, centres: list[float]) -> np.ndarray:
+    """Angular frequencies from the roots beta L of a characteristic equation, one near each of `centres`."""
+    roots = [brentq(equation, c - 0.4, c + 0.4, xtol=1e-15, rtol=1e-15) for c in centres]
+    return np.array(roots) ** 2 * math.sqrt(EI / MASS) / LENGTH**2
+
+
+HALF = [(i + 0.5) * math.pi for i in range(9)]
+CASES = {
+    "cantilever": (
+        beam_on(Support(x=0.0, **CLAMPED)),
+        frequencies(lambda b: math.cos(b) + 1 / math.cosh(b), [1.875, *HALF[1:8]]),
+    ),
+    "pinned at both ends": (
+        beam_on(Support(x=0.0, **PINNED), Support(x=LENGTH, **PINNED)),
+        frequencies(math.sin, [i * math.pi for i in range(1, 9)]),
+    ),
+    "clamped at both ends": (
+        beam_on(Support(x=0.0, **CLAMPED), Support(x=LENGTH, **CLAMPED)),
+        frequencies(lambda b: math.cos(b) - 1 / math.cosh(b), HALF[1:9]),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_frequencies_converge_at_order_four(name: str) -> None:
+    problem, exact = CASES[name]
+    meshes = np.array([16, 24, 32, 48])
+    found = [fe_lapjoint.Solver(elements=int(n)).modes(problem, FREE, 8).angular_frequencies for n in meshes]
+    errors = np.array(found) / exact - 1
+    # The first two modes reach the round-off floor of 1e-9 on these meshes; the rate of the others is clean.
+    for mode in range(2, 5):
+        rate = -np.polyfit(np.log(meshes), np.log(errors[:, mode]), 1)[0]
+        assert 3.9 < rate < 4.1
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_frequencies_agree_with_the_textbook_on_a_fine_mesh(name: str) -> None:
+    problem, exact = CASES[name]
+    found = fe_lapjoint.Solver(elements=128).modes(problem, FREE, 8).angular_frequencies
+    assert found[0] == pytest.approx(exact[0], rel=1e-8)  # the accuracy that the project asks for
+    assert found == pytest.approx(exact, rel=2e-6)  # discretisation: (beta h)^4 / 720 of the eighth mode
+
+
+def test_a_free_beam_has_two_rigid_modes_of_zero_frequency() -> None:
+    modes = fe_lapjoint.Solver(elements=20).modes(beam_on(), FREE, 3)
+    assert np.all(modes.angular_frequencies[:2] == 0)
+    exact = frequencies(lambda b: math.cos(b) - 1 / math.cosh(b), [HALF[1]])
+    assert modes.angular_frequencies[2] == pytest.approx(exact[0], rel=1e-5)  # discretisation
+
+
+def test_stiffer_springs_tend_to_the_fixed_support() -> None:
+    fixed = fe_lapjoint.Solver(elements=20).modes(CASES["cantilever"][0], FREE, 4).angular_frequencies
+    sprung = beam_on(Support(x=0.0, translational=1e15, torsional=1e15))
+    found = fe_lapjoint.Solver(elements=20).modes(sprung, FREE, 4).angular_frequencies
+    assert found == pytest.approx(fixed, rel=1e-7)  # EI / (k L^3) is 4e-11; the rest is rounding
+
+
+def test_closing_a_stop_lowers_no_frequency() -> None:
+    problem, solver = paper_joint(), fe_lapjoint.Solver(elements=20)
+    free = solver.modes(problem, FREE, 8).angular_frequencies
+    closed = solver.modes(problem, ContactState((0,)), 8).angular_frequencies
+    assert np.all(closed > free * (1 - 1e-9))  # Rayleigh; rounding
+
+
+def test_shapes_are_mass_normalised_and_orthogonal() -> None:
+    problem = paper_joint()
+    shapes = fe_lapjoint.Solver(elements=20).modes(problem, ContactState((0, 1)), 10).shapes
+    node, weight = np.polynomial.legendre.leggauss(4)  # exact for products of two cubics
+    edges = np.linspace(0, problem.beam.length, 21)
+    h = edges[1]
+    x = (edges[:-1, None] + h * (node + 1) / 2).ravel()
+    phi = shapes(x)
+    product = problem.beam.m * (phi * np.tile(weight * h / 2, 20)) @ phi.T
+    assert product == pytest.approx(np.eye(10), abs=1e-10)  # rounding
+
+
+def test_shape_derivatives_are_consistent() -> None:
+    shapes = fe_lapjoint.Solver(elements=20).modes(paper_joint(), FREE, 5).shapes
+    x, step = np.array([0.31, 1.27, 2.2]), 1e-5  # inside elements
+    for derivative in range(3):
+        difference = (shapes(x + step, derivative) - shapes(x - step, derivative)) / (2 * step)
+        scale = np.max(np.abs(difference))
+        assert shapes(x, derivative + 1) == pytest.approx(difference, abs=1e-6 * scale)  # rounding over step
+
+
+def test_a_graded_mesh_of_the_users_own_gives_the_same_frequencies() -> None:
+    problem, exact = CASES["cantilever"]
+    nodes = tuple(LENGTH * np.linspace(0, 1, 41) ** 1.2)
+    found = fe_lapjoint.Solver(nodes=nodes).modes(problem, FREE, 3).angular_frequencies
+    assert found == pytest.approx(exact[:3], rel=1e-5)  # discretisation
+
+
+@pytest.mark.parametrize("count", [0, 10**6])
+def test_an_impossible_number_of_modes_is_refused(count: int) -> None:
+    with pytest.raises(InputError, match="count"):
+        fe_lapjoint.Solver(elements=10).modes(paper_joint(), FREE, count)
+
+
+@pytest.mark.parametrize(
+    "options", [{"elements": 0}, {"elements": 10**6}, {"elements": 2.5}, {"method": "Euler"}, {"rtol": -1.0}]
+)
+def test_bad_options_are_refused_by_name(options: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=next(iter(options))):
+        fe_lapjoint.Solver(**options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("elements", [40, 200])
+def test_modes_of_any_two_states_map_onto_each_other_without_loss(elements: int) -> None:
+    problem = paper_joint()
+    assembly = Assembly(problem, mesh_nodes(problem, elements, None))
+    old, new = (eigenmodes(assembly, state)[1] for state in (FREE, ContactState((0, 1))))
+    transfer = new.T @ assembly.mass @ old
+    assert transfer.T @ transfer == pytest.approx(np.eye(old.shape[1]), abs=1e-12)  # rounding
+
+
+def test_refining_splits_the_elements_of_given_nodes() -> None:
+    solver = fe_lapjoint.Solver(nodes=(0.0, 0.1, 0.5, 2.5))
+    assert solver.refined(2).nodes == pytest.approx((0.0, 0.05, 0.1, 0.3, 0.5, 1.5, 2.5))
+    assert solver.refined(1).nodes == solver.nodes
+    assert fe_lapjoint.Solver(elements=10).refined(1.5).elements == 15
+    problem = paper_joint()
+    coarse, fine = (s.modes(problem, FREE, 3).angular_frequencies for s in (solver, solver.refined(4)))
+    assert np.all(fine < coarse)

@@ -1,0 +1,92 @@
+"""What a certificate says: chatter, exponents, and the words for what was established."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import analytic
+from lapjoint import FREE, Contact, Exponent, History, Outcome, Problem, paper_joint
+from lapjoint.answers.steady_state import chatters, periodic_outcome, steady_impulses
+
+PERIOD = 1.0
+
+
+def history(problem: Problem, *spans: tuple[float, float], stop: int = 0, cut: bool = False) -> History:
+    """A period of 1 s with contacts of one stop from ``spans``; ``cut``: the last goes on into the first."""
+    contacts = [
+        Contact(stop, a, b, 1.0, 1.0, open_start=cut and i == 0, open_end=cut and i == len(spans) - 1)
+        for i, (a, b) in enumerate(spans)
+    ]
+    return History(
+        problem=problem,
+        solver="by hand",
+        start=0.0,
+        end=PERIOD,
+        switch_times=np.zeros(0),
+        states=(FREE,),
+        contacts=tuple(contacts),
+        field=lambda x, t, dx=0, dt=0: np.zeros((x.size, t.size)),
+    )
+
+
+CHATTER = ((0.10, 0.12), (0.30, 0.31), (0.40, 0.41), (0.45, 0.90))
+
+
+@pytest.mark.parametrize(
+    ("spans", "cut", "expected"),
+    [
+        (CHATTER, False, True),
+        (CHATTER[:3], False, False),  # no lasting contact
+        (((0.1, 0.12), (0.15, 0.17), (0.3, 0.31), (0.5, 0.9)), False, False),  # flights grow
+        (((0.1, 0.12), (0.3, 0.32), (0.5, 0.52), (0.7, 0.72)), False, False),  # bounces at an even pace
+        # the same chatter, seen from within its lasting contact
+        (((0.0, 0.30), (0.50, 0.52), (0.70, 0.71), (0.80, 0.81), (0.85, 1.0)), True, True),
+        ((), False, False),
+    ],
+)
+def test_chatter_is_bounces_ever_closer_and_then_a_lasting_contact(
+    spans: tuple[tuple[float, float], ...], cut: bool, expected: bool
+) -> None:
+    motion = history(paper_joint(), *spans, cut=cut)
+    assert chatters(motion, 0) is expected
+    assert not chatters(motion, 1)
+    outcome = Outcome.CHATTERING if expected else Outcome.PERIODIC if spans else Outcome.NO_CONTACT
+    assert periodic_outcome(motion) is outcome
+
+
+def test_a_joint_that_bounces_to_rest_on_its_stop_in_every_cycle_is_said_to_chatter() -> None:
+    assert analytic.Solver().steady_state(paper_joint(angular_frequency=20.0)).outcome is Outcome.CHATTERING
+
+
+def measured(value: float, spread: float, *, trend: float = 0.0, time: float = 100.0) -> Exponent:
+    """An exponent whose second half exceeds the first by ``trend``."""
+    halves = value - trend / 2, value + trend / 2
+    return Exponent(value, spread, 1000, time, halves, tuple(np.repeat(halves, 2)))
+
+
+def test_an_exponent_is_positive_or_negative_only_in_both_halves_and_over_many_e_folds() -> None:
+    assert measured(1.0, 0.2).positive
+    assert measured(-1.0, 0.2).negative
+    assert not measured(1.0, 0.3).positive  # less than four standard errors
+    assert not measured(1.0, 0.2, trend=0.6).positive  # the first half alone is not certain
+    assert not measured(1.0, 0.1, trend=0.7).positive  # the halves differ: it has not settled
+    assert not measured(1.0, 0.1, time=9.0).positive  # fewer than ten e-folds
+
+
+def test_an_exponent_vanishes_only_where_it_is_known_to_be_small() -> None:
+    assert measured(0.02, 0.1).vanishes(rate=0.4)
+    assert not measured(0.31, 0.17).vanishes(rate=1.2)  # within two standard errors of zero, and not known to be
+    assert not measured(0.48, 0.13).vanishes(rate=1.2)
+    assert not measured(-0.15, 0.07, trend=-0.2).vanishes(rate=0.48)
+    assert not measured(0.0, 0.1, trend=0.2).vanishes(rate=0.4)
+    assert not measured(0.02, 0.001, time=1e4).vanishes(rate=0.4)  # small, and certainly not zero
+    for undamped in (0.0, math.inf):
+        assert not measured(0.0, 0.1).vanishes(undamped)
+
+
+def test_impulses_are_means_over_the_periods() -> None:
+    motion = history(paper_joint(), *CHATTER)
+    np.testing.assert_allclose(steady_impulses(motion, 2), [2.0, 0.0, 0.0, 0.0])

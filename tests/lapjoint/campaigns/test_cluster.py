@@ -1,0 +1,101 @@
+"""A sweep on a real dask scheduler with two workers, one of which is killed, finds what one process finds."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+from counting_solver import installed
+
+from lapjoint import paper_joint
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
+from lapjoint.errors import InputError
+
+pytest.importorskip("distributed")
+JOINT = paper_joint()
+AXES = [Axis(FREQUENCY, range(100, 140))]
+
+
+@pytest.fixture
+def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int]]]:
+    """Address of a scheduler, and the process groups of its two workers (each a nanny and its child)."""
+    folder = tmp_path / "package"
+    folder.mkdir()
+    monkeypatch.setenv("PYTHONPATH", installed(folder))
+    monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.setenv("COUNTING_SECONDS", "0.05")  # of the workers: one is killed at work
+    where = tmp_path / "scheduler.json"
+    processes: list[subprocess.Popen[bytes]] = []
+
+    def begin(program: str, *options: str) -> int:
+        command = [sys.executable, "-m", f"distributed.cli.{program}", *options, "--scheduler-file", str(where)]
+        quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        processes.append(subprocess.Popen([*command, "--no-dashboard"], start_new_session=True, cwd=tmp_path, **quiet))
+        return processes[-1].pid
+
+    try:
+        begin("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
+        workers = [begin("dask_worker", "--nthreads", "1", "--host", "127.0.0.1") for _ in range(2)]
+        monkeypatch.delenv("COUNTING_SECONDS")
+        yield address(where), workers
+    finally:
+        for process in processes:
+            kill_group(process.pid)
+            process.wait(timeout=30)
+
+
+def address(where: Path) -> str:
+    end = time.monotonic() + 60
+    while time.monotonic() < end:
+        try:
+            return str(json.loads(where.read_text())["address"])
+        except (OSError, ValueError):
+            time.sleep(0.05)
+    raise AssertionError("the scheduler did not start")
+
+
+def kill_group(group: int) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(group, signal.SIGKILL)
+
+
+@pytest.mark.parametrize("start", ["rest", "up"])
+def test_a_cluster_that_loses_a_worker_finds_what_one_process_finds(
+    start: Any, cluster: tuple[str, list[int]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scheduler, workers = cluster
+    killers: list[threading.Timer] = []
+
+    def kill_one(done: float, total: float) -> None:
+        if done >= 10 and not killers:
+            killers.append(threading.Timer(0.0, kill_group, [workers[0]]))
+            killers[0].start()
+
+    given: dict[str, Any] = {"solver": "counting", "start": start}
+    found = sweep(JOINT, AXES, scheduler=scheduler, out=tmp_path / "curve.nc", progress=kill_one, **given)
+    assert killers
+    xr.testing.assert_identical(found, sweep(JOINT, AXES, **given))
+
+
+def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: tuple[str, list[int]]) -> None:
+    axes = [Axis(FREQUENCY, range(100, 104))]
+    found = sweep(JOINT, axes, solver="counting", options={"dies_at": 102.0}, scheduler=cluster[0])
+    assert found.outcome.values.tolist() == [1, 1, -1, 1]
+    assert found.message.values.tolist() == ["", "", "the workers that solved it died", ""]
+
+
+def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"needs the package distributed; install it with pip install 'lapjoint"):
+        sweep(JOINT, AXES, scheduler="tcp://127.0.0.1:8786", options={"n_modes": 4})

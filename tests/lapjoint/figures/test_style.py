@@ -1,0 +1,108 @@
+"""Figures fit the page they are made for, in one style, without a window, and their files are reproducible."""
+
+from __future__ import annotations
+
+import errno
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+import pytest
+from history_figures import OF_HISTORIES, assert_fits
+from matplotlib.figure import Figure
+from written_history import OMEGA
+
+from lapjoint import BaseMotion, History, InputError
+from lapjoint.errors import OutputError
+from lapjoint.figures import (
+    new_axes,
+    new_panels,
+    plot_convergence,
+    plot_motion,
+    save,
+)
+from lapjoint.figures.style import COLUMN_WIDTH, PAGE_WIDTH
+
+
+@pytest.mark.parametrize("width", [COLUMN_WIDTH, PAGE_WIDTH])
+@pytest.mark.parametrize("plot", OF_HISTORIES, ids=lambda plot: plot.__name__)
+def test_nothing_reaches_beyond_the_paper(history: History, plot: Callable[..., object], width: float) -> None:
+    problem = history.problem.replace(
+        title="A cantilever with a title that no column is wide enough for, between two stops at its tip",
+        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=OMEGA),
+    )
+    motion = replace(history, problem=problem, solver="finite elements (40 elements, modal damping, tolerance 1e-9)")
+    assert_fits(plot(motion, new_axes(width, 2.6)), width, 2.6)
+
+
+def test_a_long_key_is_wrapped() -> None:
+    axes = new_axes(COLUMN_WIDTH, 3.0)
+    for i in range(6):
+        answers = {n: 1 + 10.0 ** (-i) / n**2 for n in (8, 16, 32)}
+        plot_convergence(answers, axes, reference=1.0, label=f"states 6 to 9, mode {i + 1}")
+    assert_fits(axes, COLUMN_WIDTH, 3.0)
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_equal_figures_are_equal_files(history: History, tmp_path: Path, ending: str) -> None:
+    one, other = tmp_path / f"one.{ending}", tmp_path / f"other.{ending}"
+    for path in (one, other):
+        save(plot_motion(history, samples=20), path)
+    assert one.stat().st_size > 1000
+    assert one.read_bytes() == other.read_bytes()
+
+
+def test_a_figure_of_several_panels_is_saved_by_any_of_them(tmp_path: Path) -> None:
+    panels = new_panels(1, 2, 3.4, 2.0)
+    for name, axes in (("one.svg", panels[1]), ("all.svg", panels)):
+        save(axes, tmp_path / name)
+    assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "all.svg").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["motion.bmp", "motion", "no/such/directory/motion.png"])
+def test_a_figure_that_cannot_be_saved_says_so(history: History, tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match="motion"):
+        save(plot_motion(history, samples=20), tmp_path / name)
+
+
+@pytest.mark.parametrize("before", [None, b"an earlier figure"])
+def test_a_full_disk_leaves_what_was_there_and_says_so(
+    history: History, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: bytes | None
+) -> None:
+    path = tmp_path / "motion.png"
+    if before:
+        path.write_bytes(before)
+
+    def full(_figure: Figure, target: Path, **_options: object) -> None:
+        Path(target).write_bytes(b"part")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Figure, "savefig", full)
+    with pytest.raises(OutputError, match=r"motion\.png: cannot be written: No space left on device"):
+        save(plot_motion(history, samples=20), path)
+    assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == ({path.name: before} if before else {})
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_a_figure_is_written_through_a_link(history: History, tmp_path: Path) -> None:
+    (tmp_path / "link.png").symlink_to(tmp_path / "motion.png")
+    save(plot_motion(history, samples=20), tmp_path / "link.png")
+    assert (tmp_path / "link.png").is_symlink()
+    assert (tmp_path / "motion.png").stat().st_size > 1000
+
+
+def test_the_style_leaves_other_figures_alone(history: History) -> None:
+    before = dict(matplotlib.rcParams)
+    plot_motion(history, new_axes(3.4, 2.5))
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_drawing_opens_no_window() -> None:
+    code = (
+        "import sys; from lapjoint.figures import plot_convergence; plot_convergence({8: 1.1, 16: 1.02, 32: 1.0}); "
+        "sys.exit('matplotlib.pyplot' in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)

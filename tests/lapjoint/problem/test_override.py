@@ -1,0 +1,52 @@
+"""Single values of a problem are set by assignments."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from lapjoint import InputError, paper_joint
+from lapjoint.problem.files import problem_tables
+from lapjoint.problem.override import override, toml_value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("820", 820),
+        ("1e-3", 1e-3),
+        ("[1, 2]", [1, 2]),
+        ("inf", math.inf),
+        ("top", "top"),
+        ('"top"', "top"),
+        ("1\nb=2", "1\nb=2"),
+    ],
+)
+def test_an_assigned_value_is_toml_or_text(text: str, value: Any) -> None:
+    assert toml_value(text) == value
+
+
+def test_values_are_set_by_number_by_name_and_all_at_once() -> None:
+    tables = problem_tables(paper_joint())
+    for assignment in ("stops[0].gap=1", "stops.P3.gap = 2", "stops.3.gap=3", "stops.*.stiffness=7", "title=new"):
+        override(tables, assignment)
+    assert [stop["gap"] for stop in tables["stops"]] == [1, 2, 1e-3, 3]
+    assert {stop["stiffness"] for stop in tables["stops"]} == {7}
+    assert tables["title"] == "new"
+
+
+@pytest.mark.parametrize(
+    ("assignment", "message"),
+    [
+        ("gap", "must be key=value"),
+        ("=3", "must be key=value"),
+        ("stops.9.gap=3", "no element '9'; allowed are 0 to 3"),
+        ("stops.P9.gap=3", "no element 'P9'"),
+        ("title.x=3", "below a single value"),
+    ],
+)
+def test_an_assignment_that_hits_nothing_is_refused(assignment: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        override(problem_tables(paper_joint()), assignment)

@@ -1,0 +1,91 @@
+"""A user's own problem: the same comparison, on whatever the file holds."""
+
+from __future__ import annotations
+
+import math
+
+import analytic
+import fe_lapjoint
+from lapjoint import Outcome, Problem, contact_states
+from validation.case import CaseResult, Level, Say, table
+from validation.cases.motions import FE_ORDER, compare_contacts
+from validation.cases.steady import compare_steady
+from validation.cases.transient import WITNESS_TOLERANCE, contact_table, motion_drawing
+from validation.invariants import witness
+from validation.uncertainty import ROUNDING, refined_estimate
+from validation.verdict import Check, Estimate
+
+MODES = 6
+MOST_STATES = 32
+
+
+def frequencies(problem: Problem, level: Level, say: Say) -> CaseResult:
+    """The lowest frequencies of every contact state."""
+    meshes = (16, 32, 64)
+    checks, rows = [], []
+    for state in contact_states(problem)[:MOST_STATES]:
+        say(state.name(problem))
+        exact = analytic.Solver().modes(problem, state, MODES).angular_frequencies
+        found = [fe_lapjoint.Solver(elements=n).modes(problem, state, MODES).angular_frequencies for n in meshes]
+        for i in range(MODES):
+            u = 1e-12 * float(exact[i])
+            a = Estimate(float(exact[i]), u, "roots bracketed by their count, to rounding", parts=((ROUNDING, u),))
+            b = refined_estimate([float(f[i]) for f in found], 2.0, FE_ORDER, f"{meshes[-1]} elements", 1e-8)
+            checks.append(Check(f"{state.name(problem)}: omega_{i + 1}", "rad/s", a, b))
+            rows.append((state.name(problem), i + 1, a.value, b.value, f"{checks[-1].relative:.1e}"))
+    return CaseResult(
+        "frequencies",
+        "Natural frequencies of the contact states",
+        "Analytic frequencies against those of three meshes.",
+        checks=tuple(checks),
+        tables=(table("Natural angular frequencies, rad/s", ("state", "mode", "analytic", "FE", "difference"), rows),),
+    )
+
+
+def duration_of(problem: Problem) -> float:
+    """Six excitation periods, or six of the slowest elastic frequency, s."""
+    omega = problem.excitation_frequency
+    if omega is None:
+        found = analytic.Solver().modes(problem, contact_states(problem)[0], 4).angular_frequencies
+        omega = float(found[found > 0][0])
+    return 6 * 2 * math.pi / omega
+
+
+def transient(problem: Problem, level: Level, say: Say) -> CaseResult:
+    """The first contacts from the initial state."""
+    say("from the initial state")
+    checks, exact, fe = compare_contacts(problem, duration_of(problem), 8, 48 if level == "quick" else 64)
+    return CaseResult(
+        "transient",
+        "First contacts from the initial state",
+        "Times and impulses of the first contacts, with uncertainty from three numbers of modes and three meshes.",
+        checks=tuple(checks),
+        criteria=tuple(item for history in (exact, fe) for item in witness(history, WITNESS_TOLERANCE, history.solver)),
+        tables=(contact_table(checks),),
+        drawings=(motion_drawing("Motion from the initial state", exact, fe),),
+        notes=() if exact.contacts else ("No stop is touched in this time.",),
+    )
+
+
+def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
+    """The steady state, where the excitation has one frequency."""
+    say("steady state")
+    point = compare_steady(problem, 40 if level == "quick" else 64)
+    notes = [outcome.value for outcome in dict.fromkeys(point.outcomes)]
+    checks, rows = [], []
+    if Outcome.UNDECIDED not in point.outcomes:
+        for name, a, b in zip(problem.stop_names, point.analytic, point.fe, strict=True):
+            checks.append(Check(f"impulse of {name}", "N s", a, b))
+            rows.append((name, a.value, f"{a.uncertainty:.1e}", b.value, f"{b.uncertainty:.1e}"))
+    else:
+        notes.append("Impulses of a motion that does not repeat cannot be compared one by one.")
+    columns = ("stop", "analytic", "u", "FE", "u")
+    return CaseResult(
+        "steady",
+        "Steady state",
+        "Periodic motion that the march from the initial state leads to; impulses per excitation period.",
+        checks=tuple(checks),
+        criteria=point.criteria,
+        tables=(table("Impulse per excitation period, N s", columns, rows),),
+        notes=tuple(notes),
+    )

@@ -1,0 +1,71 @@
+"""The command ``lapjoint validate``, which joins the others by the entry point ``lapjoint.commands``.
+
+Everything heavy is imported inside the functions that need it, so that ``lapjoint --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import click
+
+
+@click.command()
+@click.argument("problem", required=False)
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable.")
+@click.option("--case", "cases", multiple=True, metavar="NAME", help="Run this case only; repeatable.")
+@click.option(
+    "--peers",
+    "peers",
+    multiple=True,
+    metavar="NAME",
+    help="Compare with this solver too, as opensees, or opensees:dt=2e-5,elements=20; repeatable: adds the case peers.",
+)
+@click.option("--quick", "level", flag_value="quick", help="Less refinement.")
+@click.option("--full", "level", flag_value="full", help="More refinement.")
+@click.option("-o", "--output", default="report", show_default=True, metavar="DIR", help="Where the report goes.")
+@click.option("--list", "list_cases", is_flag=True, help="List the cases and stop.")
+def validate(
+    problem: str | None,
+    overrides: tuple[str, ...],
+    cases: tuple[str, ...],
+    peers: tuple[str, ...],
+    level: Literal["quick", "full"] | None,
+    output: str,
+    list_cases: bool,
+) -> None:
+    """Compare the two solvers with each other and with published results; write DIR/report.html.
+
+    With PROBLEM, compare the solvers on that problem instead.
+    """
+    import rich.console
+
+    from lapjoint.cli import arguments
+    from validation import suite
+
+    if list_cases:
+        click.echo("\n".join(suite.case_names()))
+        return
+    arguments.check_directory(output)
+    path = None if problem is None else problem_file(problem, overrides, output)
+    named, console = tuple(dict.fromkeys(peers)), rich.console.Console()
+    click.get_current_context().exit(suite.main(path, cases, level or "standard", Path(output), console, named))
+
+
+def problem_file(source: str, overrides: tuple[str, ...], output: str) -> Path:
+    """A file with the problem: `source` itself, or one written to `output` where it is a preset or changed."""
+    from lapjoint.cli.arguments import problem_from
+    from lapjoint.errors import InputError
+    from lapjoint.problem import write_problem
+
+    problem = problem_from(source, overrides)
+    if not overrides and not source.startswith("preset:"):
+        return Path(source)
+    try:
+        Path(output).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{output}: cannot be written: {error.strerror}") from None
+    path = Path(output) / "problem.toml"
+    write_problem(problem, path)
+    return path

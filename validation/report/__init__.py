@@ -1,0 +1,1 @@
+"""The report: one page for people, and its tables and records as files for programs."""

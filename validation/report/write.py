@@ -1,0 +1,66 @@
+"""The report of a run: ``report.html``, one page that needs nothing else, and files for spreadsheets and programs."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from validation.case import CaseResult
+from validation.report.page import page, views
+from validation.report.records import case_record, kinds_sheet, summary_sheet
+from validation.report.table_files import replace_file, write_sheets
+from validation.report.uncertainty_budget import overall_sheet
+
+_PACKAGES = (
+    *("lapjoint", "numpy", "scipy", "numba", "scikit-fem", "pydantic", "matplotlib", "jinja2", "meshio", "xarray"),
+    *("h5netcdf", "h5py", "threadpoolctl", "click", "rich", "tomli-w"),
+)
+
+
+def write_reports(results: Sequence[CaseResult], level: str, output: Path, seconds: float) -> tuple[Path, Path]:
+    """Write the reports into `output`, each file in one move.
+
+    Parameters
+    ----------
+    results : sequence of CaseResult
+        In the order in which they are reported.
+    level : str
+        Level of refinement at which the cases ran.
+    output : Path
+        An existing directory.
+    seconds : float
+        Run time of all.
+
+    Returns
+    -------
+    tuple of Path
+        ``report.html`` and ``report.json``; the tables are in the folder ``tables`` beside them.
+    """
+    about = {
+        "level": level,
+        "seconds": round(seconds, 1),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "versions": {name: found for name in _PACKAGES if (found := _version(name))},
+    }
+    shown = views(results)
+    overall = {"summary": summary_sheet(results), "kinds": kinds_sheet(results), "budget": overall_sheet(results)}
+    write_sheets([*overall.values(), *(sheet for view in shown for sheet in view.sheets)], output)
+    pages = output / "report.html", output / "report.json"
+    replace_file(pages[0], page(shown, overall, about))
+    data: dict[str, Any] = {"about": about, "cases": [case_record(result) for result in results]}
+    replace_file(pages[1], json.dumps(data, indent=1, allow_nan=False) + "\n")
+    return pages
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ""
