@@ -137,7 +137,12 @@ class Solver:
         return answers.simulate(problem, self.name, self.mode_counts(problem), float(duration), progress)
 
     def steady_state(
-        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
+        self,
+        problem: Problem,
+        *,
+        start: SectionPoint | None = None,
+        sensitivity: bool = True,
+        progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that remains when the march from the initial state has settled; see `analytic.steady`.
 
@@ -156,7 +161,7 @@ class Solver:
         """
         from lapjoint.orbits import Effort, find_steady_state
 
-        effort = Effort(self.max_order, self.max_periods)
+        effort = Effort(self.max_order, self.max_periods, growth=sensitivity)
         return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
 
     def period_map(self, problem: Problem) -> PeriodMap:

@@ -205,7 +205,7 @@ def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) 
         return
     system, duration = model.system(piece.state), piece.end - piece.start
     if piece.flow is not None:
-        area = system.stops @ piece.flow.integral(piece.end)
+        area = piece.flow.integral_at_stops(piece.end)
     else:
         # Ten Gauss points on each of 16 panels: beyond the accuracy of the integrators' dense output
         edges = np.linspace(piece.start, piece.end, 17)

@@ -167,6 +167,15 @@ class Flow:
         one, zero = np.ones_like(s), np.zeros_like(s)
         return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
 
+    def integral_at_stops(self, end: float) -> FloatArray:
+        """Integral of z at the stops from the start to `end`, m s, shape ``(P,)``."""
+        it, T = self.system, end - self.start
+        if not it.plain:
+            return np.asarray(it.stops @ self.integral(end))
+        rates = it.rates_of_terms[:-1]
+        waves = np.concatenate([np.expm1(rates * T) / rates, [T]])
+        return np.asarray((self._terms @ waves).real[it.place_of])
+
     def integral(self, end: float) -> FloatArray:
         """Integral of q from the start to `end`, shape ``(n,)``, from the equation of motion integrated once.
 

@@ -48,6 +48,8 @@ class System:
     """Their phases, rad, shape ``(H,)``."""
     stops: FloatArray
     """Rows that read z at the stops, shape ``(P, n)``."""
+    positions: FloatArray
+    """Where the stops are, m, shape ``(P,)``."""
 
     @cached_property
     def oscillating(self) -> npt.NDArray[np.bool_]:
@@ -81,8 +83,8 @@ class System:
 
     @cached_property
     def _distinct(self) -> tuple[FloatArray, IndexArray]:
-        rows, index = np.unique(self.stops, axis=0, return_inverse=True) if self.stops.size else (self.stops, None)
-        return rows, np.zeros(len(rows), dtype=np.intp) if index is None else np.asarray(index).ravel()
+        _, first, index = np.unique(self.positions, return_index=True, return_inverse=True)
+        return self.stops[first], np.asarray(index).ravel()
 
     @property
     def places(self) -> FloatArray:
@@ -223,6 +225,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         driven=np.array(driven),
         phase=np.array(phase),
         stops=np.array(rows).reshape(len(rows), omega.size) @ vectors,
+        positions=np.array([stop.x for stop in problem.stops], dtype=float),
     )
 
 
