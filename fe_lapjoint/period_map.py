@@ -69,7 +69,7 @@ class PeriodMap:
         """March on, piece by piece of a period."""
         point, total, switches = start, np.zeros(len(self.problem.stops)), 0
         for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
-            motion = march(self.model, point.state, self._modal(point), 0.0, piece, peaks=False)
+            motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False)
             point = self._section_point(motion.state, motion.y)
             total += motion.impulses
             switches += motion.switches
@@ -89,7 +89,7 @@ class PeriodMap:
     def _recorded(self, start: SectionPoint, pieces: list[float], progress: Progress | None) -> History:
         motions, point = [], start
         for i, piece in enumerate(pieces):
-            motions.append(march(self.model, point.state, self._modal(point), 0.0, piece))
+            motions.append(march(self.model, point.state, self.modal(point), 0.0, piece))
             point = self._section_point(motions[-1].state, motions[-1].y)
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))
@@ -141,7 +141,7 @@ class PeriodMap:
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along."""
-        model, y = self.model, self._modal(start)
+        model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
         into = np.kron(np.eye(2), model.transfer(FREE, start.state))
         back = np.kron(np.eye(2), model.transfer(motion.state, FREE))
@@ -154,7 +154,7 @@ class PeriodMap:
         model, point, points, growth = self.model, start, [], np.zeros(periods)
         impulses, switches = np.zeros(len(self.problem.stops)), 0
         for i in range(periods):
-            motion = march(model, point.state, self._modal(point), 0.0, self.period, peaks=False)
+            motion = march(model, point.state, self.modal(point), 0.0, self.period, peaks=False)
             there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
             there = carried(model, motion, there)[:, 0]
             deviation = (there.reshape(2, -1) @ model.transfer(motion.state, FREE).T).ravel()
@@ -166,7 +166,7 @@ class PeriodMap:
             points.append(point)
         return Followed(tuple(points), impulses, switches, growth, deviation)
 
-    def _modal(self, point: SectionPoint) -> FloatArray:
+    def modal(self, point: SectionPoint) -> FloatArray:
         """(q, q') of a point in the modes of its contact state, shape ``(2 n,)``."""
         assembly = self.model.assembly
         free = point.coordinates[:, assembly.free]

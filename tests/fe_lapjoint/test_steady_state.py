@@ -53,7 +53,7 @@ def test_small_excitation_touches_no_stop_and_gives_the_linear_response() -> Non
     solver = fe_lapjoint.Solver(elements=10)
     steady = solver.steady_state(problem)
     assert steady.outcome is Outcome.NO_CONTACT
-    assert steady.order == 1
+    assert steady.period_multiple == 1
     modes = solver.modes(problem, steady.history.states[0], 20)
     x = np.linspace(0, 2.5, 4001)
     shapes = modes.shapes(x)
@@ -76,7 +76,7 @@ def test_undamped_transients_never_settle_and_this_is_said(omega: float, amplitu
     problem = paper_joint(angular_frequency=omega, damping_ratio=0.0, base_amplitude=amplitude)
     steady = fe_lapjoint.Solver(elements=1, max_periods=24, max_order=2).steady_state(problem)
     assert steady.outcome in (Outcome.UNDECIDED, Outcome.APERIODIC)
-    assert (steady.order, steady.multipliers.size) == (0, 0)
+    assert (steady.period_multiple, steady.multipliers.size) == (0, 0)
     assert steady.exponent is not None
     assert steady.exponent.periods >= 400
     assert steady.exponent.positive or steady.outcome is Outcome.UNDECIDED
@@ -93,7 +93,7 @@ def test_chaos_is_certified_by_a_positive_exponent(damping: ModalDamping | Visco
     assert steady.exponent is not None
     assert steady.exponent.positive
     assert steady.exponent.periods >= 400
-    assert (steady.order, steady.symmetric, steady.multipliers.size) == (0, False, 0)
+    assert (steady.period_multiple, steady.symmetric, steady.multipliers.size) == (0, False, 0)
     assert steady.residual > 1e-3
     assert np.all(steady.impulses[:2] < 0)
 
@@ -101,7 +101,7 @@ def test_chaos_is_certified_by_a_positive_exponent(damping: ModalDamping | Visco
 def test_a_motion_of_period_three_is_found_and_repeats_after_three() -> None:
     period = 2 * math.pi / 240.0
     steady = fe_lapjoint.Solver(elements=2).steady_state(paper_joint(angular_frequency=240.0, damping_ratio=0.02))
-    assert (steady.outcome, steady.order, steady.symmetric) == (Outcome.PERIODIC, 3, True)
+    assert (steady.outcome, steady.period_multiple, steady.symmetric) == (Outcome.PERIODIC, 3, True)
     assert steady.stable
     assert steady.history.end == pytest.approx(3 * period)
     assert steady.residual <= 1e-9
@@ -132,7 +132,7 @@ def test_of_two_orbits_that_mirror_each_other_the_one_marched_to_is_found() -> N
     solver, period = fe_lapjoint.Solver(elements=4), 2 * math.pi / 1100.0
     problem = paper_joint(angular_frequency=1100.0, damping_ratio=0.02)
     steady = solver.steady_state(problem)
-    assert (steady.outcome, steady.order, steady.symmetric) == (Outcome.PERIODIC, 1, False)
+    assert (steady.outcome, steady.period_multiple, steady.symmetric) == (Outcome.PERIODIC, 1, False)
     assert steady.stable
     marched = solver.simulate(problem, 250 * period).displacement(2.5, np.linspace(249, 249.999, 40) * period)[0]
     z = steady.history.displacement(2.5, np.linspace(0, 0.999, 40) * period)[0]
@@ -142,7 +142,7 @@ def test_of_two_orbits_that_mirror_each_other_the_one_marched_to_is_found() -> N
 
 def test_a_neighbours_section_leads_to_the_same_orbit_as_rest() -> None:
     solver = fe_lapjoint.Solver(elements=6)
-    start = solver.steady_state(paper_joint(angular_frequency=515.0)).section
+    start = solver.steady_state(paper_joint(angular_frequency=515.0)).section_point
     for problem in (
         paper_joint(angular_frequency=520.0),
         paper_joint(angular_frequency=515.0, gap=1.2e-3, k_star=1000.0, damping_ratio=0.07),
@@ -150,15 +150,17 @@ def test_a_neighbours_section_leads_to_the_same_orbit_as_rest() -> None:
         rest, near = solver.steady_state(problem), solver.steady_state(problem, start=start)
         assert near.outcome is rest.outcome is Outcome.PERIODIC
         assert near.impulses == pytest.approx(rest.impulses, rel=1e-8)
-        again = solver.steady_state(problem, start=near.section)
-        assert again.section.coordinates == pytest.approx(near.section.coordinates, rel=1e-6, abs=1e-12)
+        again = solver.steady_state(problem, start=near.section_point)
+        assert again.section_point.coordinates == pytest.approx(near.section_point.coordinates, rel=1e-6, abs=1e-12)
 
 
-def test_a_section_of_another_mesh_is_not_used() -> None:
+def test_a_section_point_of_another_mesh_is_interpolated() -> None:
     problem = paper_joint(angular_frequency=515.0)
-    start = fe_lapjoint.Solver(elements=4).steady_state(problem).section
-    with_it, without = (fe_lapjoint.Solver(elements=6).steady_state(problem, start=s) for s in (start, None))
-    assert with_it.section.coordinates == pytest.approx(without.section.coordinates, rel=1e-12)
+    coarse = fe_lapjoint.Solver(elements=6).steady_state(problem)
+    with_it, without = (fe_lapjoint.Solver(elements=12).steady_state(problem, start=s) for s in (coarse.section_point, None))
+    assert with_it.impulses == pytest.approx(without.impulses, rel=1e-8)
+    assert with_it.acceptance is not None
+    assert with_it.acceptance.periods <= 4
 
 
 def test_a_stop_on_a_fixed_point_is_never_touched() -> None:

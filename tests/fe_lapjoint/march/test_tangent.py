@@ -6,82 +6,78 @@ import math
 
 import numpy as np
 import pytest
-from fe_lapjoint.certificate import read_section
-from fe_lapjoint.exponent import Growth
-from fe_lapjoint.turns import Point, Turns
 
 import fe_lapjoint
-from fe_lapjoint.answers import begin
 from fe_lapjoint.march.march import march
-from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.tangent import monodromy
-from fe_lapjoint.modes.assembly import Assembly
-from fe_lapjoint.modes.mesh import mesh_nodes
-from lapjoint import ModalDamping, Problem, SteadyState, ViscousDamping, paper_joint
+from fe_lapjoint.period_map import PeriodMap
+from lapjoint import ModalDamping, ViscousDamping, paper_joint
+from lapjoint.orbits.exponent import exponent_of
 
 OMEGA = 515.0
 PERIOD = 2 * math.pi / OMEGA
 
 
-def model_of(problem: Problem, elements: int) -> Model:
-    return Model(problem, Assembly(problem, mesh_nodes(problem, elements, None)), "exact", 1e-9, 1e-12)
-
-
-def orbit_of(problem: Problem, elements: int) -> tuple[Model, SteadyState, Point]:
-    steady = fe_lapjoint.Solver(elements=elements).steady_state(problem)
-    model = model_of(problem, elements)
-    return model, steady, read_section(model, steady.section)
-
-
 @pytest.mark.parametrize("damping", [ModalDamping(ratio=(0.08, 0.02)), ViscousDamping(coefficient=2000.0)])
 def test_volume_shrinks_as_the_damping_says(damping: ModalDamping | ViscousDamping) -> None:
     """The determinant of the monodromy is exp(-integral of the trace of the damping); switches lose nothing."""
-    model, steady, point = orbit_of(paper_joint(angular_frequency=OMEGA).replace(damping=damping), 4)
-    motion = march(model, point.state, point.y, 0.0, PERIOD)
+    solver, problem = fe_lapjoint.Solver(elements=4), paper_joint(angular_frequency=OMEGA).replace(damping=damping)
+    steady, period_map = solver.steady_state(problem), solver.period_map(problem)
+    model, point = period_map.model, steady.section_point
+    motion = march(model, point.state, period_map.modal(point), 0.0, PERIOD)
     assert steady.history.contacts
     trace = sum(2 * float(np.sum(model.system(p.state).decay)) * (p.end - p.start) for p in motion.pieces)
     assert np.linalg.slogdet(monodromy(model, motion))[1] == pytest.approx(-trace, rel=1e-6)
 
 
-@pytest.mark.parametrize("gap", [1e-3, 2e-3])  # of one stop: the symmetric joint takes half turns, the other does not
+def moved_along(period_map: PeriodMap, steps: np.ndarray) -> np.ndarray:
+    """Central differences of the map over a period at the section point of the steady state, ``(n, n)``."""
+    point = fe_lapjoint.Solver(elements=3).steady_state(period_map.problem).section_point
+    columns = []
+    for i, step in enumerate(steps):
+        by = np.eye(steps.size)[i] * step
+        ends = [period_map.march(period_map.moved(point, sign * by), 2).end for sign in (1, -1)]
+        columns.append(period_map.difference(*ends) / (2 * step))
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("gap", [1e-3, 2e-3])  # of one stop: the symmetric joint has a map over half periods
 def test_multipliers_are_those_of_a_monodromy_by_finite_differences(gap: float) -> None:
     problem = paper_joint(angular_frequency=OMEGA)
     first = problem.stops[0].model_copy(update={"gap": gap})
-    model, steady, point = orbit_of(problem.replace(stops=(first, *problem.stops[1:])), 3)
+    problem = problem.replace(stops=(first, *problem.stops[1:]))
+    solver = fe_lapjoint.Solver(elements=3)
+    steady, period_map = solver.steady_state(problem), solver.period_map(problem)
     assert steady.symmetric == (gap == 1e-3)
-    n, columns = point.y.size // 2, []
-    for i in range(2 * n):
-        step = np.zeros(2 * n)
-        step[i] = 1e-5 * np.linalg.norm(np.split(point.y, 2)[i // n])
-        plus, minus = (march(model, point.state, point.y + sign * step, 0.0, PERIOD).y for sign in (1, -1))
-        columns.append((plus - minus) / (2 * step[i]))
-    moduli = np.sort(np.abs(np.linalg.eigvals(np.array(columns).T)))[::-1]
+    n = period_map.difference(steady.section_point, steady.section_point).size // 2
+    size = period_map.size(steady.section_point)
+    differences = moved_along(period_map, np.repeat([1e-5 * size, 1e-5 * size * OMEGA], n))
+    moduli = np.sort(np.abs(np.linalg.eigvals(differences)))[::-1]
     # The errors of the differences weigh on the small ones.
-    assert steady.multipliers[:4] == pytest.approx(moduli[:4], abs=1e-4)
+    assert np.abs(steady.multipliers[:4]) == pytest.approx(moduli[:4], abs=1e-4)
 
 
 def test_the_exponent_on_an_orbit_is_that_of_its_largest_multiplier() -> None:
-    model, steady, point = orbit_of(paper_joint(angular_frequency=OMEGA), 3)
-    turns = Turns(model, OMEGA)
-    growth, turned = Growth(turns), turns.after(point)
-    while not growth.enough:
-        growth.add(turned)  # the same turn again and again
-    assert growth.exponent.periods == len(growth.logs)
-    assert growth.exponent.value == pytest.approx(math.log(steady.multipliers[0]) / PERIOD, rel=1e-2)
-    assert growth.exponent.negative
+    solver, problem = fe_lapjoint.Solver(elements=3), paper_joint(angular_frequency=OMEGA)
+    steady, period_map = solver.steady_state(problem), solver.period_map(problem)
+    start = np.random.default_rng(0).normal(size=period_map.difference(steady.section_point, steady.section_point).size)
+    followed = period_map.followed(steady.section_point, start / period_map.norm(start), 400)
+    exponent = exponent_of(followed.growth[20:], period_map.period)
+    assert exponent.value == pytest.approx(math.log(abs(steady.multipliers[0])) / PERIOD, rel=1e-2)
+    assert exponent.negative
 
 
 def test_nearby_chaotic_motions_part_as_the_tangent_says() -> None:
     """The ratio of two motions' distance before and after against the tangent vector that links them."""
     problem = paper_joint(angular_frequency=380.0, damping_ratio=0.02)
-    model, first = begin(fe_lapjoint.Solver(elements=2), problem)
-    turns = Turns(model, 380.0)
-    point = turns.after(first, 40).end
-    step = 1e-8 * np.random.default_rng(1).normal(size=first.y.size) * np.abs(point.y).max()
+    period_map = fe_lapjoint.Solver(elements=2).period_map(problem)
+    point = period_map.march(period_map.initial(), 40).end
+    unit = np.random.default_rng(1).normal(size=period_map.difference(point, point).size)
+    unit /= period_map.norm(unit)
     for _ in range(6):
-        turned = turns.after(point)
-        near = turns.after(Point(point.state, point.y + step)).end
-        expected = turns.carried(turned, step[:, None])[:, 0]
-        apart = turns.seen_from(turned.end.state, near) - turned.end.y
-        assert turns.size(apart - expected) <= 1e-2 * turns.size(apart)
-        point, step = turned.end, 1e-8 * turns.size(turned.end.y) / turns.size(expected) * expected
+        followed, length = period_map.followed(point, unit, 1), 1e-8 * period_map.size(point)
+        near = period_map.march(period_map.moved(point, length * unit), 2).end
+        expected = length * math.exp(followed.growth[0]) * followed.deviation
+        apart = period_map.difference(near, followed.points[0])
+        assert period_map.norm(apart - expected) <= 1e-2 * period_map.norm(apart)
+        point, unit = followed.points[0], followed.deviation
