@@ -7,6 +7,13 @@ It knows the problem and may evaluate displacement and velocity anywhere; how th
 - force law and gaps: a stop of the state is pressed, another is not;
 - impulse: the stated one is the time integral of the force law;
 - continuity: displacement and velocity do not jump at a switch (36), (41).
+
+And of a steady state, from the History of one of its periods, whoever found it:
+
+- it closes: displacement and velocity along the beam are at the end what they are at the start;
+- its period is the least: after fewer excitation periods they are not;
+- half of it mirrors the other half, z(x, t + T/2) = -z(x, t), if it is called symmetric, and not if it is not;
+- its impulses per excitation period are the time integrals of the force law.
 """
 
 from __future__ import annotations
@@ -18,13 +25,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from lapjoint.answers import History
+from lapjoint.answers import History, SteadyState
 from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
 from validation.verdict import Criterion
 
 _GAUSS = np.polynomial.legendre.leggauss(12)
 _PANELS_X = 24
 _MOST_HALVINGS = 8
+REPEATS = 1e-6
+"""Of the size of a motion: what is nearer is the same.  Orbits close to 1e-9; truncation adds what jumps at switches."""
 
 
 def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
@@ -159,6 +168,77 @@ def continuity(history: History, tolerance: float) -> Criterion:
     after, before = history.displacement(x, t), history.displacement(x, np.nextafter(t, history.start))
     jump = float(np.abs(after - before).max() / max(np.abs(after).max(), 1e-300))
     return Criterion("displacement jump at switches", "1", jump, 0.0, tolerance, "modes of the two states, truncated")
+
+
+def _apart(history: History, sign: int, later: float) -> float:
+    """Largest distance of the motion from `sign` times the motion `later` seconds on, over the size of the motion.
+
+    Displacement and velocity over the excitation frequency, at 21 places and, round the period, at 33 times.
+    """
+    x, span = np.linspace(0.0, history.problem.beam.length, 21), history.end - history.start
+    t = history.start + span * (np.arange(33) + 0.5) / 33
+    on = history.start + np.mod(t - history.start + later, span)
+    omega = history.problem.excitation_frequency or 1.0
+    here = np.concatenate([history.evaluate(x, t), history.evaluate(x, t, dt=1) / omega])
+    there = np.concatenate([history.evaluate(x, on), history.evaluate(x, on, dt=1) / omega])
+    return float(np.abs(here - sign * there).max() / max(np.abs(here).max(), 1e-300))
+
+
+def closes(found: SteadyState, tolerance: float) -> Criterion:
+    """How far the end of the motion's period is from its start, over the size of the motion."""
+    history = found.history
+    x, ends = np.linspace(0.0, history.problem.beam.length, 21), np.array([history.start, history.end])
+    omega = history.problem.excitation_frequency or 1.0
+    both = np.concatenate([history.evaluate(x, ends), history.evaluate(x, ends, dt=1) / omega])
+    gap = float(np.abs(np.diff(both, axis=1)).max() / max(np.abs(both).max(), 1e-300))
+    return Criterion("end of the period from its start", "1", gap, 0.0, tolerance, "Newton's residual")
+
+
+def least_period(found: SteadyState, tolerance: float) -> Criterion:
+    """How nearly the motion repeats after fewer excitation periods than it is said to, two at least, over its size."""
+    history, n = found.history, found.period_multiple
+    parts = [k for k in range(1, n) if n % k == 0]
+    period = (history.end - history.start) / max(n, 1)
+    nearest = min(_apart(history, 1, k * period) for k in parts)
+    return Criterion("nearest to repeating in a part of its period", "1", nearest, tolerance, math.inf, "it must not")
+
+
+def half_period(found: SteadyState, tolerance: float) -> Criterion:
+    """How nearly half of the motion mirrors the other half, over its size."""
+    history = found.history
+    asymmetry = _apart(history, -1, (history.end - history.start) / 2)
+    if found.symmetric:
+        return Criterion("half a period from its mirror image", "1", asymmetry, 0.0, tolerance, "called symmetric")
+    return Criterion("half a period from its mirror image", "1", asymmetry, tolerance, math.inf, "not called symmetric")
+
+
+def impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
+    """Largest difference of an impulse per excitation period from the quadrature of the force law, relative."""
+    history, stops = found.history, range(len(found.history.problem.stops))
+    breaks = np.unique([history.start, *history.switch_times, history.end])
+    largest = max(float(np.abs(found.impulses).max(initial=0.0)), 1e-300)
+    periods = max(found.period_multiple, 1)
+    worst = 0.0
+    for k in stops:
+
+        def force(t: FloatArray, k: int = k) -> FloatArray:
+            return -np.asarray(history.contact_force(np.minimum(t, history.end))[k])
+
+        area = _time_integral(force, breaks, _first_panel(history), tolerance, largest * periods)
+        worst = max(worst, abs(area / periods - float(found.impulses[k])))
+    return Criterion("impulse per period against the force law", "1", worst / largest, 0.0, tolerance, "quadrature")
+
+
+def steady_witness(found: SteadyState, tolerance: float, label: str) -> list[Criterion]:
+    """All invariants of a periodic steady state, those of its motion included; none of period, where it has none."""
+    result = witness(found.history, tolerance, label)
+    if not found.period_multiple:
+        return result
+    near = max(REPEATS, 10 * found.residual)  # truncated modes may part a motion by its residual
+    checks = (closes, half_period, least_period) if found.period_multiple > 1 else (closes, half_period)
+    result += [replace(item, name=f"{label}: {item.name}") for item in (check(found, near) for check in checks)]
+    item = impulses_per_period(found, max(tolerance, 10 * found.residual))
+    return [*result, replace(item, name=f"{label}: {item.name}")]
 
 
 def witness(history: History, tolerance: float, label: str) -> list[Criterion]:

@@ -157,7 +157,9 @@ def test_a_neighbours_section_leads_to_the_same_orbit_as_rest() -> None:
 def test_a_section_point_of_another_mesh_is_interpolated() -> None:
     problem = paper_joint(angular_frequency=515.0)
     coarse = fe_lapjoint.Solver(elements=6).steady_state(problem)
-    with_it, without = (fe_lapjoint.Solver(elements=12).steady_state(problem, start=s) for s in (coarse.section_point, None))
+    with_it, without = (
+        fe_lapjoint.Solver(elements=12).steady_state(problem, start=s) for s in (coarse.section_point, None)
+    )
     assert with_it.impulses == pytest.approx(without.impulses, rel=1e-8)
     assert with_it.acceptance is not None
     assert with_it.acceptance.periods <= 4

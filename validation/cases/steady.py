@@ -14,7 +14,7 @@ from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
 from validation.cases.transient import WITNESS_TOLERANCE
-from validation.invariants import witness
+from validation.invariants import steady_witness
 from validation.report.drawing import COLOURS, draw
 from validation.uncertainty import refined_vector
 from validation.verdict import Check, Criterion, Estimate
@@ -70,8 +70,8 @@ def compare_steady(problem: Problem, finest: int) -> Point:
         _estimates(fe, 2.0, FE_ORDER),
         (
             Criterion(same, "1", fe[-1].order, exact[-1].order, exact[-1].order, "or they compare different motions"),
-            *witness(exact[-1].history, WITNESS_TOLERANCE, f"{label}, {exact[-1].solver}"),
-            *witness(fe[-1].history, WITNESS_TOLERANCE, f"{label}, {fe[-1].solver}"),
+            *steady_witness(exact[-1], WITNESS_TOLERANCE, f"{label}, {exact[-1].solver}"),
+            *steady_witness(fe[-1], WITNESS_TOLERANCE, f"{label}, {fe[-1].solver}"),
         ),
     )
 
