@@ -6,7 +6,7 @@ from lapjoint import paper_joint
 print(analytic.Solver().steady_state(paper_joint(angular_frequency=515.0)).impulses)
 """
 
-from analytic.published import PublishedScheme
+from analytic.published.solver import PublishedScheme
 from analytic.solver import Solver
 
 __all__ = ["PublishedScheme", "Solver"]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from analytic.march import Coordinates, Joint, march
-from analytic.motion import history_of
+from analytic.march import Joint, march
+from analytic.march.field import history_of
+from analytic.march.initial_state import started
 from analytic.period_map import PeriodMap
-from analytic.start import initial_coordinates, initial_state
 from lapjoint.answers import History
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
@@ -18,7 +18,5 @@ def simulate(
     joint = Joint(problem, *counts)
     if problem.excitation_frequency is not None:
         return PeriodMap(joint, name).simulated(duration, progress)
-    state = initial_state(problem)
-    begin = Coordinates(state, *initial_coordinates(problem, joint.model(state).modes))
-    motion = march(joint, begin, 0.0, duration, depth=True, progress=progress)
-    return history_of(problem, name, joint, motion)
+    motion = march(joint, started(joint), 0.0, duration, depth=True, progress=progress)
+    return history_of(name, motion)

@@ -29,7 +29,7 @@ class Solver:
     Parameters
     ----------
     n_modes : int, optional
-        Modes in every state; by default chosen for the problem by `analytic.default_modes`.
+        Modes in every state; by default chosen for the problem by `analytic.modes.mode_count`.
     free_modes, contact_modes : int, optional
         Modes in the free state, and in every other; they go before `n_modes`.
     tolerance : float
@@ -100,7 +100,7 @@ class Solver:
         """Numbers of modes used for `problem`: in the free state, and in every other."""
         common = self.n_modes
         if common is None and (self.free_modes is None or self.contact_modes is None):
-            from analytic.default_modes import default_count
+            from analytic.modes.mode_count import default_count
 
             common = default_count(problem, self.tolerance)
         assert common is not None or (self.free_modes is not None and self.contact_modes is not None)
@@ -115,9 +115,9 @@ class Solver:
             If `count` is not between 1 and 500.
         """
         check_count("count", count)
-        from analytic.modes import exact_modes
+        from analytic.modes.normal_modes import normal_modes
 
-        found = exact_modes(problem, state, count)
+        found = normal_modes(problem, state, count)
         return Modes(state, found.omega, found.shapes)
 
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:

@@ -33,7 +33,7 @@ _GAUSS = np.polynomial.legendre.leggauss(12)
 _PANELS_X = 24
 _MOST_HALVINGS = 8
 REPEATS = 1e-6
-"""Of the size of a motion: what is nearer is the same.  Orbits close to 1e-9; truncation adds what jumps at switches."""
+"""Of the size of a motion: what is nearer is the same.  Orbits close to 1e-9; truncation adds jumps at switches."""
 
 
 def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:

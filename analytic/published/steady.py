@@ -18,11 +18,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic import kernel
-from analytic.published_field import history_of
-from analytic.published_kernel import SETTLED, UNSETTLED, Carried, settle
-from analytic.published_march import MOST_SWITCHES, PublishedJoint, PublishedMarch, march, raise_if_stuck
-from analytic.published_start import packed, started
+from analytic.march.compiled import PERIODS, SWITCHES, new_log
+from analytic.march.march import MOST_SWITCHES, settle_status
+from analytic.published.field import history_of
+from analytic.published.initial_state import packed, started
+from analytic.published.joint import FrozenMotion, PublishedJoint
+from analytic.published.march import PublishedMarch, march_published, restarted
+from analytic.published.settle import SETTLED, UNSETTLED, settle
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.problem import FloatArray, Problem
@@ -56,16 +58,14 @@ class Settling:
     """Excitation periods after which it repeats; 0 if it did not settle."""
     rows: FloatArray
     """Penetration times of the stops over each cycle, m s, and displacements at its end, m, ``(cycles, P + U)``."""
-    impacts: int
-    slot: int
-    carried: Carried
+    motion: FrozenMotion
     """At the end of the last cycle."""
 
 
 def settling(
-    joint: PublishedJoint, slot: int, carried: Carried, period: float, search: Search, progress: Progress | None = None
+    joint: PublishedJoint, motion: FrozenMotion, period: float, search: Search, progress: Progress | None = None
 ) -> Settling:
-    """March from given coordinates until the motion has settled, or for as long as `search` allows.
+    """March until the motion has settled, or for as long as `search` allows.
 
     Raises
     ------
@@ -74,33 +74,33 @@ def settling(
     """
     P, most = len(joint.problem.stops), search.max_periods
     rows = np.zeros((most + _CYCLES_AVERAGED, P + joint.tables.constant.shape[1]))
-    agree, count, log = np.zeros(search.max_order, dtype=np.int64), np.zeros(2, dtype=np.int64), kernel.new_log(0, 1, P)
-    carried.last_switch[:], carried.total[:] = 0.0, 0.0
-    t, pending, limit, last = 0.0, kernel.NO_SWITCH, min(_CHUNK, most), False
+    agree, log = np.zeros(search.max_order, dtype=np.int64), new_log(0, 1, P)
+    restarted(motion)
+    limit, last, moving = min(_CHUNK, most), False, motion.moving
     while True:
-        fixed = (
+        status, order = settle(
+            joint.tables,
+            joint.frozen(motion),
+            moving,
             period,
-            carried,
             log,
             rows[:limit],
             agree,
-            count,
             _REPEATS,
             search.tolerance,
             search.shortest,
             MOST_SWITCHES,
         )
-        status, slot, t, pending, order = settle(joint.frozen_tables, joint.cross, slot, t, pending, *fixed)
-        raise_if_stuck(joint, status, slot, t)
-        if status == kernel.MISSING_STATE:
-            carried = joint.meet(slot, pending, carried)
+        if status not in (SETTLED, UNSETTLED):
+            settle_status(joint, moving, status, MOST_SWITCHES)
             continue
         if progress is not None:
             progress(min(limit, most), most)
-        if status == SETTLED or (status == UNSETTLED and last):
-            return Settling(order, rows[: count[0]], int(count[1]) // 2, slot, carried)
-        last = limit >= most or count[1] // 2 >= search.patience
-        limit = int(count[0]) + _CYCLES_AVERAGED if last else min(limit + _CHUNK, most)
+        cycles, impacts = int(moving.counts[PERIODS]), int(moving.counts[SWITCHES]) // 2
+        if status == SETTLED or last:
+            return Settling(order, rows[:cycles], motion)
+        last = limit >= most or impacts >= search.patience
+        limit = cycles + _CYCLES_AVERAGED if last else min(limit + _CHUNK, most)
 
 
 def steady_state(
@@ -114,11 +114,11 @@ def steady_state(
     """The motion that remains; the excitation of `problem` has one frequency."""
     assert problem.excitation_frequency is not None
     period, joint = 2 * math.pi / problem.excitation_frequency, PublishedJoint(problem, *counts)
-    found = settling(joint, *started(joint, start), period, search, progress)
-    section = packed(joint, found.slot, found.carried)
+    found = settling(joint, started(joint, start), period, search, progress)
+    section = packed(joint, found.motion)
     periods = found.order or search.max_order
-    motion = march(joint, *started(joint, section), 0.0, periods * period, shortest=search.shortest)
-    history = history_of(problem, name, motion)
+    motion = march_published(joint, started(joint, section), periods * period, shortest=search.shortest)
+    history = history_of(name, motion)
     if found.order:
         impulses, outcome = impulses_per_period(history, found.order), periodic_outcome(history)
     else:

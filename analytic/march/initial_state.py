@@ -10,13 +10,14 @@ import itertools
 
 import numpy as np
 
-from analytic.march import Coordinates, Joint
-from analytic.modes import ExactModes
+from analytic.march.coordinates import Coordinates
+from analytic.march.joint import Joint
+from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
 
-TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed
+TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed; rounding is 1e-13 of it
 _POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
 
 
@@ -32,8 +33,8 @@ def initial_state(problem: Problem) -> ContactState:
     return ContactState(tuple(closed))
 
 
-def initial_coordinates(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatArray]:
-    """Modal displacements and velocities at t = 0, each of shape ``(N,)``."""
+def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
+    """Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at t = 0, each of shape ``(N,)``."""
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
@@ -42,7 +43,7 @@ def initial_coordinates(problem: Problem, modes: ExactModes) -> tuple[FloatArray
     return weighted @ problem.initial.displacement_at(x), weighted @ problem.initial.velocity_at(x)
 
 
-def _quadrature(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatArray]:
+def _quadrature(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
     breaks = modes.shapes.nodes
     if isinstance(problem.initial, SampledShape):
         breaks = np.union1d(breaks, np.array(problem.initial.x))
@@ -57,16 +58,22 @@ def _quadrature(problem: Problem, modes: ExactModes) -> tuple[FloatArray, FloatA
     return np.minimum(x, problem.beam.length).ravel(), (half * w).ravel()
 
 
+def started(joint: Joint) -> Coordinates:
+    """The coordinates of the initial state."""
+    state = initial_state(joint.problem)
+    return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes))
+
+
 def resumed(joint: Joint, section: SectionPoint) -> Coordinates:
     """The coordinates of a section found before, in this joint: its numbers of modes and its gaps may be others.
 
     Modes that the section lacks are at rest; those that it has too many are left out.
     """
-    model = joint.model(section.state)
-    q, v = (_fitted(part, model.size) for part in section.coordinates)
+    modal = joint.modal(section.state)
+    q, v = (_fitted(part, modal.size) for part in section.coordinates)
     theta = joint.harmonics.theta(0.0)
     loads = np.concatenate([[1.0], np.sin(theta)])
-    z = model.at_stops @ q + loads @ model.residual_at_stops
+    z = modal.at_stops @ q + loads @ (modal.residual_at_stops * joint.sizes[:, None])
     closed = ContactState(
         tuple(
             k

@@ -12,13 +12,16 @@ the spring force does not.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit
 
-from analytic.march import March
-from analytic.state import OSCILLATING, SPLIT
+from analytic.march.compiled import Log
+from analytic.march.march import March
+from analytic.march.oscillator import OSCILLATING, SPLIT
+from analytic.march.tables import Tables
+from analytic.march.terms import set_phases
+from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
 
@@ -35,18 +38,35 @@ def carried(motion: March, deviations: FloatArray) -> FloatArray:
 
 
 @njit(cache=True)
-def _carried(tables: Any, log: Any, deviations: Any) -> Any:
+def _carried(tables: Tables, log: Log, deviations: FloatArray) -> FloatArray:
     now = deviations.copy()
     for i in range(log.slot.size):
-        _flow(tables, log.slot[i], log.end[i] - log.start[i], now)
+        flow(tables, log.slot[i], log.end[i] - log.start[i], now)
         if log.stop[i] >= 0 and i + 1 < log.slot.size:
-            now = _saltation(tables, log, i, now)
+            now = logged_saltation(tables, log, i, now)
     return now
 
 
 @njit(cache=True)
-def _flow(tables: Any, slot: int, s: float, now: Any) -> None:
-    """Carry deviations within a state, in place."""
+def logged_saltation(tables: Tables, log: Log, i: int, now: FloatArray) -> FloatArray:
+    """Carry deviations `now`, columns ``(2 N_old, m)``, over the switch that ends segment `i`, not the last."""
+    return saltation(
+        tables,
+        log.slot[i],
+        log.stop[i],
+        log.end[i],
+        log.rate[i],
+        log.q_end[i],
+        log.v_end[i],
+        log.q[i + 1],
+        log.v[i + 1],
+        now,
+    )
+
+
+@njit(cache=True)
+def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
+    """Carry deviations `now`, columns ``(2 N, m)`` of (dq, dv), over `s`, s, within the state `slot`, in place."""
     n = tables.modes[slot]
     extra = n
     for i in range(n):
@@ -72,8 +92,8 @@ def _flow(tables: Any, slot: int, s: float, now: Any) -> None:
 
 
 @njit(cache=True)
-def _rates(tables: Any, slot: int, theta: Any, q: Any, v: Any) -> Any:
-    """d(q, v)/dt in one state, shape ``(2 N,)``."""
+def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
+    """d(q, v)/dt in one state, shape ``(2 N,)``; `theta`, ``(H,)``, holds exp(i theta_h)."""
     n = tables.modes[slot]
     rates = np.zeros(2 * n)
     extra = n
@@ -93,14 +113,44 @@ def _rates(tables: Any, slot: int, theta: Any, q: Any, v: Any) -> Any:
 
 
 @njit(cache=True)
-def _saltation(tables: Any, log: Any, i: int, now: Any) -> Any:
-    """Carry deviations over the switch that ends segment `i`."""
-    old, new, k, t = log.slot[i], log.slot[i + 1], log.stop[i], log.end[i]
+def saltation(
+    tables: Tables,
+    old: int,
+    k: int,
+    t: float,
+    rate: float,
+    q_old: FloatArray,
+    v_old: FloatArray,
+    q_new: FloatArray,
+    v_new: FloatArray,
+    now: FloatArray,
+) -> FloatArray:
+    """Carry deviations over a switch.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    old, k : int
+        The state before, and the stop that switches.
+    t, rate : float
+        When, s, and with which h', m/s.
+    q_old, v_old, q_new, v_new : ndarray, shape (N,)
+        The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
+    now : ndarray, shape (2 N_old, m)
+        Deviations (dq, dv), as columns.
+
+    Returns
+    -------
+    ndarray, shape (2 N_new, m)
+    """
+    new = tables.next_slot[old, k]
     n_old, n_new = tables.modes[old], tables.modes[new]
     S = np.ascontiguousarray(tables.carry[old, k, :n_new, :n_old])
-    theta = np.exp(1j * (tables.omega * t + tables.phase))
-    before = _rates(tables, old, theta, log.q_end[i], log.v_end[i])
-    after = _rates(tables, new, theta, log.q[i + 1], log.v[i + 1])
+    theta = np.zeros(tables.omega.size, dtype=np.complex128)
+    set_phases(tables, t, theta)
+    before = _rates(tables, old, theta, q_old, v_old)
+    after = _rates(tables, new, theta, q_new, v_new)
     jump = np.empty(2 * n_new)
     jump[:n_new] = np.dot(S, before[:n_old]) - after[:n_new]
     jump[n_new:] = np.dot(S, before[n_old:]) - after[n_new:]
@@ -111,7 +161,7 @@ def _saltation(tables: Any, log: Any, i: int, now: Any) -> Any:
             jump[n_new + j] -= onto * tables.omega[h] ** 2 * theta[h].imag
     orientation = -tables.sign[k] if tables.closed[old, k] else tables.sign[k]
     mode = np.ascontiguousarray(tables.weight[old, tables.position[k], :n_old])
-    delay = np.dot(mode, now[:n_old]) * (-orientation / log.rate[i])
+    delay = np.dot(mode, now[:n_old]) * (-orientation / rate)
     result = np.empty((2 * n_new, now.shape[1]))
     result[:n_new] = np.dot(S, now[:n_old])
     result[n_new:] = np.dot(S, now[n_old:])

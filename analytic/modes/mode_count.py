@@ -1,7 +1,7 @@
 r"""How many modes are enough: a criterion, evaluated for the problem at hand.
 
-With the residual of `analytic.residual` the modes i > N follow the loads quasi-statically.  What remains in error
-is their inertia: relative to the force of a closed stop,
+With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  What remains
+in error is their inertia: relative to the force of a closed stop,
 
     e_N = k sum_{i > N} Phi_i(x_stop)^2 / omega_i^2 . (omega_c / omega_N)^2
 
@@ -23,9 +23,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.modes import ExactModes, exact_modes
-from analytic.start import initial_coordinates
-from analytic.state import Family, family_of, harmonics_of
+from analytic.march.initial_state import initial_coordinates
+from analytic.march.loads import harmonics_of
+from analytic.march.modal_state import Family, family_of
+from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, contact_states
 from lapjoint.problem import AtRest, FloatArray, Problem, StepLoad
 
@@ -74,7 +75,7 @@ def _parts(family: Family, pool: int) -> _Parts:
     )
 
 
-def _inert(problem: Problem, modes: ExactModes) -> FloatArray:
+def _inert(problem: Problem, modes: NormalModes) -> FloatArray:
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     shares = [np.zeros(omega.size)]
     for stop in problem.stops:
@@ -89,7 +90,7 @@ def _inert(problem: Problem, modes: ExactModes) -> FloatArray:
     )
 
 
-def _steps(problem: Problem, modes: ExactModes) -> FloatArray:
+def _steps(problem: Problem, modes: NormalModes) -> FloatArray:
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     errors = [np.zeros(omega.size - 1)]
     for load in problem.point_loads:

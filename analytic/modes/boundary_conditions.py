@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.characteristic import Layout
-from analytic.shapes import BeamFunctions, ComplexArray
+from analytic.modes.beam_functions import BeamFunctions, ComplexArray
+from analytic.modes.characteristic_equation import Layout
 from lapjoint.problem import FloatArray
 
 

@@ -21,10 +21,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.boundary import boundary_matrix, force_row, foundation_waves
-from analytic.characteristic import layout_of
-from analytic.modes import ExactModes
-from analytic.shapes import BeamFunctions
+from analytic.modes.beam_functions import BeamFunctions
+from analytic.modes.boundary_conditions import boundary_matrix, force_row, foundation_waves
+from analytic.modes.characteristic_equation import layout_of
+from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
@@ -60,7 +60,7 @@ class Residual:
         return Residual(self.foundation.scaled(factors), self.modes, self.weights * factors[:, None])
 
 
-def residual(problem: Problem, state: ContactState, modes: ExactModes, loads: Loads, modal: FloatArray) -> Residual:
+def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: Loads, modal: FloatArray) -> Residual:
     """Residual shapes of a state; ``modal`` holds (Phi_i, p_l), shape ``(loads, modes)``."""
     beam = problem.beam
     sigma = 4 * (_FOUNDATION / beam.length) ** 4 * beam.EI / beam.m

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic import kernel
-from analytic.march import Joint, March, Segment, contacts_of
-from analytic.state import StateModel
-from lapjoint.answers import History
-from lapjoint.problem import FloatArray, Problem
+from analytic.march.contacts import contacts_of
+from analytic.march.joint import Joint
+from analytic.march.march import March, Segment
+from analytic.march.terms import set_phases, start_terms
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.answers import Field, History
+from lapjoint.problem import FloatArray
 
 
 @dataclass(frozen=True)
@@ -31,11 +33,10 @@ class ModalField:
         return result
 
     def _segment(self, segment: Segment, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        model = self.joint.model(segment.state)
-        coordinates = self._coordinates(model, segment, t, dt)
         loads = np.concatenate([np.full((1, t.size), float(dt == 0)), self._loads(t, dt)])
-        shapes = model.modes.shapes(x, dx)
-        return np.asarray(shapes.T @ coordinates + model.residual(x, dx).T @ loads)
+        shapes = self.joint.modal(segment.state).modes.shapes(x, dx)
+        residual = self.joint.residual(segment.state)(x, dx)
+        return np.asarray(shapes.T @ self._coordinates(segment, t, dt) + residual.T @ loads)
 
     def _loads(self, t: FloatArray, dt: int) -> FloatArray:
         """sin(theta_h) or its dt-th derivative, shape ``(H, m)``."""
@@ -43,18 +44,28 @@ class ModalField:
         omega = harmonics.omega[:, None]
         return np.asarray(omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2))
 
-    def _coordinates(self, model: StateModel, segment: Segment, t: FloatArray, dt: int) -> FloatArray:
+    def _coordinates(self, segment: Segment, t: FloatArray, dt: int) -> FloatArray:
         """q_i or its dt-th derivative, shape ``(N, m)``."""
-        harmonics = self.joint.harmonics
-        theta = harmonics.theta(segment.start)
-        c, poly = kernel.amplitudes(
-            segment.q, segment.v, theta, harmonics.omega, model.kind, model.roots, model.static, model.harmonic
-        )
-        s = t - segment.start
-        free = c[:, :, None] * model.roots[:, :, None] ** dt * np.exp(model.roots[:, :, None] * s)
+        tables, slot = self.joint.tables, self.joint.slot(segment.state)
+        n, terms = tables.modes[slot], tables.terms[slot]
+        theta, c, poly = np.zeros(tables.omega.size, dtype=complex), np.zeros(terms, dtype=complex), np.zeros((n, 3))
+        set_phases(tables, segment.start, theta)
+        start_terms(tables, slot, theta, segment.q, segment.v, c, poly)
+        s, root, omega = t - segment.start, tables.root[slot, :terms, None], tables.omega[:, None]
+        free = (c[:, None] * root**dt * np.exp(root * s)).real
         powers = np.stack([_power_derivative(order, s, dt) for order in range(3)])
-        turning = (1j * harmonics.omega[:, None]) ** dt * np.exp(1j * (theta[:, None] + harmonics.omega[:, None] * s))
-        return np.asarray(free.sum(axis=1).real + poly @ powers + (model.harmonic.T @ turning).imag)
+        q = free[:n] + poly @ powers + _forced(tables.harmonic[slot, :, :n], theta, omega, s, dt)
+        np.add.at(q, tables.mode_of[slot, n:terms], free[n:])
+        return np.asarray(q)
+
+
+def _forced(amplitude: ComplexArray, theta: ComplexArray, omega: FloatArray, s: FloatArray, dt: int) -> FloatArray:
+    """The dt-th derivative of the answer to the harmonics, shape ``(N, m)``.
+
+    `amplitude` is ``(H, N)``, `theta` holds exp(i theta_h) at s = 0, ``(H,)``, `omega` is ``(H, 1)``.
+    """
+    turning = (1j * omega) ** dt * theta[:, None] * np.exp(1j * omega * s)
+    return np.asarray((amplitude.T @ turning).imag)
 
 
 def _power_derivative(order: int, s: FloatArray, dt: int) -> FloatArray:
@@ -65,17 +76,17 @@ def _power_derivative(order: int, s: FloatArray, dt: int) -> FloatArray:
     return np.asarray(factor * s ** (order - dt))
 
 
-def history_of(problem: Problem, name: str, joint: Joint, motion: March) -> History:
-    """A marched motion as the History that everybody reads."""
+def history_of(name: str, motion: March, field: Field | None = None) -> History:
+    """A marched motion as the History that everybody reads, by the solver `name`; by default with a `ModalField`."""
     segments = motion.segments
     switched = [i for i, segment in enumerate(segments[:-1]) if segment.switched >= 0]
     return History(
-        problem=problem,
+        problem=motion.joint.problem,
         solver=name,
         start=segments[0].start,
         end=segments[-1].end,
         switch_times=np.array([segments[i].end for i in switched]),
         states=(segments[0].state, *(segments[i + 1].state for i in switched)),
         contacts=contacts_of(motion),
-        field=ModalField(joint, segments),
+        field=field or ModalField(motion.joint, segments),
     )

@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic import published_kernel
-from analytic.published_kernel import Carried
-from analytic.published_march import PublishedJoint
-from analytic.start import TOUCHING, initial_coordinates, initial_state
+from analytic.march.compiled import SLOT
+from analytic.march.initial_state import TOUCHING, initial_coordinates, initial_state
+from analytic.march.switching import switch_frozen
+from analytic.published.joint import FrozenMotion, PublishedJoint
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.problem import FloatArray
 
 
-def started(joint: PublishedJoint, start: SectionPoint | None) -> tuple[int, Carried]:
-    """Slot and coordinates at the initial state, or at a section of a joint with the same numbers of modes.
+def started(joint: PublishedJoint, start: SectionPoint | None) -> FrozenMotion:
+    """The motion at the initial state, or at a section of a joint with the same numbers of modes.
 
     An initial shape is carried over like the deflected shape at a switch to the modes of the first state; what they
     cannot hold of it is left out, as there are no modes that it could be a sum of.
@@ -27,60 +27,58 @@ def started(joint: PublishedJoint, start: SectionPoint | None) -> tuple[int, Car
     if start is not None:
         return _resumed(joint, start)
     state = initial_state(joint.problem)
-    return joint.begin(state, *initial_coordinates(joint.problem, joint.model(state).modes))
+    return joint.begin(state, *initial_coordinates(joint.problem, joint.modal(state).modes))
 
 
-def packed(joint: PublishedJoint, slot: int, carried: Carried) -> SectionPoint:
+def packed(joint: PublishedJoint, motion: FrozenMotion) -> SectionPoint:
     """The section of a motion."""
-    blocks = [carried.q]
-    for other in joint.frozen_tables.order:
-        coefficients = carried.rest[other]
+    blocks = [motion.moving.q]
+    for other in joint.order[joint.order < motion.rest.shape[0]]:
+        coefficients = motion.rest[other]
         if coefficients.any():
             bits = float(sum(1 << stop for stop in joint.state_in(other).closed))
             blocks.append(np.concatenate([[bits], coefficients]))
     q = np.concatenate(blocks)
-    v = np.concatenate([carried.v, np.zeros(q.size - carried.v.size)])
-    return SectionPoint(joint.state_in(slot), np.stack([q, v]))
+    v = np.concatenate([motion.moving.v, np.zeros(q.size - motion.moving.v.size)])
+    return SectionPoint(joint.state_in(motion.slot), np.stack([q, v]))
 
 
-def _resumed(joint: PublishedJoint, section: SectionPoint) -> tuple[int, Carried]:
-    size = joint.cross.shape[2] or max(joint.tables.weight.shape[2] // 2, 1)
+def _resumed(joint: PublishedJoint, section: SectionPoint) -> FrozenMotion:
+    size = max(joint.counts)
     q, v = section.coordinates
     blocks = [(_state_of(int(block[0])), block[1:]) for block in q[size:].reshape(-1, size + 1)]
     slots = [joint.slot(state) for state, _ in blocks]
-    slot, carried = joint.begin(section.state, q[:size], v[:size])
+    motion = joint.begin(section.state, q[:size], v[:size])
     for other, (_, coefficients) in zip(slots, blocks, strict=True):
-        carried.rest[other] = coefficients
-    return _switched(joint, section.state, slot, carried)
+        motion.rest[other] = coefficients
+    return _switched(joint, section.state, motion)
 
 
 def _state_of(bits: int) -> ContactState:
     return ContactState(tuple(stop for stop in range(bits.bit_length()) if bits >> stop & 1))
 
 
-def _switched(joint: PublishedJoint, state: ContactState, slot: int, carried: Carried) -> tuple[int, Carried]:
+def _switched(joint: PublishedJoint, state: ContactState, motion: FrozenMotion) -> FrozenMotion:
     """Close and open stops whose gaps are others than when the section was taken."""
-    z = _at_stops(joint, slot, carried)
+    z = _at_stops(joint, motion)
     closed = []
     for k, stop in enumerate(joint.problem.stops):
         least = stop.gap * (1 - TOUCHING) if k in state else stop.gap
         if stop.sign * z[k] > least:
             closed.append(k)
-    if tuple(closed) == state.closed:
-        return slot, carried
-    target = joint.slot(ContactState(tuple(closed)))
-    joint.refresh()
-    carried = joint.grown(carried)
-    published_kernel.switch(joint.frozen_tables, joint.cross, slot, target, carried)
-    return target, carried
+    if tuple(closed) != state.closed:
+        target, moving = joint.slot(ContactState(tuple(closed))), motion.moving
+        switch_frozen(joint.tables, joint.frozen(motion), motion.slot, target, moving.q, moving.v)
+        moving.counts[SLOT] = target
+    return motion
 
 
-def _at_stops(joint: PublishedJoint, slot: int, carried: Carried) -> FloatArray:
+def _at_stops(joint: PublishedJoint, motion: FrozenMotion) -> FloatArray:
     """Displacement at the stops, m, shape ``(P,)``."""
-    tables, size = joint.frozen_tables, carried.q.size
-    whole = carried.rest.copy()
-    whole[slot] += carried.q
+    tables, q = joint.tables, motion.moving.q
+    whole = motion.rest.copy()
+    whole[motion.slot] += q
     values = np.zeros(tables.weight.shape[1])
-    for other in tables.order:  # as in `analytic.published_kernel.freeze`
-        values += tables.weight[other, :, :size] @ whole[other]
+    for other in joint.order[joint.order < whole.shape[0]]:  # as in `analytic.march.switching.freeze`
+        values += tables.weight[other, :, : q.size] @ whole[other]
     return np.asarray(values[tables.position])

@@ -17,14 +17,15 @@ separate force of the gaps, and in q_i = eta_i + (Phi_i, G), the content of the 
 
     q_i'' + 2 zeta omega_i q_i' + omega_i^2 q_i = F_i(t) + sum over closed stops of Phi_i(x_s) k (sign gap)_s
 
-is the equation that `analytic.kernel` solves in closed form.  The published scheme and the present solver differ in
+is the equation that `analytic.march` solves in closed form.  The published scheme and the present solver differ in
 nothing but R = G - sum Phi_i (Phi_i, G), the part of G outside the span of the state's modes: the paper leaves it where
-it is until the next switch, `analytic.residual` lets it follow its equilibrium.  Both converge to the same motion.
+it is until the next switch, `analytic.modes.static_residual` lets it follow its equilibrium.  Both converge to the
+same motion.
 
 What is corrected: the off-diagonal entries of (29) are C* omega, not C* omega^2; (44) is a sum over the modes of the
 old state.  What is assumed, where the text is silent: the damping ratio of Table 6 holds for every mode of every state
 and acts on eta'; the motion starts at rest at z = 0 with y = Y sin(omega t); impacts and rebounds are found exactly
-rather than by sampling and bisection to 2.2e-11 s; and a motion has settled when `analytic.published_steady` says so.
+rather than by sampling and bisection to 2.2e-11 s; and a motion has settled when `analytic.published.steady` says so.
 
 Carrying over only the velocity within the span of five modes turns it at the stops: a stop that has just closed may
 find itself left at once, closes again at once, and so on, thousands of times within a microsecond.  A march that
@@ -118,21 +119,22 @@ class PublishedScheme:
         """
         if not (math.isfinite(duration) and duration > 0):
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
-        from analytic.published_field import history_of
-        from analytic.published_march import PublishedJoint, march
-        from analytic.published_start import started
+        from analytic.published.field import history_of
+        from analytic.published.initial_state import started
+        from analytic.published.joint import PublishedJoint
+        from analytic.published.march import march_published
 
         joint = PublishedJoint(problem, self.free_modes, self.contact_modes)
         begin = started(joint, None)
-        motion = march(joint, *begin, 0.0, float(duration), shortest=self.shortest, progress=progress)
-        return history_of(problem, self.name, motion)
+        motion = march_published(joint, begin, float(duration), shortest=self.shortest, progress=progress)
+        return history_of(self.name, motion)
 
     def steady_state(
         self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
     ) -> SteadyState:
         """The motion that remains when the march from the initial state, or from `start`, has settled.
 
-        It is marched, never solved for; see `analytic.published_steady`.
+        It is marched, never solved for; see `analytic.published.steady`.
 
         Raises
         ------
@@ -143,8 +145,8 @@ class PublishedScheme:
         """
         if problem.excitation_frequency is None:
             raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
-        from analytic import published_steady
+        from analytic.published import steady
 
-        effort = published_steady.Search(self.tolerance, self.max_order, self.max_periods, self.patience, self.shortest)
+        effort = steady.Search(self.tolerance, self.max_order, self.max_periods, self.patience, self.shortest)
         counts = self.free_modes, self.contact_modes
-        return published_steady.steady_state(problem, self.name, counts, effort, start, progress)
+        return steady.steady_state(problem, self.name, counts, effort, start, progress)

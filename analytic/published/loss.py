@@ -16,8 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.published_field import PublishedField
-from analytic.published_march import PublishedJoint, PublishedMarch
+from analytic.march.tables import IntArray
+from analytic.published.field import PublishedField
+from analytic.published.joint import PublishedJoint
+from analytic.published.march import PublishedMarch
 from lapjoint.answers import History
 from lapjoint.problem import FloatArray
 
@@ -53,8 +55,9 @@ def frozen_part(history: History) -> FrozenPart:
     motion = history.field.motion
     joint, log = motion.joint, motion.log
     assert isinstance(joint, PublishedJoint)
+    met = len(joint.states)
     products = _products(joint)
-    rest, whole = _flat(motion.rest), _flat(_whole(motion))
+    rest, whole = _flat(motion.rest[:, :met]), _flat(_whole(motion)[:, :met])
     after, change = rest[1:], np.diff(rest, axis=0)
     size = _norms(whole[1:], products)
     before, behind = 0.5 * (log.v_end[:-1] ** 2).sum(axis=1), 0.5 * (log.v[1:] ** 2).sum(axis=1)
@@ -81,8 +84,8 @@ def _flat(coefficients: FloatArray) -> FloatArray:
 
 def _products(joint: PublishedJoint) -> FloatArray:
     """(Phi_i, Phi_j) of all modes of all states, shape ``(S N, S N)``."""
-    states, _, size, _ = joint.cross.shape
-    return np.asarray(joint.cross.transpose(0, 2, 1, 3).reshape(states * size, states * size))
+    met, size = len(joint.states), max(joint.counts)
+    return np.asarray(joint.cross[:met, :met].transpose(0, 2, 1, 3).reshape(met * size, met * size))
 
 
 def _norms(coefficients: FloatArray, products: FloatArray) -> FloatArray:
@@ -91,13 +94,12 @@ def _norms(coefficients: FloatArray, products: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
 
-def _energies(joint: PublishedJoint, slots: FloatArray, coefficients: FloatArray) -> FloatArray:
+def _energies(joint: PublishedJoint, slots: IntArray, coefficients: FloatArray) -> FloatArray:
     """a(f, f) / 2 in the states of `slots`, J, shape ``(M,)``."""
-    states, size = joint.cross.shape[0], joint.cross.shape[2]
-    models = [joint.model(joint.state_in(slot)) for slot in range(states)]
+    states, size = len(joint.states), max(joint.counts)
     omega, stops = np.zeros((states, size)), np.zeros((states, size, len(joint.problem.stops)))
-    for slot, model in enumerate(models):
-        omega[slot, : model.size], stops[slot, : model.size] = model.modes.omega, model.at_stops.T
+    for slot, modal in enumerate(map(joint.modal, joint.states)):
+        omega[slot, : modal.size], stops[slot, : modal.size] = modal.modes.omega, modal.at_stops.T
     closed = joint.tables.closed[:states] * np.array([stop.stiffness for stop in joint.problem.stops])
     at_stops = stops.reshape(states * size, -1)
     springs = (stops * closed[:, None, :]).reshape(states * size, -1) @ at_stops.T

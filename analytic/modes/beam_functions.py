@@ -5,7 +5,7 @@ On every span a function is
     f(x) = Re sum_j c_j exp(mu_j (x - a_j)) + p0 + p1 x
 
 with anchors a_j at the end of the span where the exponential is largest, so that no term exceeds its coefficient.
-A mode (12) has mu = i beta, -beta and +beta; a foundation shape (see `analytic.residual`) has
+A mode (12) has mu = i beta, -beta and +beta; a foundation shape (see `analytic.modes.static_residual`) has
 mu = gamma (-1 + i) and gamma (1 + i); a rigid-body mode has the polynomial only.  All inner products are integrals
 of exponentials: closed form, no quadrature, no grid.
 """

@@ -7,9 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.boundary import boundary_matrix, mode_waves
-from analytic.characteristic import Layout, frequencies, layout_of
-from analytic.shapes import BeamFunctions, gram
+from analytic.modes.beam_functions import BeamFunctions, gram
+from analytic.modes.boundary_conditions import boundary_matrix, mode_waves
+from analytic.modes.characteristic_equation import Layout, frequencies, layout_of
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem
 
@@ -18,7 +18,7 @@ _CLUSTER = 1e-6  # roots closer than this, relatively, share their plane of shap
 
 
 @dataclass(frozen=True, eq=False)
-class ExactModes:
+class NormalModes:
     """Frequencies and shapes of one state: rigid-body modes first, then the elastic ones."""
 
     omega: FloatArray
@@ -26,12 +26,12 @@ class ExactModes:
     shapes: BeamFunctions
     """Mass-normalised shapes, kg^-1/2."""
 
-    def head(self, count: int) -> ExactModes:
+    def head(self, count: int) -> NormalModes:
         """The lowest `count` modes."""
-        return ExactModes(self.omega[:count], self.shapes.head(count))
+        return NormalModes(self.omega[:count], self.shapes.head(count))
 
 
-def exact_modes(problem: Problem, state: ContactState, count: int) -> ExactModes:
+def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalModes:
     """The lowest `count` modes of `problem` in contact state `state`.
 
     The last ones computed are kept: modes do not depend on the excitation, and a sweep asks for them every time.
@@ -52,7 +52,7 @@ def pool_size(count: int) -> int:
 @lru_cache(maxsize=64)
 def _exact_modes(
     beam: Beam, x: tuple[float, ...], translational: tuple[float, ...], torsional: tuple[float, ...], count: int
-) -> ExactModes:
+) -> NormalModes:
     L, layout = beam.length, Layout(np.array(x), np.array(translational), np.array(torsional))
     z = frequencies(layout, count)
     rigid = int(np.count_nonzero(z == 0))
@@ -60,7 +60,7 @@ def _exact_modes(
     shapes = _joined(_rigid_shapes(layout, rigid, L), elastic)
     norm = 1 / np.sqrt(beam.m * np.diag(gram(shapes, shapes)))  # (16), (17)
     shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
-    return ExactModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
+    return NormalModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
 
 
 def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:

@@ -1,0 +1,32 @@
+"""The motion of a joint, state by state: from a section point to where it is some time later.
+
+`loads` and `oscillator` hold the forces and the answer of one mode to them, `modal_state` a contact state in modal
+form, `tables` its flat view, and `joint` the states that one problem has met.  `terms`, `step_bound`, `segment`,
+`switching` and `compiled` are the compiled march, from the inside out.  `march`, `periods`, `tangent`, `growth` and
+`gap_view` are what Python calls; `field` and `contacts` make a History of it; `initial_state` and `mirror` give section
+points.
+"""
+
+from analytic.march.coordinates import Coordinates
+from analytic.march.gap_view import GapSegment, gap_view
+from analytic.march.growth import Growth, measure_growth
+from analytic.march.joint import Joint
+from analytic.march.march import March, Segment, march
+from analytic.march.periods import Periods, march_periods
+from analytic.march.tangent import carried, monodromy
+
+__all__ = [
+    "Coordinates",
+    "GapSegment",
+    "Growth",
+    "Joint",
+    "March",
+    "Periods",
+    "Segment",
+    "carried",
+    "gap_view",
+    "march",
+    "march_periods",
+    "measure_growth",
+    "monodromy",
+]

@@ -1,0 +1,315 @@
+"""The compiled march: each contact state in closed form up to its first switch, then on in the next state.
+
+`advance` marches to a given time, `advance_periods` over whole periods, each as a march of its own.  Both come back
+when they need something of Python: a switch that the tables do not know yet, or room in the log.  What they have
+done so far is in a `Motion`, which they change in place, so they are called again with the same arguments.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
+from analytic.march.switching import Frozen, freeze, switch, switch_frozen
+from analytic.march.tables import BoolArray, IntArray, Tables
+from analytic.march.terms import set_phases, start_terms, state_from_terms, turn_exactly
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.problem import FloatArray
+
+DONE, MISSING_SWITCH, LOG_FULL, TOO_MANY, STUCK = 0, 1, 2, 3, 4
+"""Why a march came back: it is at its end; the tables lack a switch; the log has no room; too many switches; a state
+that took too many steps."""
+SLOT, PENDING, SWITCHES, PERIODS = 0, 1, 2, 3
+"""What `Motion.counts` holds: the slot; the stop that has yet to switch now, or NO_SWITCH; how many switches were made;
+how many periods are done."""
+_FRESH = 1e-9
+"""s: a stop that switched less than this ago must leave its gap before it can switch again.  A switch is located to
+1e-12 s, and the shortest contacts found in grazing series last 1e-6 s."""
+
+
+class Log(NamedTuple):
+    """Room for ``M`` segments of a motion, one row each: ``N`` modes, ``P`` stops."""
+
+    slot: IntArray
+    """The state, shape ``(M,)``."""
+    start: FloatArray
+    """s, shape ``(M,)``."""
+    end: FloatArray
+    """s, shape ``(M,)``."""
+    q: FloatArray
+    """Modal displacements at the start, kg^1/2 m, shape ``(M, N)``."""
+    v: FloatArray
+    """Modal velocities at the start, kg^1/2 m/s, shape ``(M, N)``."""
+    q_end: FloatArray
+    """Modal displacements at the end, before the switch, shape ``(M, N)``."""
+    v_end: FloatArray
+    """Modal velocities at the end, before the switch, shape ``(M, N)``."""
+    stop: IntArray
+    """The stop that switches at the end, or NO_SWITCH, shape ``(M,)``."""
+    rate: FloatArray
+    """h' of that stop there, m/s, shape ``(M,)``."""
+    area: FloatArray
+    """Time integral of the penetration of each closed stop, m s, shape ``(M, P)``."""
+    deepest: FloatArray
+    """Deepest penetration of each closed stop, m, shape ``(M, P)``."""
+
+
+class Motion(NamedTuple):
+    """Where a march is, changed in place: ``N`` modes, ``P`` stops."""
+
+    counts: IntArray
+    """Slot, pending stop, switches and periods, shape ``(4,)``; see `SLOT`."""
+    time: FloatArray
+    """The time, s, and h' of the pending stop, m/s, shape ``(2,)``."""
+    q: FloatArray
+    """Modal displacements, kg^1/2 m, shape ``(N,)``."""
+    v: FloatArray
+    """Modal velocities, kg^1/2 m/s, shape ``(N,)``."""
+    last_switch: FloatArray
+    """Time of each stop's last switch, s, shape ``(P,)``."""
+    total: FloatArray
+    """Time integral of each stop's penetration, m s, shape ``(P,)``."""
+
+
+class Work(NamedTuple):
+    """Scratch arrays of a march."""
+
+    theta: ComplexArray
+    """exp(i theta_h), shape ``(H,)``."""
+    term: ComplexArray
+    """Terms, shape ``(2 N,)``."""
+    poly: FloatArray
+    """Polynomials, shape ``(N, 3)``."""
+    deepest: FloatArray
+    """Of the last segment, m, shape ``(P,)``."""
+    area: FloatArray
+    """Of the last segment, m s, shape ``(P,)``."""
+    fresh: BoolArray
+    """Whether each stop switched just now, shape ``(P,)``."""
+
+
+def new_log(rows: int, modes: int, stops: int) -> Log:
+    """An empty log."""
+    return Log(
+        slot=np.zeros(rows, dtype=np.int64),
+        start=np.zeros(rows),
+        end=np.zeros(rows),
+        q=np.zeros((rows, modes)),
+        v=np.zeros((rows, modes)),
+        q_end=np.zeros((rows, modes)),
+        v_end=np.zeros((rows, modes)),
+        stop=np.full(rows, NO_SWITCH, dtype=np.int64),
+        rate=np.zeros(rows),
+        area=np.zeros((rows, stops)),
+        deepest=np.zeros((rows, stops)),
+    )
+
+
+def new_motion(slot: int, start: float, q: FloatArray, v: FloatArray, modes: int, stops: int) -> Motion:
+    """A march that begins at the time `start`, s, with room for `modes`; stops that touch count as fresh."""
+    motion = Motion(
+        counts=np.array([slot, NO_SWITCH, 0, 0], dtype=np.int64),
+        time=np.array([start, 0.0]),
+        q=np.zeros(modes),
+        v=np.zeros(modes),
+        last_switch=np.full(stops, start),
+        total=np.zeros(stops),
+    )
+    motion.q[: q.size], motion.v[: v.size] = q, v
+    return motion
+
+
+@njit(cache=True)
+def new_work(tables: Tables) -> Work:
+    """Scratch arrays for marches on these tables."""
+    modes, stops = tables.kind.shape[1], tables.sign.size
+    return Work(
+        np.zeros(tables.omega.size, dtype=np.complex128),
+        np.zeros(2 * modes, dtype=np.complex128),
+        np.zeros((modes, 3)),
+        np.zeros(stops),
+        np.zeros(stops),
+        np.zeros(stops, dtype=np.bool_),
+    )
+
+
+@njit(cache=True)
+def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> bool:
+    """Let the pending stop switch, if there is one; False if the tables do not know that switch.
+
+    `frozen` is None for the present solver's rule; see `analytic.march.switching`.
+    """
+    set_phases(tables, motion.time[0], work.theta)
+    slot, stop = motion.counts[SLOT], motion.counts[PENDING]
+    if stop >= 0:
+        target = tables.next_slot[slot, stop]
+        if target < 0:
+            return False
+        if frozen is None:
+            switch(tables, slot, stop, work.theta, motion.q, motion.v)
+        else:
+            switch_frozen(tables, frozen, slot, target, motion.q, motion.v)
+        motion.counts[SLOT], motion.counts[PENDING] = target, NO_SWITCH
+        motion.last_switch[stop] = motion.time[0]
+    return True
+
+
+@njit(cache=True)
+def leave(
+    tables: Tables, frozen: Frozen | None, motion: Motion, work: Work, end: float, shortest: float, depth: bool
+) -> bool:
+    """Follow the present state to its switch, which is then pending, or to the time `end`, s; False if it gets stuck.
+
+    No state lasts less than `shortest`, s.  `depth` asks for the deepest penetrations.
+    """
+    slot, t = motion.counts[SLOT], motion.time[0]
+    for k in range(work.fresh.size):
+        work.fresh[k] = t - motion.last_switch[k] < _FRESH
+    if frozen is not None:
+        freeze(tables, frozen, slot)
+    start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
+    s, which, rate, _ = follow(
+        tables, slot, end - t, work.fresh, depth, work.theta, work.term, work.poly, work.deepest, work.area
+    )
+    if which == NO_PROGRESS:
+        motion.time[0] = t + s
+        return False
+    wait = min(shortest, end - t) - s
+    if which != NO_SWITCH and wait > 0:
+        turn_exactly(tables, slot, wait, work.term, work.theta)
+        s += wait
+    state_from_terms(tables, slot, work.theta, s, work.term, work.poly, motion.q, motion.v)
+    motion.time[0], motion.time[1] = end if which == NO_SWITCH else t + s, rate
+    motion.counts[PENDING] = which
+    if which != NO_SWITCH:
+        motion.counts[SWITCHES] += 1
+    for k in range(motion.total.size):
+        motion.total[k] += work.area[k]
+    return True
+
+
+@njit(cache=True)
+def advance(
+    tables: Tables,
+    frozen: Frozen | None,
+    motion: Motion,
+    end: float,
+    log: Log,
+    depth: bool,
+    shortest: float,
+    most: int,
+) -> tuple[int, int]:
+    """March to the time `end`, switching from state to state.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    frozen : Frozen or None
+        The published scheme's frozen shape; None for the present solver's rule.
+    motion : Motion
+        Where the march is; changed in place.
+    end : float
+        s.
+    log : Log
+        Takes every segment, if it has room at all.
+    depth : bool
+        Whether to find the deepest penetrations.
+    shortest : float
+        Least time spent in a state, s; 0 for none.
+    most : int
+        Most switches in all, those that `motion` has made before included.
+
+    Returns
+    -------
+    int, int
+        Why it came back, see `DONE`, and the number of segments logged.
+    """
+    room, logged, work = log.slot.size, 0, new_work(tables)
+    while True:
+        if not enter(tables, frozen, motion, work):
+            return MISSING_SWITCH, logged
+        if room > 0:
+            if logged == room:
+                return LOG_FULL, logged
+            log.slot[logged], log.start[logged] = motion.counts[SLOT], motion.time[0]
+            log.q[logged], log.v[logged] = motion.q, motion.v
+        if not leave(tables, frozen, motion, work, end, shortest, depth):
+            return STUCK, logged
+        if room > 0:
+            log.end[logged], log.stop[logged], log.rate[logged] = motion.time[0], motion.counts[PENDING], motion.time[1]
+            log.q_end[logged], log.v_end[logged] = motion.q, motion.v
+            log.area[logged], log.deepest[logged] = work.area, work.deepest
+            logged += 1
+        if motion.counts[PENDING] == NO_SWITCH:
+            return DONE, logged
+        if motion.counts[SWITCHES] > most:
+            return TOO_MANY, logged
+
+
+@njit(cache=True)
+def next_period(motion: Motion, penetration: FloatArray) -> None:
+    """Begin a period as a march of its own, at the time 0; add its penetrations to `penetration`, m s, ``(P,)``."""
+    for k in range(motion.total.size):
+        penetration[k] += motion.total[k]
+        motion.total[k] = 0.0
+        motion.last_switch[k] = 0.0
+    motion.time[0] = 0.0
+    motion.counts[PERIODS] += 1
+
+
+@njit(cache=True)
+def advance_periods(
+    tables: Tables,
+    motion: Motion,
+    period: float,
+    count: int,
+    penetration: FloatArray,
+    slots: IntArray,
+    sections: FloatArray,
+    most: int,
+) -> int:
+    """March over `count` periods in all, each from the time 0 as a march of its own.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    motion : Motion
+        Where the march is; changed in place.
+    period : float
+        s.
+    count : int
+        Periods, those that `motion` has done before included.
+    penetration : ndarray, shape (P,)
+        Takes the sum over all periods of each stop's penetration over time, m s.
+    slots : ndarray, shape (count,) or (0,)
+        Takes the state at the end of each period, if it has room at all.
+    sections : ndarray, shape (count, 2, N) or (0, 2, N)
+        Takes q, kg^1/2 m, and v, kg^1/2 m/s, there.
+    most : int
+        Most switches in all.
+
+    Returns
+    -------
+    int
+        Why it came back; see `DONE`.
+    """
+    work = new_work(tables)
+    while motion.counts[PERIODS] < count:
+        if not enter(tables, None, motion, work):
+            return MISSING_SWITCH
+        if not leave(tables, None, motion, work, period, 0.0, False):
+            return STUCK
+        if motion.counts[PENDING] == NO_SWITCH:
+            done = motion.counts[PERIODS]
+            if slots.size > 0:
+                slots[done] = motion.counts[SLOT]
+                sections[done, 0], sections[done, 1] = motion.q, motion.v
+            next_period(motion, penetration)
+        elif motion.counts[SWITCHES] > most:
+            return TOO_MANY
+    return DONE

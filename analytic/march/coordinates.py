@@ -1,0 +1,30 @@
+"""Where a motion is at a moment: a contact state, and the displacements and velocities of its modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """Modal coordinates in a contact state, at a moment."""
+
+    state: ContactState
+    q: FloatArray
+    """Modal displacements, kg^1/2 m, shape ``(N,)``."""
+    v: FloatArray
+    """Modal velocities, kg^1/2 m/s, shape ``(N,)``."""
+
+    @property
+    def y(self) -> FloatArray:
+        """q and v in one array, shape ``(2 N,)``."""
+        return np.concatenate([self.q, self.v])
+
+    def moved(self, y: FloatArray) -> Coordinates:
+        """The same contact state with other coordinates ``y``, shape ``(2 N,)``."""
+        return Coordinates(self.state, y[: self.q.size].copy(), y[self.q.size :].copy())

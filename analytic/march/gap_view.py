@@ -1,0 +1,160 @@
+r"""The displacement at the stops along a recorded motion, and along its neighbours, as sums of exponentials.
+
+In a segment that starts at t0, with tau = t - t0, the displacement at stop s is
+
+    z_s(t) = Re sum_t W[s, t] c[t] exp(lambda_t tau) + polynomial[s, 0] + polynomial[s, 1] tau + polynomial[s, 2] tau^2
+
+over the free terms of the state first, then the harmonics, lambda = i Omega.  To first order in a deviation
+e = (dq, dv) from the start of the whole motion it moves by
+
+    dz_s(t) = Re sum_t W[s, t] (A e)[t] exp(lambda_t tau) + drift[s, 0] e + drift[s, 1] e tau
+
+over the free terms alone, as long as both are in that segment's state.  The times at which segments begin and end move
+too; that is in A, by the saltation matrices of `analytic.march.tangent`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from analytic.march.compiled import Log
+from analytic.march.march import March
+from analytic.march.oscillator import OSCILLATING, SPLIT
+from analytic.march.tables import BoolArray, Tables
+from analytic.march.tangent import flow, logged_saltation
+from analytic.march.terms import drift_at_stops, set_phases, start_terms
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.problem import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class GapSegment:
+    """One segment: ``P`` stops, ``T`` terms of which ``T_free`` are free, deviations in ``n`` coordinates."""
+
+    start: float
+    """s."""
+    end: float
+    """s."""
+    closed: BoolArray
+    """Whether each stop is closed, shape ``(P,)``."""
+    rates: ComplexArray
+    """lambda of each term, 1/s, shape ``(T,)``."""
+    weights: ComplexArray
+    """W, shape ``(P, T)``: real for the free terms, kg^-1/2; complex for the harmonics, m."""
+    amplitudes: ComplexArray
+    """c, kg^1/2 m for the free terms, without unit for the harmonics, shape ``(T,)``."""
+    polynomial: FloatArray
+    """Coefficients of 1, tau, tau^2, m over powers of s, shape ``(P, 3)``."""
+    deviation_amplitudes: ComplexArray
+    """A, from (dq, dv) at the start of the whole motion, shape ``(T_free, n)``."""
+    drift: FloatArray
+    """Coefficients of 1 and tau that undamped rigid-body modes add to a deviation, shape ``(P, 2, n)``."""
+    stop: int
+    """The stop that switches at the end, or -1."""
+    rate: float
+    """h' of that stop there, m/s; 0 without one."""
+
+
+def gap_view(motion: March) -> list[GapSegment]:
+    """The segments of a recorded motion as exponential sums."""
+    log, tables = motion.log, motion.joint.tables
+    n, stops, harmonics = int(tables.modes[log.slot[0]]), tables.sign.size, tables.omega.size
+    M, T = log.slot.size, int(tables.terms[log.slot].max())
+    c, theta = np.zeros((M, T), dtype=complex), np.zeros((M, harmonics), dtype=complex)
+    A, drift = np.zeros((M, T, 2 * n), dtype=complex), np.zeros((M, stops, 2, 2 * n))
+    polynomial = np.zeros((M, stops, 3))
+    _view(tables, log, np.eye(2 * n), c, theta, polynomial, A, drift)
+    at_stops = tables.weight[:, tables.position], -1j * tables.forced[:, tables.position]
+    segments = []
+    for i, slot in enumerate(log.slot):
+        free = int(tables.terms[slot])
+        segments.append(
+            GapSegment(
+                start=float(log.start[i]),
+                end=float(log.end[i]),
+                closed=tables.closed[slot].copy(),
+                rates=np.concatenate([tables.root[slot, :free], 1j * tables.omega]),
+                weights=np.concatenate([at_stops[0][slot, :, :free], at_stops[1][slot]], axis=1),
+                amplitudes=np.concatenate([c[i, :free], theta[i]]),
+                polynomial=polynomial[i],
+                deviation_amplitudes=A[i, :free],
+                drift=drift[i],
+                stop=int(log.stop[i]),
+                rate=float(log.rate[i]),
+            )
+        )
+    return segments
+
+
+@njit(cache=True)
+def _view(
+    tables: Tables,
+    log: Log,
+    deviations: FloatArray,
+    c: ComplexArray,
+    theta: ComplexArray,
+    polynomial: FloatArray,
+    A: ComplexArray,
+    drift: FloatArray,
+) -> None:
+    """Write the parts of `M` segments that hang on where each starts.
+
+    Parameters
+    ----------
+    tables, log : Tables, Log
+        The states of the joint, and the motion.
+    deviations : ndarray, shape (2 N, m)
+        (dq, dv) at the start of the motion, as columns.
+    c, theta : ndarray, complex, shapes (M, T) and (M, H)
+        Take the amplitudes of the free terms and of the harmonics.
+    polynomial : ndarray, shape (M, P, 3)
+        Takes the coefficients of 1, tau, tau^2.
+    A, drift : ndarray, shapes (M, T, m), complex, and (M, P, 2, m)
+        Take what the deviations do to the free terms and to the rigid-body modes.
+    """
+    poly, at_positions = np.zeros((log.q.shape[1], 3)), np.zeros((tables.weight.shape[1], 3))
+    now = deviations.copy()
+    for i in range(log.slot.size):
+        slot = log.slot[i]
+        set_phases(tables, log.start[i], theta[i])
+        start_terms(tables, slot, theta[i], log.q[i], log.v[i], c[i], poly)
+        drift_at_stops(tables, slot, poly, at_positions)
+        for k in range(tables.sign.size):
+            polynomial[i, k] = at_positions[tables.position[k]]
+        _deviation_terms(tables, slot, now, A[i], drift[i])
+        if i + 1 < log.slot.size:
+            flow(tables, slot, log.end[i] - log.start[i], now)
+            if log.stop[i] >= 0:
+                now = logged_saltation(tables, log, i, now)
+
+
+@njit(cache=True)
+def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray, drift: FloatArray) -> None:
+    """The constants of (32) of deviations `now`, columns ``(2 N, m)`` of (dq, dv), that start in the state `slot`.
+
+    `A`, shape ``(T, m)``, takes the free terms; `drift`, shape ``(P, 2, m)``, what rigid-body modes do at the stops.
+    """
+    n = tables.modes[slot]
+    extra = n
+    for i in range(n):
+        kind, root = tables.kind[slot, i], tables.root[slot, i]
+        if kind == OSCILLATING:
+            for j in range(now.shape[1]):
+                x, y = now[i, j], now[n + i, j]
+                A[i, j] = complex(x, -(y - root.real * x) / root.imag)
+        elif kind == SPLIT:
+            first, second = root.real, tables.root[slot, extra].real
+            for j in range(now.shape[1]):
+                x, y = now[i, j], now[n + i, j]
+                A[i, j] = (y - second * x) / (first - second)
+                A[extra, j] = (first * x - y) / (first - second)
+            extra += 1
+        else:
+            for k in range(tables.sign.size):
+                weight = tables.weight[slot, tables.position[k], i]
+                for j in range(now.shape[1]):
+                    drift[k, 0, j] += weight * now[i, j]
+                    drift[k, 1, j] += weight * now[n + i, j]

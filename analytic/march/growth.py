@@ -1,0 +1,131 @@
+"""The growth of one small deviation along a motion over many periods, for Lyapunov exponents, in one compiled call."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from analytic.march.compiled import (
+    DONE,
+    MISSING_SWITCH,
+    PENDING,
+    PERIODS,
+    SLOT,
+    STUCK,
+    SWITCHES,
+    TOO_MANY,
+    Motion,
+    enter,
+    leave,
+    new_work,
+    next_period,
+)
+from analytic.march.coordinates import Coordinates
+from analytic.march.joint import Joint
+from analytic.march.march import MOST_SWITCHES, begun, ended, settle_status
+from analytic.march.periods import Periods
+from analytic.march.segment import NO_SWITCH
+from analytic.march.tables import IntArray, Tables
+from analytic.march.tangent import flow, saltation
+from lapjoint.problem import FloatArray
+
+
+@dataclass(frozen=True)
+class Growth(Periods):
+    """A motion over whole periods, and what became of a deviation from it."""
+
+    growth: FloatArray
+    """Logarithm of the growth of the deviation in each period, shape ``(count,)``."""
+    deviation: FloatArray
+    """The deviation (dq, dv) at the end, of unit size, shape ``(2 N,)``."""
+
+
+@njit(cache=True)
+def size_of(deviation: FloatArray, period: float) -> float:
+    """|q| + |v| period / 2 pi of a deviation (dq, dv), shape ``(2 N,)``; `period` in s."""
+    n = deviation.size // 2
+    q, v = 0.0, 0.0
+    for i in range(n):
+        q += deviation[i] * deviation[i]
+        v += deviation[n + i] * deviation[n + i]
+    return math.sqrt(q) + math.sqrt(v) * period / (2 * math.pi)
+
+
+@njit(cache=True)
+def _grow(
+    tables: Tables,
+    motion: Motion,
+    period: float,
+    now: FloatArray,
+    sizes: FloatArray,
+    penetration: FloatArray,
+    slots: IntArray,
+    sections: FloatArray,
+    most: int,
+) -> tuple[int, FloatArray]:
+    """As `analytic.march.compiled.advance_periods`, over as many periods as `sizes` has room for, with a deviation.
+
+    `now`, shape ``(2 N, 1)``, is the deviation at the time of `motion`, before a pending switch; `sizes`, shape
+    ``(count,)``, takes its size at the end of each period, after which it is scaled to 1.  Gives why it came back, see
+    `analytic.march.compiled.DONE`, and the deviation then.
+    """
+    work = new_work(tables)
+    while motion.counts[PERIODS] < sizes.size:
+        slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
+        q_old, v_old = motion.q.copy(), motion.v.copy()
+        if not enter(tables, None, motion, work):
+            return MISSING_SWITCH, now
+        if stop >= 0:
+            now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
+        if not leave(tables, None, motion, work, period, 0.0, False):
+            return STUCK, now
+        flow(tables, motion.counts[SLOT], motion.time[0] - t, now)
+        if motion.counts[PENDING] == NO_SWITCH:
+            done = motion.counts[PERIODS]
+            slots[done] = motion.counts[SLOT]
+            sections[done, 0], sections[done, 1] = motion.q, motion.v
+            sizes[done] = size_of(now[:, 0], period)
+            now /= sizes[done]
+            next_period(motion, penetration)
+        elif motion.counts[SWITCHES] > most:
+            return TOO_MANY, now
+    return DONE, now
+
+
+def measure_growth(
+    joint: Joint,
+    begin: Coordinates,
+    deviation: FloatArray,
+    period: float,
+    count: int,
+    *,
+    max_switches: int = MOST_SWITCHES,
+) -> Growth:
+    """March over `count` periods, in s, as `march_periods` does, and carry a deviation along.
+
+    Parameters
+    ----------
+    deviation : ndarray, shape (2 N,)
+        (dq, dv) at the start, of any size but 0.  It is scaled to unit size, |q| + |v| period / 2 pi = 1, at the start
+        and at the end of each period.
+    max_switches : int
+        Most switches in all.
+
+    Raises
+    ------
+    SolverError
+        If more than `max_switches` switches occur, or the march makes no progress.
+    """
+    motion = begun(joint, begin, 0.0)
+    penetration, slots = np.zeros(motion.total.size), np.zeros(count, dtype=np.int64)
+    coordinates, sizes, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
+    now = (deviation / size_of(deviation, period)).reshape(-1, 1)
+    while status != DONE:
+        status, now = _grow(joint.tables, motion, period, now, sizes, penetration, slots, coordinates, max_switches)
+        settle_status(joint, motion, status, max_switches)
+    end = ended(joint, motion)
+    switches = int(motion.counts[SWITCHES])
+    return Growth(joint, end, penetration, switches, slots, coordinates, np.log(sizes), now[:, 0].copy())

@@ -1,0 +1,129 @@
+"""A joint: one problem with its numbers of modes, and the contact states that motions of it have met.
+
+A state gets a slot in the tables when a motion first reaches it: of the many sets of stops that could be closed, a
+motion meets few.  States that motions of the same family have met before have theirs from the start.  The tables are
+the joint's own, and grow in it only.  Which slot a state has depends on the motions before; what is in the slot does
+not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analytic.march.known_states import KnownStates, memory_of
+from analytic.march.loads import harmonics_of, load_sizes
+from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
+from analytic.march.tables import (
+    Tables,
+    connect,
+    copied,
+    count_in,
+    empty_tables,
+    fill,
+    flat_state,
+    grown,
+    scale,
+    unit_tables,
+)
+from analytic.modes.static_residual import Residual
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray, Problem
+
+_SPARE = 4  # slots made room for when there is no more: a switch or two lead to as many new states
+
+
+class Joint:
+    """A problem with numbers of modes in the free state, and in every other.
+
+    One motion at a time: two threads that march take a joint each.
+
+    Parameters
+    ----------
+    problem : Problem
+    free_modes, contact_modes : int
+        Modes in the free state, and in every other.
+    """
+
+    def __init__(self, problem: Problem, free_modes: int, contact_modes: int) -> None:
+        self.problem = problem
+        self.harmonics = harmonics_of(problem)
+        self.family = family_of(problem)
+        self.sizes = load_sizes(problem)
+        """Factors of the unit loads, shape ``(1 + H,)``."""
+        self.counts = (free_modes, contact_modes)
+        self._memory = memory_of(self.family, self.counts)
+        self._fill_known(self._memory.known)
+
+    def count(self, state: ContactState) -> int:
+        """Number of modes in a state."""
+        return count_in(state, self.counts)
+
+    def modal(self, state: ContactState) -> ModalState:
+        """One contact state in modal form, for unit loads."""
+        return modal_state(self.family, state, self.count(state))
+
+    def residual(self, state: ContactState) -> Residual:
+        """The residual shapes of the loads as they are, m; the constant one first."""
+        return self.modal(state).residual.scaled(self.sizes)
+
+    def passage(self, old: ContactState, new: ContactState) -> Passage:
+        """The map from one state to another, for the loads as they are."""
+        unit = passage(self.family, old, self.count(old), new, self.count(new))
+        return Passage(unit.S, unit.residual * self.sizes[:, None])
+
+    @property
+    def states(self) -> tuple[ContactState, ...]:
+        """The states met so far, by slot."""
+        return tuple(self._states)
+
+    def slot(self, state: ContactState) -> int:
+        """Where a contact state is in the tables; it is given a slot if it has none."""
+        if state not in self._slots:
+            if len(self._states) == self.tables.modes.size:
+                self._grow(len(self._states) + _SPARE)
+            self._slots[state] = len(self._states)
+            self._states.append(state)
+            self._fill(self._slots[state])
+        return self._slots[state]
+
+    def state_in(self, slot: int) -> ContactState:
+        """The contact state in a slot."""
+        return self._states[slot]
+
+    def connect(self, slot: int, stop: int) -> None:
+        """Make the switch of a stop from the state in a slot known, and the way back."""
+        old = self._states[slot]
+        new = old.toggled(stop)
+        target = self.slot(new)
+        connect(self.tables, self.family, self.counts, stop, (slot, old), (target, new))
+        for at in (slot, target):
+            self.tables.carry_residual[at, stop] *= self.sizes[:, None]
+        self._memory.known = self._memory.known.and_of(old, stop)
+
+    @property
+    def every_stop_closed(self) -> ContactState:
+        """All stops, whether or not they can be closed together."""
+        return ContactState(tuple(range(len(self.problem.stops))))
+
+    def _fill_known(self, known: KnownStates) -> None:
+        unit = unit_tables(self.family, self.counts, known)
+        self._states = list(known.states)
+        self._slots = {state: slot for slot, state in enumerate(known.states)}
+        self.tables: Tables = copied(unit, self.harmonics)
+        self._scale(0, unit.natural, unit.decay, unit.residual)
+
+    def _grow(self, slots: int) -> None:
+        self.tables = grown(self.tables, empty_tables(self.problem, self.harmonics, max(self.counts), slots))
+
+    def _fill(self, slot: int) -> None:
+        """Fill in a state that is met for the first time."""
+        state, size = self._states[slot], max(self.counts)
+        flat = flat_state(self.family, state, self.count(state))
+        fill(self.tables, slot, flat)
+        natural, decay = np.zeros((1, size)), np.zeros((1, size))
+        natural[0, : flat.omega.size], decay[0, : flat.decay.size] = flat.omega, flat.decay
+        self._scale(slot, natural, decay, flat.residual[None])
+
+    def _scale(self, first: int, natural: FloatArray, decay: FloatArray, residual: FloatArray) -> None:
+        """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
+        scale(self.tables, slice(first, first + natural.shape[0]), natural, decay, residual, self.sizes)

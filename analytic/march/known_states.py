@@ -1,0 +1,45 @@
+"""Which contact states of a family motions have met: what a joint fills in before its first march.
+
+This is the one thing that a motion leaves behind for later ones.  It saves a sweep from meeting each state anew at
+every point; it decides nothing else.  What is known of a state depends on the state alone, and which states are known
+beside those that a motion meets changes no bit of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from analytic.march.modal_state import Family
+from lapjoint.answers.contact_state import ContactState
+
+_KEPT = 64  # families and numbers of modes: a few hundred bytes each
+
+
+@dataclass(frozen=True, eq=False)
+class KnownStates:
+    """A set of states, and of switches between them."""
+
+    states: tuple[ContactState, ...] = ()
+    """Sorted."""
+    switches: tuple[tuple[ContactState, int], ...] = ()
+    """State and stop, from the state in which that stop is open; each stands for the way back, too.  Sorted."""
+
+    def and_of(self, old: ContactState, stop: int) -> KnownStates:
+        """These, and the switch of a stop from a state, with both states."""
+        new = old.toggled(stop)
+        opened = new if stop in old else old
+        return KnownStates(tuple(sorted({*self.states, old, new})), tuple(sorted({*self.switches, (opened, stop)})))
+
+
+class Memory:
+    """What was met last; replaced as a whole, so a thread reads either the old or the new."""
+
+    def __init__(self) -> None:
+        self.known = KnownStates()
+
+
+@lru_cache(maxsize=_KEPT)
+def memory_of(family: Family, counts: tuple[int, int]) -> Memory:
+    """The memory of a family with `counts` modes in the free state, and in every other."""
+    return Memory()

@@ -1,0 +1,153 @@
+"""The march of a joint (19)-(49), and what it gives: segments, penetrations, and where the motion ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.march.compiled import (
+    DONE,
+    LOG_FULL,
+    MISSING_SWITCH,
+    PENDING,
+    SLOT,
+    STUCK,
+    TOO_MANY,
+    Log,
+    Motion,
+    advance,
+    new_log,
+    new_motion,
+)
+from analytic.march.coordinates import Coordinates
+from analytic.march.joint import Joint
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.errors import SolverError
+from lapjoint.problem import FloatArray
+from lapjoint.solver import Progress
+
+MOST_SWITCHES = 1_000_000  # of one march: hundreds of thousands of impacts, minutes of marching
+_ROOM = 64  # segments logged before the log is emptied: a period or more of most motions
+_PROGRESS_PARTS = 50  # a report every two percent of the time
+
+
+@dataclass(frozen=True)
+class Segment:
+    """The motion in one state, from one switch to the next."""
+
+    state: ContactState
+    start: float
+    """s."""
+    end: float
+    """s."""
+    q: FloatArray
+    """Modal displacements at the start, kg^1/2 m, shape ``(N,)``."""
+    v: FloatArray
+    """Modal velocities at the start, kg^1/2 m/s, shape ``(N,)``."""
+    switched: int
+    """The stop that switches at the end, or `analytic.march.segment.NO_SWITCH`."""
+
+
+@dataclass(frozen=True)
+class March:
+    """A motion, and where it ends."""
+
+    joint: Joint
+    log: Log
+    """Every segment; empty if the motion was not to be recorded."""
+    end: Coordinates
+    penetration: FloatArray
+    """Time integral of each stop's penetration, m s, shape ``(P,)``."""
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The motion state by state."""
+        log = self.log
+        return tuple(self._segment(i, self.joint.state_in(int(log.slot[i]))) for i in range(log.slot.size))
+
+    def _segment(self, i: int, state: ContactState) -> Segment:
+        n, log = self.joint.count(state), self.log
+        return Segment(state, float(log.start[i]), float(log.end[i]), log.q[i, :n], log.v[i, :n], int(log.stop[i]))
+
+
+def march(
+    joint: Joint,
+    begin: Coordinates,
+    start: float,
+    end: float,
+    *,
+    record: bool = True,
+    depth: bool = False,
+    progress: Progress | None = None,
+    max_switches: int = MOST_SWITCHES,
+) -> March:
+    """March from `start` to `end`, both in s.
+
+    Parameters
+    ----------
+    record : bool
+        Whether to log every segment.
+    depth : bool
+        Whether to find the deepest penetration of each contact, too.
+
+    Raises
+    ------
+    SolverError
+        If more than `max_switches` switches occur, or the march makes no progress.
+    """
+    motion = begun(joint, begin, start)
+    log, full = new_log(_ROOM if record else 0, motion.q.size, motion.total.size), []
+    parts = _PROGRESS_PARTS if progress is not None and not record else 1
+    for goal in [start + (end - start) * (i + 1) / parts for i in range(parts - 1)] + [end]:
+        status = LOG_FULL
+        while status != DONE:
+            status, logged = advance(joint.tables, None, motion, goal, log, depth, 0.0, max_switches)
+            if logged:
+                full.append(copied(log, logged))
+            settle_status(joint, motion, status, max_switches)
+            if progress is not None:
+                progress(float(motion.time[0]) - start, end - start)
+    return March(joint, joined(full) if full else log, ended(joint, motion), motion.total)
+
+
+def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
+    """A march of `joint` that begins at the time `start`, s."""
+    slot = joint.slot(begin.state)
+    return new_motion(slot, start, begin.q, begin.v, max(joint.counts), len(joint.problem.stops))
+
+
+def ended(joint: Joint, motion: Motion) -> Coordinates:
+    """Where a march is."""
+    state = joint.state_in(int(motion.counts[SLOT]))
+    n = joint.count(state)
+    return Coordinates(state, motion.q[:n].copy(), motion.v[:n].copy())
+
+
+def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) -> None:
+    """Make a switch known that the tables lack, so that the march can go on.
+
+    Raises
+    ------
+    SolverError
+        If it cannot.
+    """
+    slot, t = int(motion.counts[SLOT]), float(motion.time[0])
+    if status == MISSING_SWITCH:
+        joint.connect(slot, int(motion.counts[PENDING]))
+    elif status == TOO_MANY:
+        raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
+    elif status == STUCK:
+        raise SolverError(f"the march makes no progress at t = {t:.12g} s in {joint.state_in(slot)}")
+
+
+def copied(log: Log, logged: int) -> Log:
+    """The first segments of a log that is used again."""
+    return Log._make(part[:logged].copy() for part in log)
+
+
+def joined(logs: list[Log]) -> Log:
+    """One log of all."""
+    if len(logs) == 1:
+        return logs[0]
+    return Log._make(np.concatenate(parts) for parts in zip(*logs, strict=True))

@@ -1,0 +1,75 @@
+"""The march over many whole periods in one compiled call, for the transients of a search."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, advance_periods
+from analytic.march.coordinates import Coordinates
+from analytic.march.joint import Joint
+from analytic.march.march import MOST_SWITCHES, begun, ended, settle_status
+from analytic.march.tables import IntArray
+from lapjoint.problem import FloatArray
+
+
+@dataclass(frozen=True)
+class Periods:
+    """A motion over whole periods, and where it ends."""
+
+    joint: Joint
+    end: Coordinates
+    penetration: FloatArray
+    """Time integral of each stop's penetration over all periods, m s, shape ``(P,)``."""
+    switches: int
+    """Switches made."""
+    slots: IntArray
+    """State at the end of each period, as its slot, shape ``(count,)``; ``(0,)`` if not recorded."""
+    coordinates: FloatArray
+    """q, kg^1/2 m, and v, kg^1/2 m/s, there, padded with 0, shape ``(count, 2, N)``; ``(0, 2, N)`` if not recorded."""
+
+    @property
+    def sections(self) -> tuple[Coordinates, ...]:
+        """The section points at the end of each period, if recorded."""
+        return tuple(self.section(i) for i in range(self.slots.size))
+
+    def section(self, i: int) -> Coordinates:
+        """The section point at the end of period `i`, counted from 0."""
+        state = self.joint.state_in(int(self.slots[i]))
+        n = self.joint.count(state)
+        return Coordinates(state, self.coordinates[i, 0, :n].copy(), self.coordinates[i, 1, :n].copy())
+
+
+def march_periods(
+    joint: Joint,
+    begin: Coordinates,
+    period: float,
+    count: int,
+    record: bool = False,
+    *,
+    max_switches: int = MOST_SWITCHES,
+) -> Periods:
+    """March over `count` periods, in s, to the bits of as many calls of `march` from 0 to `period`.
+
+    Parameters
+    ----------
+    record : bool
+        Whether to keep the section point at the end of every period.
+    max_switches : int
+        Most switches in all.
+
+    Raises
+    ------
+    SolverError
+        If more than `max_switches` switches occur, or the march makes no progress.
+    """
+    motion = begun(joint, begin, 0.0)
+    rows, size = count if record else 0, motion.q.size
+    penetration, slots = np.zeros(motion.total.size), np.zeros(rows, dtype=np.int64)
+    coordinates, status = np.zeros((rows, 2, size)), MISSING_SWITCH
+    while status != DONE:
+        status = advance_periods(joint.tables, motion, period, count, penetration, slots, coordinates, max_switches)
+        settle_status(joint, motion, status, max_switches)
+    end = ended(joint, motion)
+    return Periods(joint, end, penetration, int(motion.counts[SWITCHES]), slots, coordinates)

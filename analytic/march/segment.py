@@ -1,0 +1,325 @@
+"""One state in closed form, up to the first switch.
+
+Between switches every stop sees a gap function
+
+    h(s) = Re sum_t c_t exp(lambda_t s) + a0 + a1 s + a2 s^2,    h <= 0,
+
+oriented so that h rising through 0 is the next switch (an open stop closes, a closed stop opens).  From h, h', h''
+at s and the bound |h'''| <= B = sum |c_t exp(lambda_t s)| |lambda_t|^3, which holds from s on because no term
+grows, the cubic
+
+    h + h' tau + h'' tau^2 / 2 + B tau^3 / 6
+
+lies above h(s + tau).  Up to the first root of the cubic no switch is possible: that is the step.  Close to a
+switch the root converges to it cubically from below; elsewhere the steps are as long as the bound allows.  No
+impact, rebound or graze can be stepped over.
+
+Two things make it fast, and change nothing of this.  Far from a switch the high modes need not be summed: they
+cannot move h by more than sum |c_t|, and with that added to h the cubic of the low modes alone is a bound.  And the
+terms are turned from step to step by products with tabulated exp(lambda tau), tau = longest / 2^j; only the last,
+shortest steps before a switch, and the end of the march, take a power series or exponentials.
+
+Arguments are named as in `analytic.march.terms`; besides, `drift`, shape ``(U, 3)``, holds the coefficients of 1, s,
+s^2 of z at the positions of the stops, m, and `out`, shape ``(U, 4)``, takes z, z', z'' and the bound on |z'''| there.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from analytic.march.step_bound import first_root_of_bound
+from analytic.march.switching import SUM
+from analytic.march.tables import BoolArray, Tables
+from analytic.march.terms import SERIES, drift_at_stops, turn_by_series, turn_by_table, turn_exactly
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.problem import FloatArray
+
+NO_SWITCH = -1  # in place of a stop: none switches before the end
+NO_PROGRESS = -2  # in place of a stop: the steps ran out
+_RESOLUTION = 1e-12
+"""s: a switch that is certified to lie within this time is there.  It is a hundred times what a double holds of a time
+of 100 s, and at 100 m/s, faster than any tip here, 1e-10 m."""
+_CLOSE = 1e-9
+"""s: after a step shorter than this all modes are summed at the next look.  So close to a switch, the bound on what
+the high modes may do would be what makes the steps short, and not the motion."""
+_MAX_STEPS = 10_000_000  # within one state: a minute of marching; a motion that makes progress takes some hundred
+_FIRST_MODES = 5  # summed first, then twice as many, and so on: five hold all but some thousandth of a gap
+_LEAST_OF_TERMS = 1e-13
+"""Of the sum of all terms' sizes, without unit: 500 times the rounding of that sum.  A stop that has just switched and
+does not leave 0 at once has to pass so much before it can switch again."""
+_TINY = 1e-300  # keeps a bound of 0 from being divided by
+
+
+@njit(cache=True, fastmath=SUM)
+def _add_terms(
+    weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: int, hi: int
+) -> tuple[float, float, float, float]:
+    """z, z', z'' and the bound on |z'''| of the terms `lo` to `hi` at one position; `weight` is ``(T,)``."""
+    z, z1, z2, b3 = 0.0, 0.0, 0.0, 0.0
+    for t in range(lo, hi):
+        w, x, y = weight[t], term[t].real, term[t].imag
+        a, b = root[t].real, root[t].imag
+        x1, y1 = a * x - b * y, a * y + b * x
+        z += w * x
+        z1 += w * x1
+        z2 += w * (a * x1 - b * y1)
+        square = a * a + b * b
+        b3 += abs(w) * square * math.sqrt(square * (x * x + y * y))
+    return z, z1, z2, b3
+
+
+@njit(cache=True)
+def _at_position(
+    tables: Tables, slot: int, u: int, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
+) -> None:
+    """Write what does not depend on the modal terms, at the position `u` and the time `s`, to `out`."""
+    out[u, 0] = drift[u, 0] + s * (drift[u, 1] + s * drift[u, 2])
+    out[u, 1] = drift[u, 1] + 2 * s * drift[u, 2]
+    out[u, 2] = 2 * drift[u, 2]
+    out[u, 3] = 0.0
+    for h in range(theta.size):
+        wave, omega = tables.forced[slot, u, h] * theta[h], tables.omega[h]
+        out[u, 0] += wave.imag
+        out[u, 1] += omega * wave.real
+        out[u, 2] -= omega * omega * wave.imag
+        out[u, 3] += omega**3 * abs(wave)
+
+
+@njit(cache=True)
+def _sum_all(
+    tables: Tables, slot: int, s: float, theta: ComplexArray, term: ComplexArray, drift: FloatArray, out: FloatArray
+) -> None:
+    """Write all of z, z', z'' and the bound at the time `s` to `out`."""
+    for u in range(out.shape[0]):
+        _at_position(tables, slot, u, s, theta, drift, out)
+        z, z1, z2, b3 = _add_terms(tables.weight[slot, u], term, tables.root[slot], 0, tables.terms[slot])
+        out[u, 0] += z
+        out[u, 1] += z1
+        out[u, 2] += z2
+        out[u, 3] += b3
+
+
+@njit(cache=True)
+def _lowest_between(
+    tables: Tables,
+    slot: int,
+    k: int,
+    lo: float,
+    hi: float,
+    start_theta: ComplexArray,
+    start_term: ComplexArray,
+    drift: FloatArray,
+) -> float:
+    """h, m, of a closed stop `k` at its minimum between `lo`, s, where h' < 0, and `hi`, s, where h' >= 0.
+
+    Terms and phases are those at the start of the state.
+    """
+    orientation, u = -tables.sign[k], tables.position[k]
+    work_theta, work_term, out = start_theta.copy(), start_term.copy(), np.zeros((tables.forced.shape[1], 4))
+    h, s = 0.0, 0.5 * (lo + hi)
+    for _ in range(60):
+        work_theta[:] = start_theta
+        work_term[:] = start_term
+        turn_exactly(tables, slot, s, work_term, work_theta)
+        _sum_all(tables, slot, s, work_theta, work_term, drift, out)
+        h = orientation * out[u, 0] + tables.gap[k]
+        h1, h2 = orientation * out[u, 1], orientation * out[u, 2]
+        if h1 < 0:
+            lo = s
+        else:
+            hi = s
+        newton = s - h1 / h2 if h2 > 0 else lo
+        following = newton if lo < newton < hi else 0.5 * (lo + hi)
+        if abs(following - s) < 1e-13 + 1e-9 * abs(s):
+            break
+        s = following
+    return h
+
+
+@njit(cache=True)
+def follow(
+    tables: Tables,
+    slot: int,
+    horizon: float,
+    fresh: BoolArray,
+    depth: bool,
+    theta: ComplexArray,
+    term: ComplexArray,
+    poly: FloatArray,
+    deepest: FloatArray,
+    area: FloatArray,
+) -> tuple[float, int, float, int]:
+    """Follow one state from given terms and phases up to its first switch, or for `horizon` seconds.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    horizon : float
+        s.
+    fresh : ndarray, shape (P,)
+        Whether each stop switched a moment ago: one that does not leave 0 at once has to pass a threshold of rounding
+        size before it can switch again.
+    depth : bool
+        Whether to find the deepest penetrations.
+    theta : ndarray, complex, shape (H,)
+        exp(i theta_h) at the start; turned to the end.
+    term : ndarray, complex, shape (T,)
+        The c_t, kg^1/2 m; turned to the end.
+    poly : ndarray, shape (N, 3)
+        The coefficients a_i, kg^1/2 m over powers of s.
+    deepest, area : ndarray, shape (P,)
+        Take the deepest penetration of each closed stop, m, and its penetration's integral over the time, m s.
+
+    Returns
+    -------
+    float, int, float, int
+        The time, s, the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), its h', m/s, and the number of
+        steps.
+    """
+    stops, positions = tables.sign.size, tables.forced.shape[1]
+    terms = tables.terms[slot]
+    root, weight = tables.root[slot], tables.weight[slot]
+    drift = np.zeros((positions, 3))
+    tail = np.zeros((positions, terms + 1))
+    drift_at_stops(tables, slot, poly, drift)
+    for t in range(terms - 1, -1, -1):
+        size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
+        for u in range(positions):
+            tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
+    start_theta, start_term = theta.copy(), term.copy()
+    fastest = tables.fastest[slot]
+    deepest[:] = 0.0
+    shift, previous = np.zeros(stops), np.zeros(stops)
+    out = np.zeros((positions, 4))
+    s, s_previous, which, rate, step, close = 0.0, 0.0, NO_SWITCH, 0.0, 0, False
+    while True:
+        # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
+        for u in range(positions):
+            _at_position(tables, slot, u, s, theta, drift, out)
+        summed, want = 0, terms if step == 0 or depth or close else min(_FIRST_MODES, terms)
+        while True:
+            far = True
+            for u in range(positions):
+                z, z1, z2, b3 = _add_terms(weight[u], term, root, summed, want)
+                out[u, 0] += z
+                out[u, 1] += z1
+                out[u, 2] += z2
+                out[u, 3] += b3
+            summed = want
+            if summed == terms:
+                break
+            for k in range(stops):
+                u = tables.position[k]
+                h = (-tables.sign[k] if tables.closed[slot, k] else tables.sign[k]) * out[u, 0]
+                h += tables.gap[k] if tables.closed[slot, k] else -tables.gap[k]
+                if h - shift[k] + 3 * tail[u, summed] > 0:
+                    far = False
+            if far:
+                break
+            want = min(2 * summed, terms)
+        if stops > 0 and step == 0:
+            _first_look(tables, slot, fresh, out, tail, theta, shift)
+        tau, which = horizon - s, NO_SWITCH
+        for k in range(stops):
+            u, closed = tables.position[k], tables.closed[slot, k]
+            orientation = -tables.sign[k] if closed else tables.sign[k]
+            h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
+            h1, h2 = orientation * out[u, 1], orientation * out[u, 2]
+            if depth and closed:
+                deepest[k] = max(deepest[k], -h)
+                if step > 0 and previous[k] < 0 <= h1:
+                    low = _lowest_between(tables, slot, k, s_previous, s, start_theta, start_term, drift)
+                    deepest[k] = max(deepest[k], -low)
+                previous[k] = h1
+            value = min(h - shift[k] + tail[u, summed], 0.0)
+            bound = first_root_of_bound(value, h1, h2, out[u, 3] + _TINY, tau)
+            if bound < tau:
+                tau, which, rate = bound, k, h1
+        if tau <= 0 and which == NO_SWITCH:
+            break
+        s_previous = s
+        step += 1
+        close = tau < _CLOSE
+        if which == NO_SWITCH:
+            turn_exactly(tables, slot, tau, term, theta)
+            s = horizon
+            if not depth:
+                break
+        elif tau < _RESOLUTION and summed == terms:
+            turn_by_series(tables, slot, tau, fastest, term, theta)
+            s += tau
+            break
+        elif tau * fastest <= SERIES:
+            turn_by_series(tables, slot, tau, fastest, term, theta)
+            s += tau
+        else:
+            s += turn_by_table(tables, slot, tau, term, theta)
+        if step >= _MAX_STEPS:
+            which = NO_PROGRESS
+            break
+    _areas(tables, slot, s, start_theta, start_term, theta, term, drift, area)
+    return s, which, rate, step
+
+
+@njit(cache=True)
+def _first_look(
+    tables: Tables,
+    slot: int,
+    fresh: BoolArray,
+    out: FloatArray,
+    tail: FloatArray,
+    theta: ComplexArray,
+    shift: FloatArray,
+) -> None:
+    """How far above 0 each gap function starts, m, shape ``(P,)``: the modes of two states differ by their truncation.
+
+    `tail`, shape ``(U, T + 1)``, bounds what the terms from each on may sum to, m; `shift` is written.
+    """
+    for k in range(shift.size):
+        u, closed = tables.position[k], tables.closed[slot, k]
+        orientation = -tables.sign[k] if closed else tables.sign[k]
+        h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
+        shift[k] = max(h, 0.0)
+        size = tail[u, 0]
+        for i in range(theta.size):
+            size += abs(tables.forced[slot, u, i])
+        threshold = _LEAST_OF_TERMS * size + _TINY
+        if fresh[k] and h - shift[k] > -threshold and orientation * out[u, 1] >= 0:
+            shift[k] += threshold
+
+
+@njit(cache=True)
+def _areas(
+    tables: Tables,
+    slot: int,
+    s: float,
+    theta0: ComplexArray,
+    term0: ComplexArray,
+    theta: ComplexArray,
+    term: ComplexArray,
+    drift: FloatArray,
+    area: FloatArray,
+) -> None:
+    """Time integral of the penetration of each closed stop over `s`, s, from the antiderivative of every term.
+
+    `theta0` and `term0` are phases and terms at the start, `theta` and `term` at the end; `area`, m s, ``(P,)``, is
+    written.
+    """
+    for k in range(area.size):
+        area[k] = 0.0
+        if not tables.closed[slot, k]:
+            continue
+        u = tables.position[k]
+        z = s * (drift[u, 0] + s * (drift[u, 1] / 2 + s * drift[u, 2] / 3))
+        for t in range(tables.terms[slot]):
+            change, over = term[t] - term0[t], tables.inverse[slot, t]
+            z += tables.weight[slot, u, t] * (change.real * over.real - change.imag * over.imag)
+        for h in range(theta.size):
+            z += (tables.forced[slot, u, h] * (theta[h] - theta0[h]) / (1j * tables.omega[h])).imag
+        area[k] = max(tables.sign[k] * z - tables.gap[k] * s, 0.0)

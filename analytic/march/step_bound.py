@@ -1,0 +1,74 @@
+"""The step bound: how long a gap function cannot reach 0, from its derivatives now and a bound on its third one."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+
+@njit(cache=True)
+def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) -> float:
+    """A time, s, just below the first tau where h + h1 tau + h2 tau^2/2 + b3 tau^3/6 rises through 0.
+
+    `h`, m, is 0 or less; `h1`, m/s; `h2`, m/s^2; `b3`, m/s^3, is positive.  Gives `most`, s, if no root is before it.
+    """
+    # A glance first: on [0, most] the cubic stays below its positive parts.
+    if h + most * (max(h1, 0.0) + most * (max(h2, 0.0) / 2 + most * b3 / 6)) < 0:
+        return most
+    lo, hi = 0.0, -1.0
+    discriminant = h2 * h2 - 2 * b3 * h1
+    if discriminant > 0:
+        split = math.sqrt(discriminant)
+        # the smaller and the larger root of the derivative, without cancellation
+        if h2 > 0:
+            r1 = (-h2 - split) / b3
+            r2 = -2 * h1 / (h2 + split)
+        else:
+            r2 = (-h2 + split) / b3
+            r1 = 2 * h1 / (-h2 + split)
+        if r1 > 0 and h + r1 * (h1 + r1 * (h2 / 2 + r1 * b3 / 6)) >= 0:
+            hi = r1
+        elif r2 > 0:
+            lo = r2
+    # From `lo` to the root the cubic rises.  No third of |h| is made up for before this:
+    third = -h / 3
+    safe = most
+    if h1 * safe > third:
+        safe = third / h1
+    if h2 * safe * safe > 2 * third:
+        safe = math.sqrt(2 * third / h2)
+    if b3 * safe * safe * safe > 6 * third:
+        safe = (6 * third / b3) ** (1 / 3)
+    lo = max(lo, 0.999 * safe)
+    if lo >= most:
+        return most
+    if hi < 0:
+        hi = lo + max(lo, 1e-12)
+        while h + hi * (h1 + hi * (h2 / 2 + hi * b3 / 6)) < 0:
+            lo = hi
+            if lo >= most:
+                return most
+            hi = 2 * hi
+    return min(_root_from_below(h, h1, h2, b3, lo, hi), most)
+
+
+@njit(cache=True)
+def _root_from_below(h: float, h1: float, h2: float, b3: float, lo: float, hi: float) -> float:
+    """A time at most a thousandth below the root of a cubic that rises from `lo` to `hi`."""
+    x = 0.5 * (lo + hi)
+    for _ in range(60):
+        value = h + x * (h1 + x * (h2 / 2 + x * b3 / 6))
+        if value < 0:
+            lo = x
+        else:
+            hi = x
+        if hi - lo <= 1e-3 * hi:
+            break
+        slope = h1 + x * (h2 + x * b3 / 2)
+        # Newton's step, or just below it, so that `lo` comes close to the root in the next one.
+        newton = (x - value / slope) * (1 - 4e-4) if slope > 0 else lo
+        x = newton if lo < newton < hi else 0.5 * (lo + hi)
+        if value < 0 and 0 < newton - lo < 3e-4 * lo:
+            break
+    return lo

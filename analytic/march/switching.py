@@ -1,0 +1,89 @@
+"""The two rules by which a motion goes from one contact state to the next.
+
+The present solver projects the whole displacement, residual shapes included, on the modes of the next state.  The
+published scheme, see `analytic.published`, moves on only what is in the span of the modes: the rest of the
+displacement, R = z - sum Phi_i q_i, stands still until the next switch.  R is kept as coefficients over the modes of
+every state met, so its values at the stops are dot products.  They are summed in an order of the states that does not
+depend on which of them was met first, perhaps by another motion: a motion that never settles shows the last bit.
+
+The march takes a `Frozen` for the published rule, and None for the present one; numba compiles it once for each.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numba import njit
+
+from analytic.march.tables import IntArray, Tables
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.problem import FloatArray
+
+SUM = {"reassoc", "contract", "nsz"}
+"""What the compiler may do to a long sum: reorder it, so that it is vectorised."""
+
+
+class Frozen(NamedTuple):
+    """What the published rule needs besides the tables: ``S`` slots, ``N`` modes."""
+
+    rest: FloatArray
+    """Coefficients of R over the modes of all states, kg^1/2 m, shape ``(S, N)``; changed in place."""
+    cross: FloatArray
+    """S_ij of (43) from each state (second axis) to each (first), shape ``(S, S, N, N)``."""
+    order: IntArray
+    """The slots in the order in which to sum over states, shape ``(states met,)``."""
+
+
+@njit(cache=True, fastmath=SUM)
+def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> None:
+    """Carry displacement (36) and velocity (41) over to the state after `stop` has switched, in place.
+
+    `theta`, shape ``(H,)``, holds exp(i theta_h) at the switch; `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are ``(N,)``.
+    """
+    target = tables.next_slot[slot, stop]
+    n_old, n_new = tables.modes[slot], tables.modes[target]
+    S, onto = tables.carry[slot, stop], tables.carry_residual[slot, stop]
+    q_old, v_old = q.copy(), v.copy()
+    q[:] = 0.0
+    v[:] = 0.0
+    for i in range(n_new):
+        x, y = onto[0, i], 0.0
+        for j in range(n_old):
+            x += S[i, j] * q_old[j]
+            y += S[i, j] * v_old[j]
+        for h in range(theta.size):
+            x += onto[1 + h, i] * theta[h].imag
+            y += onto[1 + h, i] * tables.omega[h] * theta[h].real
+        q[i], v[i] = x, y
+
+
+@njit(cache=True)
+def switch_frozen(tables: Tables, frozen: Frozen, slot: int, target: int, q: FloatArray, v: FloatArray) -> None:
+    """Displacement (36), of which R keeps what is left over, and velocity (44), in the modes of `target`, in place."""
+    n_old, n_new, rest = tables.modes[slot], tables.modes[target], frozen.rest
+    v_old = v.copy()
+    for j in range(n_old):
+        rest[slot, j] += q[j]
+    q[:] = 0.0
+    v[:] = 0.0
+    for i in range(n_new):
+        x, y = 0.0, 0.0
+        for other in frozen.order:
+            for j in range(tables.modes[other]):
+                x += frozen.cross[target, other, i, j] * rest[other, j]
+        for j in range(n_old):
+            y += frozen.cross[target, slot, i, j] * v_old[j]
+        q[i], v[i] = x, y
+    for i in range(n_new):
+        rest[target, i] -= q[i]
+
+
+@njit(cache=True)
+def freeze(tables: Tables, frozen: Frozen, slot: int) -> None:
+    """Write the values of R at the stops where the march looks for the part of z that moves with no mode."""
+    for u in range(tables.constant.shape[1]):
+        z = 0.0
+        for other in frozen.order:
+            for j in range(tables.modes[other]):
+                z += tables.weight[other, u, j] * frozen.rest[other, j]
+        tables.constant[slot, u] = z

@@ -1,0 +1,327 @@
+"""Contact states as flat arrays, in the form that the compiled march takes.
+
+Each state that a joint knows has a slot.  Its motion is a sum of terms p_t(s) = c_t exp(lambda_t s): one for each
+mode, and a second for each mode that is damped above critical; the harmonic loads turn besides.
+
+A `FlatState` is one state with unit loads, a `UnitTables` several, with the switches between them: both are immutable,
+and kept for all problems of a family.  `Tables` are the states of one joint, scaled to its excitation: they belong to
+that joint alone, which may fill more slots.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from analytic.march.known_states import KnownStates
+from analytic.march.loads import Harmonics, harmonics_of
+from analytic.march.modal_state import Family, modal_state, passage
+from analytic.march.oscillator import SPLIT, away_from_resonance, forced_answer, kinds_of, roots_of, static_answer
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.problem import FloatArray, Problem
+
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+HALVINGS = 40
+"""Tabulated steps, each half the one before: from the longest, a period of a slow mode, down to 1e-12 of it."""
+_UNIT_TABLES = 32  # kept: a few for each family, as more states become known; about 1 MB each with 20 modes
+_FLAT_STATES = 256  # kept, as in `analytic.march.modal_state`; about 60 kB each with 20 modes
+
+
+class FlatState(NamedTuple):
+    """One state with unit loads: ``N`` modes, ``T`` terms, ``P`` stops at ``U`` positions, ``H`` harmonics."""
+
+    omega: FloatArray
+    """Natural angular frequencies, rad/s, shape ``(N,)``."""
+    decay: FloatArray
+    """zeta omega, 1/s, shape ``(N,)``."""
+    kind: IntArray
+    """How each mode moves freely, shape ``(N,)``."""
+    mode_of: IntArray
+    """The mode of each term, shape ``(T,)``."""
+    root: ComplexArray
+    """lambda of each term, 1/s, shape ``(T,)``."""
+    inverse: ComplexArray
+    """1 / lambda, s, or 0 where lambda is 0, shape ``(T,)``."""
+    fastest: float
+    """Largest modulus of the lambdas, 1/s."""
+    turn: ComplexArray
+    """exp(lambda tau) of the tabulated steps, shape ``(HALVINGS, T)``."""
+    static: FloatArray
+    """Coefficients of 1, t, t^2 of the answer to the constant loads, shape ``(N, 3)``."""
+    force: FloatArray
+    """Modal forces, the constant one first, shape ``(1 + H, N)``."""
+    weight: FloatArray
+    """The mode of each term at the positions of the stops, kg^-1/2, shape ``(U, T)``."""
+    residual: FloatArray
+    """Residual shapes there, the constant one first, shape ``(U, 1 + H)``."""
+    closed: BoolArray
+    """Whether each stop is closed, shape ``(P,)``."""
+
+
+class Tables(NamedTuple):
+    """``S`` slots, at most ``N`` modes and ``T = 2 N`` terms each, ``P`` stops at ``U`` positions, ``H`` harmonics."""
+
+    modes: IntArray
+    """Number of modes, shape ``(S,)``; 0 in a slot that has no state yet."""
+    terms: IntArray
+    """Number of terms, shape ``(S,)``."""
+    kind: IntArray
+    """How each mode moves freely, shape ``(S, N)``; see `analytic.march.oscillator`."""
+    mode_of: IntArray
+    """The mode of each term; the first terms are the modes in order, shape ``(S, T)``."""
+    root: ComplexArray
+    """lambda of each term, 1/s, shape ``(S, T)``."""
+    inverse: ComplexArray
+    """1 / lambda, s, or 0 where lambda is 0, shape ``(S, T)``."""
+    fastest: FloatArray
+    """Largest modulus of the lambdas, 1/s, shape ``(S,)``."""
+    turn: ComplexArray
+    """exp(lambda tau) for tau = longest / 2^j, shape ``(S, HALVINGS, T)``."""
+    static: FloatArray
+    """Coefficients of 1, t, t^2 of the answer to the constant loads, shape ``(S, N, 3)``."""
+    harmonic: ComplexArray
+    """Complex amplitudes of the answer to the harmonics, kg^1/2 m, shape ``(S, H, N)``."""
+    force: FloatArray
+    """Constant modal force first, then the amplitudes of the harmonics, kg^1/2 m/s^2, shape ``(S, 1 + H, N)``."""
+    weight: FloatArray
+    """The mode of each term at the positions of the stops, kg^-1/2, shape ``(S, U, T)``."""
+    forced: ComplexArray
+    """Complex amplitude of the forced motion there, m, residual included, shape ``(S, U, H)``."""
+    constant: FloatArray
+    """Part of z there that moves with no mode: the residual's constant part, or the frozen shape, m, ``(S, U)``."""
+    closed: BoolArray
+    """Whether each stop is closed, shape ``(S, P)``."""
+    next_slot: IntArray
+    """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
+    carry: FloatArray
+    """S_ij of (36), (41) for that switch, shape ``(S, P, N, N)``."""
+    carry_residual: FloatArray
+    """S0 and Sh of that switch, kg^1/2 m, shape ``(S, P, 1 + H, N)``."""
+    omega: FloatArray
+    """Angular frequencies of the harmonics, rad/s, shape ``(H,)``."""
+    phase: FloatArray
+    """Their phases, rad, shape ``(H,)``."""
+    harmonic_turn: ComplexArray
+    """exp(i Omega tau), shape ``(HALVINGS, H)``."""
+    position: IntArray
+    """Index of the position of each stop, shape ``(P,)``."""
+    sign: FloatArray
+    """+1 for a top stop, -1 for a bottom stop, shape ``(P,)``."""
+    gap: FloatArray
+    """Gap of each stop, m, shape ``(P,)``."""
+    longest: float
+    """The longest tabulated step, s."""
+
+
+_PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
+
+
+def tabulated_steps(problem: Problem) -> FloatArray:
+    """The tabulated steps, s, shape ``(HALVINGS,)``."""
+    beam = problem.beam
+    return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * 0.5 ** np.arange(HALVINGS))
+
+
+@lru_cache(maxsize=_FLAT_STATES)
+def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
+    """The flat view of a contact state with `count` modes."""
+    problem, modal = family.problem, modal_state(family, state, count)
+    omega, decay = modal.modes.omega, modal.decay
+    roots = roots_of(omega, decay)
+    kind = kinds_of(roots)
+    split = np.flatnonzero(kind == SPLIT)
+    mode_of = np.concatenate([np.arange(count), split])
+    root = np.concatenate([roots[:, 0], roots[split, 1]])
+    first = np.unique(stop_positions(problem), return_index=True)[1]
+    return FlatState(
+        omega=omega,
+        decay=decay,
+        kind=kind,
+        mode_of=mode_of,
+        root=root,
+        inverse=np.divide(1.0, root, out=np.zeros(root.size, dtype=complex), where=root != 0),
+        fastest=float(np.abs(root).max(initial=0.0)),
+        turn=np.exp(np.outer(tabulated_steps(problem), root)),
+        static=static_answer(modal.force[0], omega, decay),
+        force=modal.force,
+        weight=modal.at_stops[first][:, mode_of],
+        residual=modal.residual_at_stops.T[first],
+        closed=np.array([k in state for k in range(len(problem.stops))], dtype=np.bool_),
+    )
+
+
+def stop_positions(problem: Problem) -> IntArray:
+    """Index of the position of each stop among all positions from the root to the tip, shape ``(P,)``."""
+    x = sorted({stop.x for stop in problem.stops})
+    return np.array([x.index(stop.x) for stop in problem.stops], dtype=np.int64)
+
+
+class UnitTables(NamedTuple):
+    """Known states of a family with unit loads: ``S`` slots, at most ``N`` modes each."""
+
+    tables: Tables
+    natural: FloatArray
+    """Natural angular frequencies, rad/s, shape ``(S, N)``."""
+    decay: FloatArray
+    """zeta omega, 1/s, shape ``(S, N)``."""
+    residual: FloatArray
+    """Residual shapes at the positions of the stops, the constant one first, shape ``(S, U, 1 + H)``."""
+
+
+@lru_cache(maxsize=_UNIT_TABLES)
+def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> UnitTables:
+    """The known states of a family, with `counts` modes in the free state and in every other, in sorted order."""
+    problem, size, S = family.problem, max(counts), len(known.states)
+    tables = empty_tables(problem, harmonics_of(problem), size, S)
+    U, loads = tables.constant.shape[1], tables.force.shape[1]
+    unit = UnitTables(tables, np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
+    for slot, state in enumerate(known.states):
+        flat = flat_state(family, state, count_in(state, counts))
+        fill(tables, slot, flat)
+        n = flat.kind.size
+        unit.natural[slot, :n], unit.decay[slot, :n], unit.residual[slot] = flat.omega, flat.decay, flat.residual
+    for state, stop in known.switches:
+        other = state.toggled(stop)
+        connect(tables, family, counts, stop, (known.states.index(state), state), (known.states.index(other), other))
+    for array in (*tables, *unit[1:]):
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+    return unit
+
+
+def connect(
+    tables: Tables,
+    family: Family,
+    counts: tuple[int, int],
+    stop: int,
+    old: tuple[int, ContactState],
+    new: tuple[int, ContactState],
+) -> None:
+    """Write the switch of `stop` between two states, each with its slot, and the way back, for unit loads."""
+    for (slot, state), (target, other) in ((old, new), (new, old)):
+        unit = passage(family, state, count_in(state, counts), other, count_in(other, counts))
+        n_new, n_old = unit.S.shape
+        tables.carry[slot, stop, :n_new, :n_old] = unit.S
+        tables.carry_residual[slot, stop, :, :n_new] = unit.residual
+        tables.next_slot[slot, stop] = target
+
+
+def count_in(state: ContactState, counts: tuple[int, int]) -> int:
+    """Number of modes in a state, of `counts` in the free state and in every other."""
+    return counts[0] if state == FREE else counts[1]
+
+
+def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) -> Tables:
+    """Tables without a state, with `slots` slots for states of at most `size` modes."""
+    steps, position = tabulated_steps(problem), stop_positions(problem)
+    P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
+    S, N, T = slots, size, 2 * size
+    return Tables(
+        modes=np.zeros(S, dtype=np.int64),
+        terms=np.zeros(S, dtype=np.int64),
+        kind=np.zeros((S, N), dtype=np.int64),
+        mode_of=np.zeros((S, T), dtype=np.int64),
+        root=np.zeros((S, T), dtype=complex),
+        inverse=np.zeros((S, T), dtype=complex),
+        fastest=np.zeros(S),
+        turn=np.zeros((S, HALVINGS, T), dtype=complex),
+        static=np.zeros((S, N, 3)),
+        harmonic=np.zeros((S, H, N), dtype=complex),
+        force=np.zeros((S, 1 + H, N)),
+        weight=np.zeros((S, U, T)),
+        forced=np.zeros((S, U, H), dtype=complex),
+        constant=np.zeros((S, U)),
+        closed=np.zeros((S, P), dtype=np.bool_),
+        next_slot=np.full((S, P), -1, dtype=np.int64),
+        carry=np.zeros((S, P, N, N)),
+        carry_residual=np.zeros((S, P, 1 + H, N)),
+        omega=harmonics.omega,
+        phase=harmonics.phase,
+        harmonic_turn=np.exp(1j * np.outer(steps, harmonics.omega)),
+        position=position,
+        sign=np.array([stop.sign for stop in problem.stops], dtype=float),
+        gap=np.array([stop.gap for stop in problem.stops], dtype=float),
+        longest=float(steps[0]),
+    )
+
+
+def grown(tables: Tables, empty: Tables) -> Tables:
+    """The tables in the room of `empty` ones, which have more slots."""
+    used = tables.modes.size
+    for name in _PER_SLOT:
+        getattr(empty, name)[:used] = getattr(tables, name)
+    return empty
+
+
+def fill(tables: Tables, slot: int, flat: FlatState) -> None:
+    """Write a state with unit loads into its slot, but for the answer to the harmonics."""
+    n, terms = flat.kind.size, flat.root.size
+    tables.modes[slot], tables.terms[slot], tables.fastest[slot] = n, terms, flat.fastest
+    tables.kind[slot, :n] = flat.kind
+    tables.mode_of[slot, :terms] = flat.mode_of
+    tables.root[slot, :terms] = flat.root
+    tables.inverse[slot, :terms] = flat.inverse
+    tables.turn[slot, :, :terms] = flat.turn
+    tables.static[slot, :n] = flat.static
+    tables.force[slot, :, :n] = flat.force
+    tables.weight[slot, :, :terms] = flat.weight
+    tables.constant[slot] = flat.residual[:, 0]
+    tables.closed[slot] = flat.closed
+
+
+def scale(
+    tables: Tables, slots: slice, natural: FloatArray, decay: FloatArray, residual: FloatArray, sizes: FloatArray
+) -> None:
+    """Scale slots from unit loads to an excitation, and write the answer to its harmonics.
+
+    Parameters
+    ----------
+    tables : Tables
+        With the frequencies and phases of the harmonics; changed in place.
+    slots : slice
+        Of ``S`` slots, without switches unless they are of unit loads too.
+    natural, decay : ndarray, shape (S, N)
+        Natural angular frequencies, rad/s, and zeta omega, 1/s.
+    residual : ndarray, shape (S, U, 1 + H)
+        Residual shapes at the positions of the stops.
+    sizes : ndarray, shape (1 + H,)
+        Of the loads; see `analytic.march.loads.load_sizes`.
+    """
+    omega, N = away_from_resonance(natural, decay, tables.omega), natural.shape[1]
+    tables.force[slots] *= sizes[:, None]
+    tables.carry_residual[slots] *= sizes[:, None]
+    tables.harmonic[slots] = forced_answer(tables.force[slots, 1:], omega, decay, tables.omega)
+    moved = tables.weight[slots, :, :N] @ tables.harmonic[slots].transpose(0, 2, 1)
+    tables.forced[slots] = moved + residual[:, :, 1:] * sizes[1:]
+    if not np.array_equal(omega, natural):
+        for row, i in np.argwhere(omega != natural):
+            _move(tables, slots.start + int(row), int(i), omega[row, i : i + 1], decay[row, i : i + 1])
+
+
+def _move(tables: Tables, slot: int, i: int, omega: FloatArray, decay: FloatArray) -> None:
+    """Give an undamped mode another frequency, rad/s, shape ``(1,)``, as `away_from_resonance` has it."""
+    root = roots_of(omega, decay)[0, 0]
+    tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
+    tables.turn[slot, :, i] = np.exp(tables.longest * 0.5 ** np.arange(HALVINGS) * root)
+    tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2
+
+
+def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
+    """A joint's own copy of the known states, with its harmonics."""
+    own = {name: getattr(unit.tables, name).copy() for name in _PER_SLOT}
+    steps = unit.tables.longest * 0.5 ** np.arange(HALVINGS)
+    turn = np.exp(1j * np.outer(steps, harmonics.omega))
+    return unit.tables._replace(
+        **own,
+        omega=harmonics.omega,
+        phase=harmonics.phase,
+        harmonic_turn=turn,
+        **{name: getattr(unit.tables, name).copy() for name in ("position", "sign", "gap")},
+    )

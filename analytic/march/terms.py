@@ -1,0 +1,163 @@
+"""The motion within one state as a sum of terms: the constants of (32), and how the terms turn with time.
+
+    q_i(s) = Re sum_{t of i} c_t exp(lambda_t s) + a_i0 + a_i1 s + a_i2 s^2 + Im sum_h P_hi exp(i theta_h)
+
+The march and the field of a motion both take the constants from `start_terms`.  Arguments are named alike throughout:
+
+tables : Tables
+    The states of the joint.
+slot : int
+    The state.
+theta : ndarray, complex, shape (H,)
+    exp(i theta_h) of the harmonics, now.
+term : ndarray, complex, shape (T,)
+    c_t exp(lambda_t s) of each term, kg^1/2 m, now; the first `tables.terms[slot]` count.
+poly : ndarray, shape (N, 3)
+    The coefficients a_i, kg^1/2 m over powers of s.
+q, v : ndarray, shape (N,)
+    Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s; the first `tables.modes[slot]` count.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from analytic.march.oscillator import OSCILLATING, SPLIT
+from analytic.march.tables import Tables
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.problem import FloatArray
+
+SERIES = 0.25
+"""|lambda tau| up to which exp is summed as a series: thirteen products of real numbers cost less than one exp."""
+_ROUNDING = 1e-17  # of 1: what is smaller changes no bit of a sum near 1
+_RECIPROCALS = 1.0 / np.maximum(np.arange(14), 1)  # 0.25^13 / 13! is below `_ROUNDING`
+_BITS = 3  # of a step that are kept when it is rounded down to tabulated ones: it loses an eighth at most
+
+
+@njit(cache=True)
+def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
+    """Write exp(i theta_h) at the time `t`, s."""
+    for h in range(theta.size):
+        angle = tables.omega[h] * t + tables.phase[h]
+        theta[h] = complex(math.cos(angle), math.sin(angle))
+
+
+@njit(cache=True)
+def start_terms(
+    tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, term: ComplexArray, poly: FloatArray
+) -> None:
+    """Write the constants of (32), `term` and `poly`, of a state that starts from (q, v) at the phases `theta`."""
+    n = tables.modes[slot]
+    extra = n
+    for i in range(n):
+        for order in range(3):
+            poly[i, order] = tables.static[slot, i, order]
+        x, y = q[i] - poly[i, 0], v[i] - poly[i, 1]
+        for h in range(theta.size):
+            wave = tables.harmonic[slot, h, i] * theta[h]
+            x -= wave.imag
+            y -= tables.omega[h] * wave.real
+        kind = tables.kind[slot, i]
+        term[i] = 0.0
+        if kind == OSCILLATING:
+            root = tables.root[slot, i]
+            term[i] = complex(x, -(y - root.real * x) / root.imag)
+        elif kind == SPLIT:
+            first, second = tables.root[slot, i].real, tables.root[slot, extra].real
+            term[i] = (y - second * x) / (first - second)
+            term[extra] = (first * x - y) / (first - second)
+            extra += 1
+        else:
+            poly[i, 0] += x
+            poly[i, 1] += y
+
+
+@njit(cache=True)
+def state_from_terms(
+    tables: Tables,
+    slot: int,
+    theta: ComplexArray,
+    s: float,
+    term: ComplexArray,
+    poly: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+) -> None:
+    """Write `q` and `v` that belong to terms and phases at the time `s`, s, after the start."""
+    n, terms = tables.modes[slot], tables.terms[slot]
+    for i in range(n):
+        q[i] = poly[i, 0] + s * (poly[i, 1] + s * poly[i, 2])
+        v[i] = poly[i, 1] + 2 * s * poly[i, 2]
+        for h in range(theta.size):
+            wave = tables.harmonic[slot, h, i] * theta[h]
+            q[i] += wave.imag
+            v[i] += tables.omega[h] * wave.real
+    for t in range(terms):
+        i = tables.mode_of[slot, t]
+        q[i] += term[t].real
+        v[i] += (tables.root[slot, t] * term[t]).real
+
+
+@njit(cache=True)
+def turn_by_table(tables: Tables, slot: int, tau: float, term: ComplexArray, theta: ComplexArray) -> float:
+    """Turn terms and phases by `tau`, s, rounded down to three binary digits; returns the step made, s."""
+    turned, terms = 0.0, tables.terms[slot]
+    step, bits = tables.longest, 0
+    for j in range(tables.turn.shape[1]):
+        if turned + step <= tau:
+            for t in range(terms):
+                term[t] *= tables.turn[slot, j, t]
+            for h in range(theta.size):
+                theta[h] *= tables.harmonic_turn[j, h]
+            turned += step
+            bits += 1
+        elif bits > 0:
+            bits += 1
+        if bits == _BITS:
+            break
+        step *= 0.5
+    return turned
+
+
+@njit(cache=True)
+def turn_by_series(
+    tables: Tables, slot: int, tau: float, fastest: float, term: ComplexArray, theta: ComplexArray
+) -> None:
+    """Turn terms and phases by a `tau`, s, so short that exp is a short series; `fastest` is max |lambda|, 1/s."""
+    order, left = 1, fastest * tau
+    while left > _ROUNDING and order < _RECIPROCALS.size - 1:
+        order += 1
+        left *= fastest * tau * _RECIPROCALS[order]
+    for t in range(tables.terms[slot]):
+        a, b = tables.root[slot, t].real * tau, tables.root[slot, t].imag * tau
+        x, y = 1.0, 0.0
+        for n in range(order, 0, -1):
+            r = _RECIPROCALS[n]
+            x, y = 1.0 + r * (x * a - y * b), r * (x * b + y * a)
+        term[t] *= complex(x, y)
+    for h in range(theta.size):
+        theta[h] *= complex(math.cos(tables.omega[h] * tau), math.sin(tables.omega[h] * tau))
+
+
+@njit(cache=True)
+def turn_exactly(tables: Tables, slot: int, tau: float, term: ComplexArray, theta: ComplexArray) -> None:
+    """Turn terms and phases by any `tau`, s."""
+    for t in range(tables.terms[slot]):
+        term[t] *= np.exp(tables.root[slot, t] * tau)
+    for h in range(theta.size):
+        theta[h] *= complex(math.cos(tables.omega[h] * tau), math.sin(tables.omega[h] * tau))
+
+
+@njit(cache=True)
+def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
+    """Write the coefficients of 1, s, s^2 of z at the positions of the stops, m, shape ``(U, 3)``, to `drift`."""
+    for u in range(drift.shape[0]):
+        drift[u, 0] = tables.constant[slot, u]
+        drift[u, 1] = 0.0
+        drift[u, 2] = 0.0
+        for i in range(tables.modes[slot]):
+            for order in range(3):
+                drift[u, order] += tables.weight[slot, u, i] * poly[i, order]

@@ -1,0 +1,102 @@
+"""A joint as the published scheme sees it, and where a motion of it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from analytic.march.compiled import SLOT, Motion, new_motion
+from analytic.march.joint import Joint
+from analytic.march.known_states import KnownStates
+from analytic.march.modal_state import Family, passage
+from analytic.march.switching import Frozen
+from analytic.march.tables import count_in
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray
+
+_PRODUCTS = 32  # kept, as in `analytic.march.tables`; 9 states with 8 modes take 40 kB
+
+
+@dataclass
+class FrozenMotion:
+    """A motion by the published scheme: the modes' part, and the shape that stands still."""
+
+    moving: Motion
+    rest: FloatArray
+    """Coefficients of the frozen shape R over the modes of all states, kg^1/2 m, shape ``(S, N)``."""
+
+    @property
+    def slot(self) -> int:
+        """The state."""
+        return int(self.moving.counts[SLOT])
+
+
+class PublishedJoint(Joint):
+    """A joint whose tables leave out what the published scheme does not have: the residual shapes."""
+
+    def begin(self, state: ContactState, q: FloatArray, v: FloatArray) -> FrozenMotion:
+        """A motion that starts within the span of a state's modes."""
+        slot, size = self.slot(state), max(self.counts)
+        moving = new_motion(slot, 0.0, q, v, size, len(self.problem.stops))
+        return FrozenMotion(moving, np.zeros((self.tables.modes.size, size)))
+
+    def frozen(self, motion: FrozenMotion) -> Frozen:
+        """What the published switch rule needs, with room for the states met so far in the motion's frozen shape."""
+        more = self.cross.shape[0] - motion.rest.shape[0]
+        if more > 0:
+            motion.rest = np.pad(motion.rest, ((0, more), (0, 0)))
+        return Frozen(motion.rest, self.cross, self.order)
+
+    def _fill_known(self, known: KnownStates) -> None:
+        super()._fill_known(known)
+        self.cross = _products(self.family, self.counts, known.states).copy()
+        """S_ij of (43), from the modes of each state (second axis) to those of each (first), ``(S, S, N, N)``."""
+        self.order = np.arange(len(known.states))
+        """The slots in the order in which to sum over states, shape ``(states,)``."""
+
+    def _grow(self, slots: int) -> None:
+        super()._grow(slots)
+        used, size = self.cross.shape[0], max(self.counts)
+        cross = np.zeros((slots, slots, size, size))
+        cross[:used, :used] = self.cross
+        self.cross = cross
+
+    def _fill(self, slot: int) -> None:
+        super()._fill(slot)
+        _fill_products(self.cross, self.family, self.counts, self.states, slot)
+        self.order = np.array(sorted(range(slot + 1), key=lambda at: self.states[at].closed), dtype=np.int64)
+
+    def _scale(self, first: int, natural: FloatArray, decay: FloatArray, residual: FloatArray) -> None:
+        super()._scale(first, natural, decay, np.zeros_like(residual))
+        self.tables.constant[first:] = 0.0
+
+
+@lru_cache(maxsize=_PRODUCTS)
+def _products(family: Family, counts: tuple[int, int], states: tuple[ContactState, ...]) -> FloatArray:
+    """Inner products of the modes of every two states, shape ``(S, S, N, N)``; not to be written to."""
+    cross = np.zeros((len(states), len(states), max(counts), max(counts)))
+    for slot in range(len(states)):
+        _fill_products(cross, family, counts, states, slot)
+    cross.flags.writeable = False
+    return cross
+
+
+def _fill_products(
+    cross: FloatArray, family: Family, counts: tuple[int, int], states: tuple[ContactState, ...], slot: int
+) -> None:
+    """Write the inner products of the modes in a slot with those in the slots up to it."""
+    for other in range(slot + 1):
+        S = _between(family, counts, states[other], states[slot])
+        cross[slot, other, : S.shape[0], : S.shape[1]] = S
+        cross[other, slot, : S.shape[1], : S.shape[0]] = S.T
+
+
+def _between(family: Family, counts: tuple[int, int], old: ContactState, new: ContactState) -> FloatArray:
+    """From the modes of `old` to those of `new`: computed one way only, as the other has other last bits."""
+    if old == new:
+        return np.eye(count_in(old, counts))
+    if old.closed > new.closed:
+        return _between(family, counts, new, old).T
+    return passage(family, old, count_in(old, counts), new, count_in(new, counts)).S

@@ -1,0 +1,99 @@
+"""The compiled march until a motion by the published scheme has settled; the rule is in `analytic.published.steady`."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from analytic.march.compiled import DONE, PERIODS, SLOT, Log, Motion, advance
+from analytic.march.switching import Frozen, freeze
+from analytic.march.tables import IntArray, Tables
+from lapjoint.problem import FloatArray
+
+SETTLED, UNSETTLED = 10, 11
+"""Why the march came back, besides the reasons of `analytic.march.compiled`."""
+
+
+@njit(cache=True)
+def settle(
+    tables: Tables,
+    frozen: Frozen,
+    motion: Motion,
+    period: float,
+    log: Log,
+    rows: FloatArray,
+    agree: IntArray,
+    repeats: int,
+    tolerance: float,
+    shortest: float,
+    most: int,
+) -> tuple[int, int]:
+    """March cycle by cycle until the impulses and the displacements at the stops repeat, or `rows` is full.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    frozen : Frozen
+        The frozen shape.
+    motion : Motion
+        Where the march is, with its time counted from the start of the cycle; changed in place.
+    period : float
+        Length of a cycle, s.
+    log : Log
+        Without room.
+    rows : ndarray, shape (cycles, P + U)
+        Takes the penetration times of each stop over every cycle, m s, and the displacements at the ``U`` positions at
+        its end, m.
+    agree : ndarray, shape (orders,)
+        Counts the cycles in a row that repeated those 1, 2, ... cycles before; changed in place.
+    repeats : int
+        How often a motion has to repeat.
+    tolerance : float
+        To what fraction.
+    shortest : float
+        Least time spent in a state, s.
+    most : int
+        Most switches in all.
+
+    Returns
+    -------
+    int, int
+        Why it came back, and after how many cycles the motion repeats, or 0.
+    """
+    stops = motion.total.size
+    while motion.counts[PERIODS] < rows.shape[0]:
+        status, _ = advance(tables, frozen, motion, period, log, False, shortest, most)
+        if status != DONE:
+            return status, 0
+        n, slot = motion.counts[PERIODS], motion.counts[SLOT]
+        rows[n, :stops] = motion.total
+        freeze(tables, frozen, slot)
+        for u in range(tables.constant.shape[1]):
+            z = tables.constant[slot, u]
+            for j in range(tables.modes[slot]):
+                z += tables.weight[slot, u, j] * motion.q[j]
+            rows[n, stops + u] = z
+        motion.total[:] = 0.0
+        motion.last_switch[:] -= period
+        motion.time[0] = 0.0
+        motion.counts[PERIODS] += 1
+        for p in range(1, agree.size + 1):
+            agree[p - 1] = agree[p - 1] + 1 if n >= p and _same(rows[n], rows[n - p], stops, tolerance) else 0
+            if agree[p - 1] >= repeats * p and _same(rows[n], rows[n - repeats * p], stops, tolerance):
+                return SETTLED, p
+    return UNSETTLED, 0
+
+
+@njit(cache=True)
+def _same(one: FloatArray, other: FloatArray, stops: int, tolerance: float) -> bool:
+    """Whether the largest differences of penetration times and of displacements are within `tolerance`, relatively."""
+    return _close(one[:stops], other[:stops], tolerance) and _close(one[stops:], other[stops:], tolerance)
+
+
+@njit(cache=True)
+def _close(one: FloatArray, other: FloatArray, tolerance: float) -> bool:
+    size, apart = 0.0, 0.0
+    for k in range(one.size):
+        size = max(size, abs(one[k]))
+        apart = max(apart, abs(one[k] - other[k]))
+    return apart <= tolerance * size
