@@ -51,6 +51,11 @@ class PeriodMap:
         decay = self.joint.modal(FREE).decay
         return float(decay[decay > 0].min()) if (decay > 0).any() else 0.0
 
+    @cached_property
+    def _twins(self) -> tuple[int, ...] | None:
+        """The twin of each stop, if the problem is its own mirror image."""
+        return mirror_twins(self.problem)
+
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""
         return _section_point(started(self.joint))
@@ -99,9 +104,8 @@ class PeriodMap:
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
         """The mirror image; the modes of a state and of its mirror image are the same."""
-        twins = mirror_twins(self.problem)
-        assert twins is not None
-        return SectionPoint(ContactState(tuple(twins[k] for k in point.state.closed)), -point.coordinates)
+        assert self._twins is not None
+        return SectionPoint(ContactState(tuple(self._twins[k] for k in point.state.closed)), -point.coordinates)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point with other numbers of modes, or of other gaps."""

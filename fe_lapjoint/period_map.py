@@ -59,6 +59,11 @@ class PeriodMap:
         decay = self.model.system(FREE).decay
         return float(decay[decay > 0].min(initial=math.inf)) if (decay > 0).any() else 0.0
 
+    @cached_property
+    def _twins(self) -> tuple[int, ...] | None:
+        """The twin of each stop, if the problem is its own mirror image."""
+        return mirror_twins(self.problem)
+
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""
         assembly = self.model.assembly
@@ -116,9 +121,8 @@ class PeriodMap:
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
         """The mirror image."""
-        twins = mirror_twins(self.problem)
-        assert twins is not None
-        state = ContactState(tuple(twins[k] for k in point.state.closed))
+        assert self._twins is not None
+        state = ContactState(tuple(self._twins[k] for k in point.state.closed))
         return SectionPoint(state, -point.coordinates, point.nodes)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:

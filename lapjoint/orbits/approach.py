@@ -44,14 +44,15 @@ class Forecast:
     """What becomes of a deviation."""
 
     fails: int
-    """Periods of the orbit after which the conditions fail for the last time, and one more; 0: they hold for ever."""
-    known: bool
-    """Whether all later periods were shown to be sound, within the periods allowed."""
+    """Periods of the orbit to wait before looking again: after these the conditions hold for a while at least.
+
+    0: they hold for ever, from the start.
+    """
 
     @property
     def bound(self) -> bool:
         """Whether the march is bound for the orbit."""
-        return self.known and self.fails == 0
+        return self.fails == 0
 
 
 def forecast(
@@ -90,11 +91,12 @@ def forecast(
         if broken.size:
             fails = done + int(broken[-1]) + 1
         done += block.shape[1]
+        if fails and fails < done:  # enough to know: it is worth looking again after these
+            return Forecast(fails)
+        if not fails and _decays(watch, vectors, power @ block[:, 0], size, share):
+            return Forecast(0)
         if done >= most:
-            return Forecast(fails, known=False)
-        # While the last period looked at fails there is no need to ask for what comes after it.
-        if fails < done and _decays(watch, vectors, power @ block[:, 0], size, share):
-            return Forecast(fails, known=True)
+            return Forecast(max(fails, 1))
         block = power @ block
         if block.shape[1] < _MOST:
             block = np.concatenate([block, power @ block], axis=1)

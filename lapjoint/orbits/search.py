@@ -44,7 +44,6 @@ _COURSE = 0.25  # of the step that the linearised map makes: what the march may 
 _SLOWER = 0.5  # of what the slowest multiplier takes off the distance: and by this, or it circles the orbit
 _STEPS_ALIKE = 1  # steps of the map that must go as the linearised one says
 _THERE = 1e-8  # of the size of the motion: so near, rounding says how a step goes
-_LOOKS_ON_THE_WAY = 8  # at least, while a march is on its way to an orbit
 _AGREE = 4  # stretches in a row that must show chaos where a stable orbit is known; else 2
 
 
@@ -246,25 +245,27 @@ class Search:
         return True
 
     def _on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
-        """March on over some periods; whether the march keeps to the course that the linearised map predicts."""
+        """March on over some periods; whether the march keeps to the course that the linearised map predicts.
+
+        It is compared after 1, 3, 7, 15 ... periods of the orbit, and at the end.
+        """
         multiple = orbit.period_multiple
         matrix = np.linalg.matrix_power(orbit.last.matrix, 2 * multiple // orbit.half_periods)
         steps, done = periods // multiple, 0
         predicted, power, stride = deviation, matrix, 1
-        while done < steps:
-            if stride > 1 and done + stride > steps:
-                power, stride = matrix, 1
+        while done < steps and not self._spent:
+            if done + stride > steps:
+                stride = steps - done
+                power = np.linalg.matrix_power(matrix, stride)
             self._advance(stride * multiple)
             done += stride
             predicted = power @ predicted
             actual = self._map.difference(self._point, orbit.point)
             if self._map.norm(actual - predicted) > _COURSE * self._map.norm(deviation - predicted):
                 return False
-            if self._spent:
-                return False
-            if done >= _LOOKS_ON_THE_WAY * stride and done + 2 * stride <= steps:
+            if done < steps:
                 power, stride = power @ power, 2 * stride
-        return True
+        return done >= steps
 
     def _push_off(self) -> bool:
         """Push the march off the unstable motion that it is held at; whether it was."""

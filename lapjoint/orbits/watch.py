@@ -27,7 +27,7 @@ BoolArray = npt.NDArray[np.bool_]
 
 _PER_HALF_PERIOD = 16  # intervals of equal width in half a period, to begin with
 _LEAST = 4  # and in a segment
-_HALVINGS = 8  # of the first and the last of them, towards a switch
+_HALVINGS = 5  # of the first and the last of them, towards a switch
 _ROUNDS = 12  # of halving where the distance to a stop is not known well enough
 _NEGLIGIBLE = 1e-9  # of the largest distance of a stop: not looked into any further
 _TIGHT = 0.5  # of the distance at the ends of an interval that must be certain within it
@@ -211,22 +211,16 @@ class SegmentWatch:
         self._at_switches = np.stack([own, own * rates[self._turned]], axis=1)
 
     def _switches(self, twins: tuple[int, ...] | None) -> Switches:
-        segments, time, stop, rate, curvature = self._segments, [], [], [], []
-        for i, segment in enumerate(segments):
-            s = segment.switched
-            if s < 0:
-                continue
-            last = i + 1 == len(segments)
-            _, h1, h2 = _derivatives(segment, s, segment.end - segment.start)
-            following = twins[s] if twins is not None and last else s
-            after = _derivatives(segments[0 if last else i + 1], following, 0.0)[2]
-            time.append(segment.end)
-            stop.append(s)
-            rate.append(abs(h1))
-            curvature.append(max(abs(h2), abs(after)))
-        times, stops = np.array(time), np.array(stop, dtype=np.intp)
-        apart = spacings(times, stops, segments[-1].end, twins)
-        return Switches(times, stops, np.array(rate), np.array(curvature), apart)
+        segments, it = self._segments, self._stack
+        last = len(segments) - 1
+        which = np.array([i for i, segment in enumerate(segments) if segment.switched >= 0], dtype=np.intp)
+        stop = np.array([segments[i].switched for i in which], dtype=np.intp)
+        time = np.array([segments[i].end for i in which])
+        _, rate, before = it.derivatives(which, stop, time - np.array([segments[i].start for i in which]))
+        other = stop if twins is None else np.where(which == last, np.array(twins, dtype=np.intp)[stop], stop)
+        _, _, after = it.derivatives(np.where(which == last, 0, which + 1), other, np.zeros(which.size))
+        apart = spacings(time, stop, segments[-1].end, twins)
+        return Switches(time, stop, np.abs(rate), np.maximum(np.abs(before), np.abs(after)), apart)
 
 
 class _Stack:
@@ -246,16 +240,18 @@ class _Stack:
         self.polynomial = np.array([segment.polynomial for segment in segments])
         self.orientation = np.where([segment.closed for segment in segments], -1.0, 1.0)
 
-
-def _derivatives(segment: Segment, stop: int, tau: float) -> tuple[float, float, float]:
-    """z and its first two derivatives at a stop, `tau` after the segment's start."""
-    waves = segment.weights[stop] * segment.amplitudes * np.exp(segment.rates * tau)
-    p = segment.polynomial[stop]
-    return (
-        float(waves.sum().real + p[0] + tau * (p[1] + tau * p[2])),
-        float((waves @ segment.rates).real + p[1] + 2 * tau * p[2]),
-        float((waves @ segment.rates**2).real + 2 * p[2]),
-    )
+    def derivatives(
+        self, which: IndexArray, stop: IndexArray, tau: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """z and its first two derivatives at stops, `tau` after the starts of segments, shape ``(J,)`` each."""
+        rates, p = self.rates[which], self.polynomial[which, stop]
+        waves = self.weights[which, stop] * self.amplitudes[which] * np.exp(rates * tau[:, None])
+        z, z1, z2 = ((waves * rates**order).sum(axis=1).real for order in range(3))
+        return (
+            z + p[:, 0] + tau * (p[:, 1] + tau * p[:, 2]),
+            z1 + p[:, 1] + 2 * tau * p[:, 2],
+            z2 + 2 * p[:, 2],
+        )
 
 
 def unrolled(
@@ -276,12 +272,12 @@ def unrolled(
 def spacings(times: FloatArray, stops: IndexArray, duration: float, twins: tuple[int, ...] | None) -> FloatArray:
     """Time from each switch to the nearest other one of the same stop, s, shape ``(J,)``."""
     result = np.full(times.size, np.inf)
-    for stop in np.unique(stops):
-        all_times, _ = unrolled(times, stops, int(stop), duration, twins)
-        for j in np.flatnonzero(stops == stop):
-            away = np.abs(all_times - times[j])
-            away[np.argmin(away)] = np.inf
-            result[j] = away.min()
+    for stop in set(stops.tolist()):
+        own = np.flatnonzero(stops == stop)
+        all_times, _ = unrolled(times, stops, stop, duration, twins)
+        steps = np.concatenate([[np.inf], np.diff(all_times), [np.inf]])
+        at = (all_times.size - own.size) // 2 + np.arange(own.size)
+        result[own] = np.minimum(steps[at], steps[at + 1])
     return result
 
 
