@@ -115,9 +115,9 @@ class Solver:
             If `count` is not between 1 and 500.
         """
         check_count("count", count)
-        from analytic.modes.normal_modes import normal_modes
+        from analytic.modes.normal_modes import exact_modes
 
-        found = normal_modes(problem, state, count)
+        found = exact_modes(problem, state, count)
         return Modes(state, found.omega, found.shapes)
 
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:

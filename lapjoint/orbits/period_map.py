@@ -17,6 +17,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+import numpy.typing as npt
+
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.problem import FloatArray, Problem
@@ -111,8 +114,8 @@ class Segment:
     start: float
     """s from the start of the march."""
     end: float
-    closed: FloatArray
-    """Whether each stop is closed, shape ``(P,)``, bool."""
+    closed: npt.NDArray[np.bool_]
+    """Whether each stop is closed, shape ``(P,)``."""
     rates: ComplexArray
     """1/s, shape ``(K,)``."""
     weights: ComplexArray

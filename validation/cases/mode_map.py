@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import analytic
-from analytic.published_loss import frozen_part
+from analytic.published.loss import frozen_part
 from lapjoint import paper_joint
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
