@@ -147,8 +147,8 @@ class PeriodMap:
         """March on and carry all deviations along."""
         model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
-        into: FloatArray = np.kron(np.eye(2), model.transfer(FREE, start.state))
-        back: FloatArray = np.kron(np.eye(2), model.transfer(motion.state, FREE))
+        into = np.asarray(np.kron(np.eye(2), model.transfer(FREE, start.state)), dtype=float)
+        back = np.asarray(np.kron(np.eye(2), model.transfer(motion.state, FREE)), dtype=float)
         matrix = back @ carried(model, motion, into)
         end = self._section_point(motion.state, motion.y)
         return Linearised(end, matrix, lambda: traced(model, motion, into))

@@ -113,7 +113,7 @@ def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farth
         if not (residual <= RESIDUAL or (residual <= allowed and residual < residuals[-_PATIENCE] / 2)):
             return None
         try:
-            correction: FloatArray = np.linalg.solve(np.eye(step.size) - found.matrix, step)
+            correction = np.asarray(np.linalg.solve(np.eye(step.size) - found.matrix, step), dtype=float)
         except np.linalg.LinAlgError:
             return None
         point = half_periods.map.moved(point, correction)

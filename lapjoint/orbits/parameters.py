@@ -1,6 +1,6 @@
 """How a section point's image changes with a number of the problem: a gap, a stiffness, the excitation frequency.
 
-With the excitation frequency the period changes too, so its derivative is the one by which the period can be an unknown.
+With the excitation frequency the period changes too: by that derivative the period can be an unknown.
 """
 
 from __future__ import annotations
