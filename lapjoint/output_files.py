@@ -1,42 +1,145 @@
-"""How files are written: as they are, or under their names only when they are complete."""
+"""Files that are replaced whole or not at all.
+
+What is written goes to a temporary file in the folder of its target, with a name that nobody can foretell, and takes
+the target's name when it is complete and on the disk.  After Ctrl-C, an error or a full disk the target is what it was
+before, and the temporary file is gone; several processes may write one target at once, and the last to finish wins.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
-from collections.abc import Iterator
+import secrets
+import shutil
+import stat
+import tempfile
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, OutputError
+
+_NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
+_LONGEST_STEM = 40
+"""Characters of the target's name in that of its temporary file; names may have 255 bytes in all."""
+_NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 
 
-@contextmanager
-def completed(path: str | Path) -> Iterator[Path]:
-    """Give a path beside `path`, with its ending, to write to; what stands there then takes the name `path`.
+def write_file(path: str | Path, content: str | bytes | memoryview) -> None:
+    """Write bytes, or text as UTF-8 with its line ends as they are.
 
-    Until then, and if the block raises, a file of that name stays as it is, and nothing else is left.  A link is
-    followed, not replaced.
-    """
-    target = Path(os.path.realpath(path))
-    unfinished = target.with_name(f".{target.stem}.unfinished{target.suffix}")
-    try:
-        yield unfinished
-        os.replace(unfinished, target)
-    finally:
-        with suppress(OSError):
-            unfinished.unlink()
-
-
-def write_text(path: str | Path, text: str) -> None:
-    """Write UTF-8 text with the line ends as they are.
+    Parameters
+    ----------
+    path : path
+        The file; see `completed` for links and devices.
+    content : str or bytes-like
+        All that will be in it.
 
     Raises
     ------
     InputError
-        If the file cannot be written.
+        If no file can be written there.
+    OutputError
+        If the file cannot be completed, as on a full disk.
     """
     try:
-        Path(path).write_bytes(text.encode())
+        raw = content.encode() if isinstance(content, str) else content
+        with completed(path) as unfinished, open(unfinished, "wb") as file:
+            file.write(raw)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(f"{path}: cannot be written: {reason}") from None
+        raise unwritable(path, error) from None
+
+
+@contextmanager
+def completed(path: str | Path) -> Iterator[Path]:
+    """Give the path of an empty temporary file, with the ending of `path`, to write to; then it takes the name `path`.
+
+    A target that is a link is replaced where the link points to; a device or a pipe is written to when all is there.
+    The temporary file is made without following a link.  A new file has the rights that the system gives to new files;
+    one that is replaced keeps its own.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; `unwritable` says so in words.
+    """
+    mode = _mode_of(path)
+    if mode is not None and not stat.S_ISREG(mode):
+        with _sent_to(path) as unfinished:
+            yield unfinished
+        return
+    target = Path(os.path.realpath(path))
+    if mode is not None and not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    unfinished = target.with_name(f".{target.stem[:_LONGEST_STEM]}-{secrets.token_hex(8)}{target.suffix}")
+    try:
+        os.close(os.open(unfinished, _NEW_FILE, 0o666))
+        yield unfinished
+        if mode is not None:
+            os.chmod(unfinished, stat.S_IMODE(mode))
+        _bring_to_disk(unfinished)
+        os.replace(unfinished, target)
+    finally:
+        with suppress(OSError, ValueError):
+            unfinished.unlink()
+    with suppress(OSError):  # not every file system lets a folder be brought to the disk
+        _bring_to_disk(target.parent)
+
+
+@contextmanager
+def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iterator[Path]:
+    """Give an empty temporary folder within `folder` to write the files of a series to; then they move to `folder`.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files go.  What is in a subfolder moves first, so that an index beside it never lists what is missing.
+    remove_earlier : callable
+        Removes the files of an earlier series; called when the new one is complete.
+    """
+    with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as name:
+        draft = Path(name)
+        yield draft
+        files = [file.relative_to(draft) for file in draft.rglob("*") if file.is_file()]
+        remove_earlier()
+        for file in sorted(files, key=lambda file: (-len(file.parts), file)):
+            (folder / file).parent.mkdir(exist_ok=True)
+            os.replace(draft / file, folder / file)
+
+
+def unwritable(path: str | Path, error: OSError | ValueError) -> InputError | OutputError:
+    """The error to raise where `path` cannot be written: of the output where the disk is full, else of the input."""
+    if not isinstance(error, OSError):
+        return InputError(f"{path}: cannot be written: {error}")
+    kind = OutputError if error.errno in _NO_ROOM else InputError
+    return kind(f"{path}: cannot be written: {error.strerror or error}")
+
+
+def _mode_of(path: str | Path) -> int | None:
+    """Kind and rights of the file that is there, links followed; None where there is none."""
+    try:
+        return os.stat(path).st_mode
+    except FileNotFoundError:
+        return None
+
+
+@contextmanager
+def _sent_to(path: str | Path) -> Iterator[Path]:
+    """What is no file cannot be replaced: its content is collected first, and then sent there."""
+    if Path(path).is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    with tempfile.TemporaryDirectory(prefix="lapjoint-") as folder:
+        collected = Path(folder) / f"content{Path(path).suffix}"
+        collected.touch()
+        yield collected
+        with open(collected, "rb") as file, open(path, "wb") as there:
+            shutil.copyfileobj(file, there)
+
+
+def _bring_to_disk(path: Path) -> None:
+    """Wait until a file or a folder is on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

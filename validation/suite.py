@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -150,9 +151,7 @@ def _peers(path: Path | None, names: tuple[str, ...]) -> Run:
 def _writable(output: Path) -> Path:
     try:
         output.mkdir(parents=True, exist_ok=True)
-        probe = output / ".writable"
-        probe.touch()
-        probe.unlink()
+        tempfile.TemporaryFile(dir=output).close()
     except OSError as error:
         raise InputError(f"output = {str(output)!r} cannot be written: {error.strerror}") from None
     return output

@@ -10,7 +10,7 @@ from typing import Any
 
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
-from lapjoint.output_files import write_text
+from lapjoint.output_files import write_file
 from lapjoint.problem.files import problem_tables_json
 
 CONTACT_COLUMNS = (
@@ -35,7 +35,9 @@ def write_contacts(history: History, path: str | Path) -> None:
     Raises
     ------
     InputError
-        If the ending is another one, or the file cannot be written.
+        If the ending is another one, or no file can be written there.
+    OutputError
+        If the disk is full.
     """
     ending = Path(path).suffix.lower()
     if ending == ".csv":
@@ -43,7 +45,7 @@ def write_contacts(history: History, path: str | Path) -> None:
         writer = csv.DictWriter(out, CONTACT_COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(contact_rows(history))
-        write_text(path, out.getvalue())
+        write_file(path, out.getvalue())
     elif ending == ".json":
         impulses = dict(zip(history.problem.stop_names, history.impulses().tolist(), strict=True))
         content = {
@@ -54,7 +56,7 @@ def write_contacts(history: History, path: str | Path) -> None:
             "impulses_Ns": impulses,
             "contacts": contact_rows(history),
         }
-        write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
+        write_file(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
     else:
         raise InputError(f"{path}: contacts are written as .csv or .json, not {ending or 'without an ending'}")
 

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import io
 import json
-import os
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +19,7 @@ from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.errors import InputError, OutputError
+from lapjoint.output_files import write_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -202,19 +201,10 @@ def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
     content = io.BytesIO()
     encoding = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind != "O"}
     dataset.to_netcdf(content, engine="h5netcdf", encoding=encoding)
-    temporary = Path(path).with_name(f".{Path(path).name}.part")  # one left by a crash is written over
     try:
-        with open(temporary, "wb") as file:
-            file.write(content.getbuffer())
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except BaseException as error:
-        with suppress(OSError):
-            temporary.unlink()
-        if isinstance(error, OSError):
-            raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
-        raise
+        write_file(path, content.getbuffer())
+    except InputError as error:  # the journal beside it could be written, so the name was good
+        raise OutputError(str(error)) from None
 
 
 def read_curve(path: str | Path) -> xr.Dataset:

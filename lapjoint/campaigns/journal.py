@@ -170,12 +170,12 @@ def _parsed(raw: bytes) -> dict[str, Any] | None:
 
 
 def _open_locked(path: Path) -> FileIO:
-    """The file, made if it is not there, and locked."""
+    """The file, made if it is not there, and locked; a link of that name is refused, not followed."""
     import fcntl
 
     while True:
         try:
-            file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+")
+            file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+")
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from None
         try:

@@ -96,7 +96,7 @@ def schema() -> None:
 def init(file: str, force: bool) -> None:
     """Write a commented example of a problem to FILE, or to standard output."""
     from lapjoint.errors import InputError
-    from lapjoint.output_files import write_text
+    from lapjoint.output_files import write_file
     from lapjoint.problem.example import commented_example
 
     if file == "-":
@@ -104,5 +104,5 @@ def init(file: str, force: bool) -> None:
         return
     if Path(file).exists() and not force:
         raise InputError(f"{file}: is there already; --force overwrites it")
-    write_text(file, commented_example())
+    write_file(file, commented_example())
     click.echo(f"Wrote {file}")

@@ -10,7 +10,7 @@ import click
 from lapjoint import History, Modes, Problem, SteadyState
 from lapjoint.answers.contact_state import state_label
 from lapjoint.figures.text import apart, cut_to
-from lapjoint.output_files import write_text
+from lapjoint.output_files import write_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -120,7 +120,7 @@ def write_json(path: str, content: Any) -> None:
             return [finite(item) for item in value]
         return None if isinstance(value, float) and not abs(value) < float("inf") else value
 
-    write_text(path, json.dumps(finite(content), indent=2, allow_nan=False) + "\n")
+    write_file(path, json.dumps(finite(content), indent=2, allow_nan=False) + "\n")
 
 
 def print_curve(curve: xr.Dataset) -> None:

@@ -6,7 +6,6 @@ the distinction.  Text has its final size at any width, so a figure is made as w
 
 from __future__ import annotations
 
-import errno
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -15,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.errors import InputError, OutputError
+from lapjoint.errors import InputError
 from lapjoint.figures.legend import BETWEEN, HANDLE, LINE, key_that_fits
 from lapjoint.figures.text import SMALL, boxes_for_unknown_signs, literal, wrapped
-from lapjoint.output_files import completed
+from lapjoint.output_files import completed, unwritable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +32,6 @@ FORMATS = (".png", ".svg", ".pdf")
 COLUMN_WIDTH, PAGE_WIDTH = 3.4, 7.0  # inches
 GREY = "0.55"
 THIN = 0.6  # points: gaps, zero lines, reference slopes
-_NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
 _LABELS_WIDE = 0.65
 """Width that the labels left of axes take, inches."""
 _KEY_SHARE = 0.45
@@ -117,8 +115,7 @@ def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
         with completed(path) as unfinished:
             _write(axes, unfinished, ending[1:])
     except OSError as error:
-        kind = OutputError if error.errno in _NO_ROOM else InputError
-        raise kind(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise unwritable(path, error) from None
 
 
 def svg_of(axes: Axes | Sequence[Axes]) -> str:

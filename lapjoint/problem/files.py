@@ -15,7 +15,7 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from lapjoint.errors import InputError
-from lapjoint.output_files import write_text
+from lapjoint.output_files import write_file
 from lapjoint.problem.messages import explain
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.schema import Part
@@ -40,9 +40,11 @@ def write_problem(problem: Problem, path: str | Path) -> None:
     Raises
     ------
     InputError
-        If the file cannot be written.
+        If no file can be written there.
+    OutputError
+        If the disk is full.
     """
-    write_text(path, to_toml(problem))
+    write_file(path, to_toml(problem))
 
 
 def read_tables(path: str | Path) -> dict[str, Any]:

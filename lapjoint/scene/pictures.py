@@ -13,7 +13,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.errors import InputError
-from lapjoint.output_files import completed
+from lapjoint.output_files import completed, unwritable
 from lapjoint.problem import FloatArray
 from lapjoint.scene.appearance import Look
 from lapjoint.scene.frame_builder import job_of
@@ -153,5 +153,5 @@ def _drawn(job: Job, path: Path, progress: Progress | None) -> Path:
         with completed(path) as unfinished:
             draw(replace(job, output=unfinished), progress)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise unwritable(path, error) from None
     return path

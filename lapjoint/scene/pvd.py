@@ -14,6 +14,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from lapjoint.output_files import completed_series
 from lapjoint.scene.parts import Part
 from lapjoint.scene.scene import Block, Scene
 
@@ -31,30 +32,25 @@ def grid_of(part: Part) -> Any:
 def write_pvd(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
     """Write ``NAME.pvd`` and, in the folder NAME beside it, what it lists.
 
-    Files of an earlier series of this name are removed first; the ``.pvd`` is written last, so that it never lists
-    what is not there.  A series that is not completed is removed.
+    Files of an earlier series of this name stay until this one is complete.
     """
-    path, pieces = folder / f"{name}.pvd", folder / name
-    path.unlink(missing_ok=True)
-    _clear(pieces)
-    pieces.mkdir(parents=True, exist_ok=True)
-    try:
-        entries = _write_pieces(scene, blocks, folder, name)
-        path.write_text(
+    path = folder / f"{name}.pvd"
+    with completed_series(folder, lambda: _remove(folder, name)) as draft:
+        (draft / name).mkdir()
+        entries = _write_pieces(scene, blocks, draft, name)
+        (draft / path.name).write_text(
             f'<?xml version="1.0"?>\n<!-- {re.sub("-(?=-)", "- ", note)} -->\n'
             '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
             f"{''.join(entries)}  </Collection>\n</VTKFile>\n",
             encoding="utf-8",
         )
-    except BaseException:
-        path.unlink(missing_ok=True)
-        _clear(pieces)
-        raise
     return path
 
 
-def _clear(pieces: Path) -> None:
+def _remove(folder: Path, name: str) -> None:
     """Remove the files of a series, and their folder if there is nothing else in it."""
+    (folder / f"{name}.pvd").unlink(missing_ok=True)
+    pieces = folder / name
     for old in pieces.glob("*_[0-9][0-9][0-9][0-9][0-9][0-9].vtu"):
         old.unlink()
     if pieces.is_dir() and not any(pieces.iterdir()):

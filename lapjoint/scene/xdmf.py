@@ -13,6 +13,7 @@ from typing import Any
 
 import h5py
 
+from lapjoint.output_files import completed_series
 from lapjoint.scene.parts import PARTS
 from lapjoint.scene.scene import Block, Scene
 
@@ -20,18 +21,17 @@ _CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
 
 
 def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them; returns the first."""
-    paths = [folder / f"{name}_{label}.xdmf" for label, _ in scene.parts]
-    _clear(folder, name)
-    try:
-        _write_all(scene, blocks, paths)
-    except BaseException:
-        _clear(folder, name)
-        raise
-    return paths[0]
+    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them; returns the first.
+
+    Files of an earlier series of this name stay until this one is complete.
+    """
+    names = [f"{name}_{label}.xdmf" for label, _ in scene.parts]
+    with completed_series(folder, lambda: _remove(folder, name)) as draft:
+        _write_all(scene, blocks, [draft / each for each in names])
+    return folder / names[0]
 
 
-def _clear(folder: Path, name: str) -> None:
+def _remove(folder: Path, name: str) -> None:
     """Remove the files of a series, of whatever parts."""
     for part in PARTS:
         for old in (*folder.glob(f"{name}_{part}.xdmf"), *folder.glob(f"{name}_*_{part}.xdmf")):

@@ -6,12 +6,13 @@ import csv
 import io
 import json
 import math
-import os
 import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from lapjoint.output_files import write_file
 
 Cell = str | float | None
 FOLDER = "tables"
@@ -86,16 +87,9 @@ def write_sheets(sheets: Sequence[Sheet], output: Path) -> None:
         (folder / name).unlink(missing_ok=True)
     for sheet in sheets:
         for name, text in zip(sheet.files, (sheet.csv(), sheet.json()), strict=True):
-            replace_file(folder / name, text)
+            write_file(folder / name, text)
     index = [{"title": sheet.title, "files": sheet.files} for sheet in sheets]
-    replace_file(folder / _INDEX, json.dumps(index, indent=1) + "\n")
-
-
-def replace_file(path: Path, text: str) -> None:
-    """Write a file in one move."""
-    draft = path.with_suffix(path.suffix + ".part")
-    draft.write_text(text, encoding="utf-8")
-    os.replace(draft, path)
+    write_file(folder / _INDEX, json.dumps(index, indent=1) + "\n")
 
 
 def _left_behind(folder: Path) -> list[str]:

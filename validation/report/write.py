@@ -10,10 +10,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from lapjoint.output_files import write_file
 from validation.case import CaseResult
 from validation.report.page import page, views
 from validation.report.records import case_record, kinds_sheet, summary_sheet
-from validation.report.table_files import replace_file, write_sheets
+from validation.report.table_files import write_sheets
 from validation.report.uncertainty_budget import overall_sheet
 
 _PACKAGES = (
@@ -53,9 +54,9 @@ def write_reports(results: Sequence[CaseResult], level: str, output: Path, secon
     overall = {"summary": summary_sheet(results), "kinds": kinds_sheet(results), "budget": overall_sheet(results)}
     write_sheets([*overall.values(), *(sheet for view in shown for sheet in view.sheets)], output)
     pages = output / "report.html", output / "report.json"
-    replace_file(pages[0], page(shown, overall, about))
+    write_file(pages[0], page(shown, overall, about))
     data: dict[str, Any] = {"about": about, "cases": [case_record(result) for result in results]}
-    replace_file(pages[1], json.dumps(data, indent=1, allow_nan=False) + "\n")
+    write_file(pages[1], json.dumps(data, indent=1, allow_nan=False) + "\n")
     return pages
 
 
