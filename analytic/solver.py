@@ -172,8 +172,7 @@ class Solver:
         InputError
             If the excitation has no single frequency.
         """
-        if problem.excitation_frequency is None:
-            raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
+        problem.require_excitation_frequency("steady state")
         from analytic.march import Joint
         from analytic.period_map import PeriodMap
 

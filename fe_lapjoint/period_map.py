@@ -45,8 +45,7 @@ class PeriodMap:
     @cached_property
     def omega(self) -> float:
         """Angular frequency of the excitation, rad/s."""
-        assert self.problem.excitation_frequency is not None
-        return self.problem.excitation_frequency
+        return self.problem.require_excitation_frequency("steady state")
 
     @property
     def period(self) -> float:

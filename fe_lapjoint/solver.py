@@ -145,8 +145,7 @@ class Solver:
         InputError
             If the excitation has no single frequency, or `method` is not "exact".
         """
-        if problem.excitation_frequency is None:
-            raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
+        problem.require_excitation_frequency("steady state")
         if self.method != "exact":
             raise InputError(f"method = {self.method!r}: a steady state needs the exact flow; allowed is 'exact'")
         from fe_lapjoint import answers

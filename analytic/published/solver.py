@@ -143,8 +143,7 @@ class PublishedScheme:
         SolverError
             If the march cannot go on.
         """
-        if problem.excitation_frequency is None:
-            raise InputError("steady state: base_motion and sine loads must have one common angular_frequency")
+        problem.require_excitation_frequency("steady state")
         from analytic.published import steady
 
         effort = steady.Search(self.tolerance, self.max_order, self.max_periods, self.patience, self.shortest)

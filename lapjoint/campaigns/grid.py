@@ -191,10 +191,7 @@ class Grid:
         ends = [sorted({0, n - 1}) for n in self.shape]
         corners = [int(np.ravel_multi_index(corner, self.shape)) for corner in product(*ends)]
         for point in range(self.size) if self.size <= CHECKED_POINTS else corners:
-            if self.problem_at(point).excitation_frequency is None:
-                raise InputError(
-                    f"{self.describe(point)}: base_motion and sine loads must have one common angular_frequency"
-                )
+            self.problem_at(point).require_excitation_frequency(self.describe(point))
 
 
 def _described(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:

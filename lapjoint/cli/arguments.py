@@ -14,7 +14,6 @@ from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_s
 from lapjoint.answers.contact_state import is_paper_joint
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.errors import InputError
-from lapjoint.figures.phase_portrait import excitation_frequency
 from lapjoint.problem import files
 from lapjoint.problem.override import override, toml_value
 from lapjoint.scene.frame_times import check_frames
@@ -187,7 +186,7 @@ def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> Non
     if draw and not figure:
         raise InputError(f"--draw {draw}: nothing is drawn without --figure FILE")
     if draw == "poincare":
-        excitation_frequency(problem)
+        problem.require_excitation_frequency("--draw poincare")
 
 
 def check_directory(path: str) -> None:

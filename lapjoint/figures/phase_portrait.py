@@ -11,7 +11,7 @@ from lapjoint.answers import History
 from lapjoint.errors import InputError
 from lapjoint.figures.sampling import heading, in_contact, line_width, one_position, smooth_times, times_drawn
 from lapjoint.figures.style import COLUMN_WIDTH, GREY, THIN, entitle, new_axes, style
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,7 +132,7 @@ def section_times(history: History, phase: float = 0.0) -> FloatArray:
     InputError
         If the excitation has not one frequency, the phase is not finite, or the history holds no such time.
     """
-    omega = excitation_frequency(history.problem)
+    omega = history.problem.require_excitation_frequency("a Poincare section")
     if not math.isfinite(phase):
         raise InputError(f"phase = {phase}: must be finite, in rad")
     turns = (np.array([history.start, history.end]) * omega - phase) / (2 * math.pi)
@@ -145,23 +145,6 @@ def section_times(history: History, phase: float = 0.0) -> FloatArray:
             f"histories of an excitation period, {2 * math.pi / omega:g} s, or more"
         )
     return np.clip((phase + 2 * math.pi * k) / omega, history.start, history.end)
-
-
-def excitation_frequency(problem: Problem) -> float:
-    """The one angular frequency of the excitation, rad/s.
-
-    Raises
-    ------
-    InputError
-        If there is none, or several.
-    """
-    omega = problem.excitation_frequency
-    if omega is None:
-        raise InputError(
-            "excitation_frequency = None: a Poincare section needs base motion and sine loads of one frequency, "
-            "and these have none or several"
-        )
-    return omega
 
 
 def _portrait_axes(axes: Axes | None) -> Axes:

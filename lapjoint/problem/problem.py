@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import model_validator
 
+from lapjoint.errors import InputError
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import BaseMotion, PointLoad, SineLoad
@@ -50,14 +51,49 @@ class Problem(Part):
     @cached_property
     def excitation_frequency(self) -> float | None:
         """The one angular frequency of all periodic excitation, rad/s; None where there is none or several."""
-        found = {load.angular_frequency for load in self.point_loads if isinstance(load, SineLoad) and load.force}
-        if self.base_motion is not None and self.base_motion.amplitude > 0:
-            found.add(self.base_motion.angular_frequency)
+        found = set(_angular_frequencies(self).values())
         return found.pop() if len(found) == 1 else None
+
+    def require_excitation_frequency(self, purpose: str) -> float:
+        """The one angular frequency of all periodic excitation, rad/s, for what cannot be done without.
+
+        Parameters
+        ----------
+        purpose : str
+            What needs it, as "steady state"; the message begins with it.
+
+        Raises
+        ------
+        InputError
+            If there is no periodic excitation, or it has several frequencies; the message says which.
+        """
+        if self.excitation_frequency is not None:
+            return self.excitation_frequency
+        found = _angular_frequencies(self)
+        there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
+        raise InputError(
+            f"{purpose}: base_motion and sine loads must have one common angular_frequency; "
+            + (there or "there is neither a base_motion with an amplitude nor a sine load with a force")
+        )
+
+    def require_excitation_period(self, purpose: str) -> float:
+        """The period 2 pi / omega of all periodic excitation, s; as `require_excitation_frequency`."""
+        return 2 * math.pi / self.require_excitation_frequency(purpose)
 
     def replace(self, **changes: Any) -> Problem:
         """A validated copy with some of the top-level parts changed."""
         return Problem.model_validate({name: getattr(self, name) for name in Problem.model_fields} | changes)
+
+
+def _angular_frequencies(problem: Problem) -> dict[str, float]:
+    """Angular frequencies, rad/s, of base motion and sine loads that are not zero, by their paths."""
+    found = {}
+    if problem.base_motion is not None and problem.base_motion.amplitude > 0:
+        found["base_motion"] = problem.base_motion.angular_frequency
+    for i, load in enumerate(problem.point_loads):
+        if isinstance(load, SineLoad) and load.force:
+            found[f"point_loads[{i}]"] = load.angular_frequency
+    return found
 
 
 def _outside_the_beam(problem: Problem) -> Iterator[str]:

@@ -59,8 +59,7 @@ def by_end(impulses: FloatArray) -> FloatArray:
 
 def marched(problem: Problem, solver: analytic.Solver, periods: int) -> FloatArray:
     """Impulses of the last period of a march that begins a little askew, the bar's ends 20 and 10 um off."""
-    assert problem.excitation_frequency is not None
-    period = 2 * math.pi / problem.excitation_frequency
+    period = problem.require_excitation_period("march")
     askew = problem.replace(initial=PolynomialShape(displacement=(2e-5, -1e-5)))
     history, total = solver.simulate(askew, periods * period), np.zeros(4)
     for contact in history.contacts:  # no contact of this motion is under way at the end of a period

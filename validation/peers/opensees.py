@@ -116,10 +116,9 @@ class Solver:
         SolverError
             If OpenSees fails.
         """
-        if problem.excitation_frequency is None:
-            raise InputError("steady state: base_motion must have an amplitude and an angular_frequency")
+        period = problem.require_excitation_period("steady state")
         check_problem(problem)
-        if 2 * math.pi / problem.excitation_frequency / self.dt > MOST_STEPS:
+        if period / self.dt > MOST_STEPS:
             raise InputError(f"dt = {self.dt!r}: an excitation period would take more than {MOST_STEPS} steps")
         from validation.peers import opensees_answers
 

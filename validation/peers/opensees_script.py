@@ -176,8 +176,7 @@ def settled(
     problem: Problem, elements: int, dt: float, repeats: float, max_order: int, max_periods: int
 ) -> tuple[int, float, Record]:
     """Order (0: not settled), residual, and the record of the last `order` periods (at least one)."""
-    assert problem.excitation_frequency is not None
-    period, model = 2 * math.pi / problem.excitation_frequency, _shaken(problem, elements)
+    period, model = problem.require_excitation_period("steady state"), _shaken(problem, elements)
     steps = 2 * math.ceil(period / dt / 2)  # even, so that a mirrored motion is so on the steps too
     residual, last = math.inf, list[Record]()
     for n in range(max_periods):

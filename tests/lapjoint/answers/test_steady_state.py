@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import analytic
-from lapjoint import FREE, Contact, Exponent, History, Outcome, Problem, paper_joint
-from lapjoint.answers.steady_state import chatters, periodic_outcome, steady_impulses
+import fe_lapjoint
+from lapjoint import FREE, Contact, Exponent, History, InputError, Outcome, Problem, paper_joint
+from lapjoint.answers.steady_state import chatters, impulses_per_period, periodic_outcome
+from lapjoint.solver import Solver
 
 PERIOD = 1.0
 
@@ -89,4 +91,11 @@ def test_an_exponent_vanishes_only_where_it_is_known_to_be_small() -> None:
 
 def test_impulses_are_means_over_the_periods() -> None:
     motion = history(paper_joint(), *CHATTER)
-    np.testing.assert_allclose(steady_impulses(motion, 2), [2.0, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(impulses_per_period(motion, 2), [2.0, 0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("solver", [analytic.Solver(), analytic.PublishedScheme(), fe_lapjoint.Solver()])
+def test_without_excitation_every_solver_says_what_is_missing(solver: Solver) -> None:
+    message = "^steady state: base_motion and sine loads must have one common angular_frequency; there is neither"
+    with pytest.raises(InputError, match=message):
+        solver.steady_state(paper_joint().replace(base_motion=None))

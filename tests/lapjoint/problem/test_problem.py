@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from lapjoint import (
     AtRest,
+    BaseMotion,
     Beam,
     Circle,
     InputError,
@@ -22,6 +23,7 @@ from lapjoint import (
     Rectangle,
     SampledShape,
     SineLoad,
+    StepLoad,
     Stop,
     Support,
     Tube,
@@ -99,6 +101,27 @@ def test_an_excitation_frequency_is_common_to_all_or_none() -> None:
     assert Problem(beam=BEAM, point_loads=(load(2.0), load(3.0))).excitation_frequency is None
     assert Problem(beam=BEAM, point_loads=(load(2.0), load(3.0, 0.0))).excitation_frequency == 2.0
     assert paper_joint(angular_frequency=7.0).excitation_frequency == 7.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "there"),
+    [
+        ({"base_motion": None}, "there is neither a base_motion with an amplitude nor a sine load with a force"),
+        ({"base_motion": BaseMotion(amplitude=0.0, angular_frequency=2.0)}, "there is neither a base_motion"),
+        (
+            {"point_loads": (StepLoad(x=1.0, force=1.0), SineLoad(x=1.0, force=1.0, angular_frequency=3.0))},
+            r"base_motion.angular_frequency = 515, point_loads\[1\].angular_frequency = 3$",
+        ),
+    ],
+)
+def test_a_problem_without_one_frequency_says_what_there_is(changes: dict[str, Any], there: str) -> None:
+    message = f"^steady state: base_motion and sine loads must have one common angular_frequency; {there}"
+    with pytest.raises(InputError, match=message):
+        paper_joint().replace(**changes).require_excitation_period("steady state")
+
+
+def test_the_excitation_period_is_that_of_its_frequency() -> None:
+    assert paper_joint(angular_frequency=7.0).require_excitation_period("march") == 2 * math.pi / 7.0
 
 
 @pytest.mark.parametrize("derivative", [0, 1, 2, 3])
