@@ -229,12 +229,6 @@ class Flow:
         return np.asarray(np.abs(it.places[:, rest]) @ ((omega + 2 * a) * (y + omega * x)))
 
 
-def flow_matrix(system: System, s: float) -> FloatArray:
-    """d(q, q')(s) / d(q, q')(0), shape ``(2 n, 2 n)``."""
-    C, S = (part[:, 0] for part in free_response(system.decay, system.omega, np.array([s])))
-    return np.block([[np.diag(C), np.diag(S)], [np.diag(-(system.omega**2) * S), np.diag(C - 2 * system.decay * S)]])
-
-
 class _ExactDense(DenseOutput):  # type: ignore[misc]
     def __init__(self, t_old: float, t: float, flow: Flow) -> None:
         super().__init__(t_old, t)

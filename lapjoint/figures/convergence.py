@@ -10,13 +10,12 @@ import numpy as np
 
 from lapjoint.errors import InputError
 from lapjoint.figures.style import COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
+from lapjoint.observed_order import ROUNDING, fitted_order
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FLOOR = 1e-12
-"""Relative errors up to this are taken for rounding."""
 Answer = TypeVar("Answer")
 
 
@@ -29,7 +28,7 @@ def plot_convergence(
     reference: float | None = None,
     order: float | None = None,
     label: str | None = None,
-    floor: float = FLOOR,
+    floor: float = ROUNDING,
 ) -> Axes:
     """Relative error over resolution on logarithmic axes, and the observed order in the key.
 
@@ -72,7 +71,7 @@ def plot_convergence(
     if not math.isfinite(reference) or reference == 0:
         raise InputError(f"reference = {reference}: must be finite and not zero, for the errors are relative to it")
     error = np.abs(values / reference - 1.0)
-    observed = observed_order(resolutions, error, floor)
+    observed = fitted_order(resolutions, error, floor)
     fitted = f"order {observed:.2f}" if math.isfinite(observed) else ""
     name = ", ".join(part for part in (label, against, fitted) if part)
     axes = new_axes(COLUMN_WIDTH, 2.8) if axes is None else axes
@@ -85,14 +84,6 @@ def plot_convergence(
     axes.set_ylabel("relative error [-]")
     entitle(axes)
     return axes
-
-
-def observed_order(resolutions: FloatArray, error: FloatArray, floor: float = FLOOR) -> float:
-    """The order p of error ~ N^-p, by least squares over the errors above `floor`; NaN if these are fewer than two."""
-    above = error > floor
-    if above.sum() < 2:
-        return math.nan
-    return -float(np.polyfit(np.log(resolutions[above]), np.log(error[above]), 1)[0])
 
 
 def _numbers(

@@ -14,6 +14,7 @@ import fe_lapjoint
 from lapjoint import FREE, ContactState, paper_joint
 from lapjoint.figures import plot_convergence
 from lapjoint.figures.style import COLOURS as PALETTE
+from lapjoint.observed_order import fitted_order
 from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Level, Say, table
 from validation.report.drawing import draw
@@ -40,10 +41,9 @@ def run(level: Level, say: Say) -> CaseResult:
         studies[label] = (exact, dict(zip(meshes, found, strict=True)))
         for i in range(MODES):
             above = (error[:, i] > 30 * FLOOR) & (error[:, i] < 1e-2)
-            order = math.nan
-            if above.sum() >= 2:
-                last = np.flatnonzero(above)[-3:]
-                order = -float(np.polyfit(np.log(np.array(meshes)[last]), np.log(error[last, i]), 1)[0])
+            last = np.flatnonzero(above)[-3:]
+            order = fitted_order(np.array(meshes)[last], error[last, i])
+            if math.isfinite(order):
                 criteria.append(
                     Criterion(
                         f"{label}: observed order of omega_{i + 1}",

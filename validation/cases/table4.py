@@ -30,8 +30,7 @@ PRINTED = {
         (6, 7, 8, 9): ("538.6", "909.0", "1925.4"),
     },
 }
-MISPRINT = (5.0, 3, 2)  # k*, state (and its twin 5), mode index
-MISPRINTS = {(5.0, 3, 2), (5.0, 5, 2)}
+MISPRINTS = {(5.0, 3, 2), (5.0, 5, 2)}  # k*, state, mode index
 
 
 def printed(k_star: float, state: int) -> tuple[str, ...]:

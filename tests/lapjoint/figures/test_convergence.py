@@ -10,7 +10,7 @@ import pytest
 
 from lapjoint import InputError
 from lapjoint.figures import plot_convergence
-from lapjoint.figures.convergence import observed_order
+from lapjoint.observed_order import fitted_order
 
 MESHES = (8, 16, 32, 64, 128)
 
@@ -63,13 +63,13 @@ def test_several_studies_differ_and_share_a_slope() -> None:
     assert len({(line.get_color(), line.get_linestyle(), str(line.get_marker())) for line in studies}) == 2
     slopes = [line for line in axes.lines if line.get_label() == "reference, order 2"]
     assert len(slopes) == 1
-    assert observed_order(*map(np.asarray, slopes[0].get_data())) == pytest.approx(2.0)
+    assert fitted_order(*map(np.asarray, slopes[0].get_data())) == pytest.approx(2.0)
 
 
 def test_an_answer_without_error_is_no_point_of_the_line() -> None:
     line = plot_convergence({8: 1.1, 16: 1.0, 32: 1.01}, reference=1.0, order=1).lines[0]
     assert np.isnan(np.asarray(line.get_ydata())[1])
-    assert math.isnan(observed_order(np.array([8.0]), np.array([0.1])))
+    assert math.isnan(fitted_order(np.array([8.0]), np.array([0.1])))
 
 
 @pytest.mark.parametrize(
