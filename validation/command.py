@@ -48,24 +48,6 @@ def validate(
         click.echo("\n".join(suite.case_names()))
         return
     arguments.check_directory(output)
-    path = None if problem is None else problem_file(problem, overrides, output)
+    this = None if problem is None else arguments.problem_from(problem, overrides)
     named, console = tuple(dict.fromkeys(peers)), rich.console.Console()
-    click.get_current_context().exit(suite.main(path, cases, level or "standard", Path(output), console, named))
-
-
-def problem_file(source: str, overrides: tuple[str, ...], output: str) -> Path:
-    """A file with the problem: `source` itself, or one written to `output` where it is a preset or changed."""
-    from lapjoint.cli.arguments import problem_from
-    from lapjoint.errors import InputError
-    from lapjoint.problem import write_problem
-
-    problem = problem_from(source, overrides)
-    if not overrides and not source.startswith("preset:"):
-        return Path(source)
-    try:
-        Path(output).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{output}: cannot be written: {error.strerror}") from None
-    path = Path(output) / "problem.toml"
-    write_problem(problem, path)
-    return path
+    click.get_current_context().exit(suite.main(this, cases, level or "standard", Path(output), console, named))

@@ -46,18 +46,18 @@ def case_names() -> tuple[str, ...]:
 
 
 def main(
-    problem_path: Path | None,
+    problem: Problem | None,
     cases: tuple[str, ...],
     level: Level,
     output: Path,
     console: Console,
     peers: tuple[str, ...] = (),
 ) -> int:
-    """Run the suite, or compare the solvers on one problem file, and write the reports.
+    """Run the suite, or compare the solvers on one problem, and write the reports.
 
     Parameters
     ----------
-    problem_path : Path, optional
+    problem : Problem, optional
         A user's problem; None runs the suite.
     cases : tuple of str
         Cases to run; empty: all.
@@ -78,7 +78,7 @@ def main(
     Raises
     ------
     InputError
-        For an unknown case, a bad problem file, a peer that does not answer, or an output that cannot be written.
+        For an unknown case, a peer that does not answer, or an output that cannot be written.
     """
     from validation.report.write import write_reports
 
@@ -87,9 +87,9 @@ def main(
         raise InputError(f"case = {PEERS!r}: name the solvers to compare with, as in --peers opensees")
     runs: dict[str, Run] = {}
     if others or not cases:
-        runs = _chosen(others) if problem_path is None else _own(problem_path, others)
+        runs = _chosen(others) if problem is None else _own(problem, others)
     if peers:
-        runs[PEERS] = _peers(problem_path, peers)
+        runs[PEERS] = _peers(problem, peers)
     output = _writable(output)
     results, begin = [], time.perf_counter()
     for name, run in runs.items():
@@ -102,7 +102,7 @@ def main(
         result = run(level, say)
         results.append(replace(result, seconds=time.perf_counter() - started))
         _summary(results[-1], console)
-    pages = write_reports(results, level, output, time.perf_counter() - begin)
+    pages = write_reports(results, level, output, time.perf_counter() - begin, problem)
     _table(results, console)
     console.print(f"\nreports: {', '.join(str(page) for page in pages)}", highlight=False, markup=False, soft_wrap=True)
     return 1 if any(result.verdict is Verdict.DISAGREE for result in results) else 0
@@ -121,11 +121,8 @@ def _chosen(cases: tuple[str, ...]) -> dict[str, Run]:
     }
 
 
-def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
-    from lapjoint.problem.files import read_problem
+def _own(problem: Problem, cases: tuple[str, ...]) -> dict[str, Run]:
     from validation.cases import own_problem
-
-    problem = read_problem(path)
 
     def bound(part: Callable[[Problem, Level, Say], CaseResult]) -> Run:
         return lambda level, say: part(problem, level, say)
@@ -139,11 +136,9 @@ def _own(path: Path, cases: tuple[str, ...]) -> dict[str, Run]:
     return {name: run for name, run in runs.items() if not cases or name in cases}
 
 
-def _peers(path: Path | None, names: tuple[str, ...]) -> Run:
-    from lapjoint.problem.files import read_problem
+def _peers(problem: Problem | None, names: tuple[str, ...]) -> Run:
     from validation.cases import peers
 
-    problem = None if path is None else read_problem(path)
     peers.check_peers(names)
     return lambda level, say: peers.run(problem, names, level, say)
 

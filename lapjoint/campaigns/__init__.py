@@ -8,6 +8,6 @@
 
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
-from lapjoint.campaigns.running import run, stored, sweep
+from lapjoint.campaigns.running import run, solve, stored, sweep
 
-__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "run", "stored", "sweep"]
+__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "run", "solve", "stored", "sweep"]

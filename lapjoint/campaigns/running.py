@@ -99,7 +99,26 @@ def run(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Do what a plan asks for; see `sweep`."""
+    """Do what a plan asks for, unless `out` holds it already; see `sweep`."""
+    found = None if out is None else stored(plan, out, force=force)
+    if found is not None:
+        return found
+    return solve(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+
+
+def solve(
+    plan: Plan,
+    *,
+    workers: Workers = 1,
+    scheduler: str | None = None,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Do what a plan asks for, and replace what is in `out`; see `sweep`.
+
+    A journal beside `out` is gone on with; `force` is about that of another sweep.
+    """
     from lapjoint.campaigns.dataset import dataset_of, write_curve
 
     workers = check_workers(workers)
@@ -108,13 +127,11 @@ def run(
         points: dict[int, Point] = {}
         _work(plan, points, None, workers, scheduler, progress)
         return dataset_of(plan, points)
-    found = stored(plan, out, force=force)
-    if found is not None:
-        return found
     journal = Journal(plan, out, force=force)
     try:
         _work(plan, journal.points, journal, workers, scheduler, progress)
-        write_curve(dataset_of(plan, journal.points), out)
+        dataset = dataset_of(plan, journal.points)
+        write_curve(dataset, out)
         journal.remove()
     except OutputError as error:
         raise OutputError(f"{error}; {journal.kept()}") from None
@@ -122,9 +139,7 @@ def run(
         raise Interrupted(f"interrupted: {journal.kept()}") from None
     finally:
         journal.close()
-    found = stored(plan, out)
-    assert found is not None
-    return found
+    return dataset
 
 
 def stored(plan: Plan, out: str | Path, *, force: bool = False) -> xr.Dataset | None:

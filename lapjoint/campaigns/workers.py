@@ -5,23 +5,20 @@ Each function takes a plan and its batches, and delivers what is solved, in any 
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import signal
-import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
 from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_batch
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
-from lapjoint.errors import InputError, SolverError
+from lapjoint.errors import InputError
+from lapjoint.processes import end_pool, interrupts_held, new_pool
 
 Deliver = Callable[[Solved], None]
 Mapper = Callable[[Callable[[Batch], Solved], Iterable[Batch]], Iterable[Solved]]
@@ -97,7 +94,7 @@ class _Crew:
         self._cleared_at = 0.0
         self._flying: dict[Future[Solved], Batch] = {}
         self._deaths: Counter[int] = Counter()
-        self._pool = _new_pool(self._workers)
+        self._pool = new_pool(self._workers)
 
     def work(self) -> None:
         """Go on until all batches are done."""
@@ -111,7 +108,7 @@ class _Crew:
 
     def end(self) -> None:
         """End the processes at once, whatever they are doing."""
-        _end(self._pool)
+        end_pool(self._pool)
 
     def _launch(self) -> None:
         if self._suspects:
@@ -125,7 +122,7 @@ class _Crew:
     def _fly(self, batch: Batch, alone: bool = False) -> bool:
         """Whether the pool took a batch; it does not once it is broken."""
         try:
-            with _interrupts_held():
+            with interrupts_held():
                 future = self._pool.submit(solve_batch, self._plan, batch.first() if alone else batch)
         except BrokenProcessPool:
             self._waiting.appendleft(batch)
@@ -168,59 +165,5 @@ class _Crew:
                 self._suspects.append(batch)
 
     def _renew(self) -> None:
-        _end(self._pool)
-        self._pool = _new_pool(self._workers)
-
-
-def _new_pool(workers: int) -> ProcessPoolExecutor:
-    """A pool whose processes are known to start."""
-    for _ in range(MOST_DEATHS):
-        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
-        try:
-            with _interrupts_held():
-                ready = pool.submit(_ready)
-            ready.result()
-        except BrokenProcessPool:
-            _end(pool)
-        except BaseException:
-            _end(pool)
-            raise
-        else:
-            return pool
-    raise SolverError(
-        "the worker processes end as soon as they start; a script that asks for workers must do so below "
-        'if __name__ == "__main__", as each of them imports it'
-    )
-
-
-def _end(pool: ProcessPoolExecutor) -> None:
-    for process in list((pool._processes or {}).values()):
-        process.terminate()
-    pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _begin() -> None:
-    """In a new process: leave Ctrl-C to the parent, and end with it however it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-
-    def end_with_parent() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=end_with_parent, daemon=True).start()
-
-
-def _ready() -> None:
-    """Nothing: to see whether a process starts."""
-
-
-@contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back while processes are started: they inherit that, and the parent gets it afterwards."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        end_pool(self._pool)
+        self._pool = new_pool(self._workers)

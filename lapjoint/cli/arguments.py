@@ -28,7 +28,10 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
     if kind == "preset" and colon:
         if name not in PRESETS:
             raise InputError(f"preset:{name}: there is no such preset; allowed: {', '.join(PRESETS)}")
-        tables = files.problem_tables(PRESETS[name]())
+        preset = PRESETS[name]()
+        if not overrides:
+            return preset
+        tables = files.problem_tables(preset)
     else:
         tables = files.read_tables(source)
     for assignment in overrides:

@@ -61,7 +61,7 @@ def sweep(
 
     Interrupted in any way, the same command resumes.
     """
-    from lapjoint.campaigns import Grid, Plan, run, stored
+    from lapjoint.campaigns import Grid, Plan, solve, stored
     from lapjoint.cli import arguments, printing
     from lapjoint.cli.progress import shown_points
 
@@ -73,7 +73,7 @@ def sweep(
     there = stored(plan, out, force=force)
     if there is None:
         with shown_points("sweep") as progress:
-            found = run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+            found = solve(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
         click.echo(f"Wrote {out}")
     else:
         found = there

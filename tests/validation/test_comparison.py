@@ -13,9 +13,9 @@ import pytest
 from rich.console import Console
 
 import analytic
-from lapjoint import History, InputError, paper_joint, sdnl104
+from lapjoint import History, InputError, Problem, paper_joint, sdnl104
 from lapjoint.problem import FloatArray
-from lapjoint.problem.files import write_problem
+from lapjoint.problem.files import problem_tables_json
 from validation import suite
 from validation.invariants import continuity, energy_balance, gaps, stated_impulses, witness
 from validation.uncertainty import factor_of_safety, observed_order, refined_estimate, refined_vector
@@ -113,7 +113,7 @@ def test_a_jump_at_a_switch_is_caught(motion: History) -> None:
     assert continuity(replace(motion, field=field), 2e-5).verdict is Verdict.DISAGREE
 
 
-def run(tmp_path: Path, problem: Path | None, *cases: str) -> tuple[int, dict, str]:  # type: ignore[type-arg]
+def run(tmp_path: Path, problem: Problem | None, *cases: str) -> tuple[int, dict, str]:  # type: ignore[type-arg]
     status = suite.main(problem, cases, "quick", tmp_path / "report", Console(file=io.StringIO()))
     data = json.loads((tmp_path / "report" / "report.json").read_text())
     return status, data, (tmp_path / "report" / "report.html").read_text()
@@ -135,11 +135,10 @@ def test_table_4_comes_out_to_the_last_digit_and_its_misprint_is_named(tmp_path:
 
 
 def test_a_problem_of_ones_own_is_compared(tmp_path: Path) -> None:
-    path = tmp_path / "my.toml"
-    write_problem(sdnl104(), path)
-    status, data, page = run(tmp_path, path, "frequencies")
+    status, data, page = run(tmp_path, sdnl104(), "frequencies")
     assert status == 0
     assert [case["name"] for case in data["cases"]] == ["frequencies"]
+    assert data["about"]["problem"] == problem_tables_json(sdnl104())
     assert "<svg" not in page
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor
-
 import analytic
 import fe_lapjoint
 from lapjoint import ModalDamping, Outcome, Problem, SteadyState, ViscousDamping, paper_joint
+from lapjoint.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
 from validation.verdict import Check, Criterion, Estimate
 
@@ -31,32 +30,28 @@ def run(level: Level, say: Say) -> CaseResult:
     # With 8 elements the chaos of the second joint dies away after some thousand periods: another system.
     elements = {"quick": 16, "standard": 16, "full": 32}[level]
     checks, criteria, rows = [], [], []
-    with ProcessPoolExecutor(max_workers=2) as pool:
+    with process_pool(2) as pool:
         futures = {
             label: [pool.submit(solve, which, problem, elements) for which in ("analytic", "fe")]
             for label, problem in JOINTS.items()
         }
-        try:
-            for label, pair in futures.items():
-                found = [future.result() for future in pair]
-                say(label)
-                estimates = []
-                for steady in found:
-                    certified = float(steady.outcome is Outcome.APERIODIC)
-                    reason = "nothing repeats, and nearby motions part"
-                    criteria.append(
-                        Criterion(f"{label}: certified aperiodic, {steady.solver}", "1", certified, 1, 1, reason)
-                    )
-                    assert steady.exponent is not None
-                    value, spread, periods = steady.exponent.value, steady.exponent.spread, steady.exponent.periods
-                    how = f"{steady.solver}, over {periods} periods"
-                    parts = (("finite time", COVERAGE * spread),)
-                    estimates.append(Estimate(value, COVERAGE * spread, how, parts=parts))
-                    rows.append((label, steady.solver, f"{value:.3g}", f"{spread:.2g}", periods))
-                checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", estimates[0], estimates[1]))
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for label, pair in futures.items():
+            found = [future.result() for future in pair]
+            say(label)
+            estimates = []
+            for steady in found:
+                certified = float(steady.outcome is Outcome.APERIODIC)
+                reason = "nothing repeats, and nearby motions part"
+                criteria.append(
+                    Criterion(f"{label}: certified aperiodic, {steady.solver}", "1", certified, 1, 1, reason)
+                )
+                assert steady.exponent is not None
+                value, spread, periods = steady.exponent.value, steady.exponent.spread, steady.exponent.periods
+                how = f"{steady.solver}, over {periods} periods"
+                parts = (("finite time", COVERAGE * spread),)
+                estimates.append(Estimate(value, COVERAGE * spread, how, parts=parts))
+                rows.append((label, steady.solver, f"{value:.3g}", f"{spread:.2g}", periods))
+            checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", estimates[0], estimates[1]))
     return CaseResult(
         "aperiodic",
         "Motions that never repeat",

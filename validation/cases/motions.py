@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import analytic
 import fe_lapjoint
-from lapjoint import History, Problem
+from lapjoint import FREE, History, Problem
 from lapjoint.answers import Contact
 from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate
@@ -28,6 +29,14 @@ def analytic_levels(problem: Problem, ratio: float) -> list[analytic.Solver]:
 def fe_levels(finest: int) -> list[fe_lapjoint.Solver]:
     """A quarter, a half and all of `finest` elements."""
     return [fe_lapjoint.Solver(elements=n) for n in (finest // 4, finest // 2, finest)]
+
+
+def longest_period(problem: Problem) -> float:
+    """The excitation period, or without one that of the slowest elastic mode of the free beam, s."""
+    if problem.excitation_frequency is not None:
+        return 2 * math.pi / problem.excitation_frequency
+    found = analytic.Solver().modes(problem, FREE, 4).angular_frequencies  # two of them can be rigid, at zero
+    return 2 * math.pi / float(found[found > 0][0])
 
 
 def complete(history: History, count: int) -> list[Contact]:

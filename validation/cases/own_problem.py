@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import analytic
 import fe_lapjoint
 from lapjoint import Outcome, Problem, contact_states
 from validation.case import CaseResult, Level, Say, table
-from validation.cases.motions import FE_ORDER, compare_contacts
+from validation.cases.motions import FE_ORDER, compare_contacts, longest_period
 from validation.cases.steady import compare_steady
 from validation.cases.transient import WITNESS_TOLERANCE, contact_table, motion_drawing
 from validation.invariants import witness
@@ -16,6 +14,7 @@ from validation.uncertainty import ROUNDING, refined_estimate
 from validation.verdict import Check, Estimate
 
 MODES = 6
+PERIODS = 6  # of the excitation or the slowest motion, in which contacts are looked for
 MOST_STATES = 32
 
 
@@ -42,19 +41,10 @@ def frequencies(problem: Problem, level: Level, say: Say) -> CaseResult:
     )
 
 
-def duration_of(problem: Problem) -> float:
-    """Six excitation periods, or six of the slowest elastic frequency, s."""
-    omega = problem.excitation_frequency
-    if omega is None:
-        found = analytic.Solver().modes(problem, contact_states(problem)[0], 4).angular_frequencies
-        omega = float(found[found > 0][0])
-    return 6 * 2 * math.pi / omega
-
-
 def transient(problem: Problem, level: Level, say: Say) -> CaseResult:
     """The first contacts from the initial state."""
     say("from the initial state")
-    checks, exact, fe = compare_contacts(problem, duration_of(problem), 8, 48 if level == "quick" else 64)
+    checks, exact, fe = compare_contacts(problem, PERIODS * longest_period(problem), 8, 48 if level == "quick" else 64)
     return CaseResult(
         "transient",
         "First contacts from the initial state",

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 import analytic
 from lapjoint import Outcome, paper_joint
 from lapjoint.problem import FloatArray
+from lapjoint.processes import process_pool
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
@@ -86,15 +87,10 @@ def solve_peak(near: float, level: Level) -> tuple[float, Peak, Peak]:
 def run(level: Level, say: Say) -> CaseResult:
     """All peaks, two at a time."""
     found = []
-    with ProcessPoolExecutor(max_workers=2) as pool:
-        futures = [pool.submit(solve_peak, near, level) for near in NEAR]
-        try:
-            for future in futures:
-                found.append(future.result())
-                say(f"near {found[-1][0]:g} rad/s")
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with process_pool(2) as pool:
+        for answer in pool.map(partial(solve_peak, level=level), NEAR):
+            found.append(answer)
+            say(f"near {answer[0]:g} rad/s")
     checks, criteria, rows = [], [], []
     for near, exact, fe in found:
         checks.append(Check(f"peak near {near:g} rad/s: frequency", "rad/s", exact.frequency, fe.frequency))

@@ -5,7 +5,6 @@ A peer is any solver that is registered and named on the command line.  It is re
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
@@ -25,6 +24,7 @@ from validation.cases.motions import (
     complete,
     contact_estimates,
     fe_levels,
+    longest_period,
 )
 from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate, Kind
@@ -130,11 +130,7 @@ def first_contacts(
 
 def duration_of(problem: Problem) -> float:
     """Until the last contact looked at ends, at most some periods of the excitation or the slowest motion, s."""
-    omega = problem.excitation_frequency
-    if omega is None:
-        found = analytic.Solver().modes(problem, FREE, 4).angular_frequencies
-        omega = float(found[found > 0][0])
-    longest = PERIODS * 2 * math.pi / omega
+    longest = PERIODS * longest_period(problem)
     contacts = complete(analytic.Solver().simulate(problem, longest), CONTACTS)
     return min(longest, MARGIN * max(c.end for c in contacts)) if len(contacts) == CONTACTS else longest
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lapjoint import Outcome, Problem, SteadyState, paper_joint
 from lapjoint.figures.style import entitle
+from lapjoint.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
 from validation.cases.transient import WITNESS_TOLERANCE
@@ -85,15 +86,10 @@ def _estimates(levels: list[SteadyState], ratio: float, order: float) -> tuple[E
 def run(level: Level, say: Say) -> CaseResult:
     """All frequencies, two at a time."""
     points, frequencies = [], FEWER if level == "quick" else tuple(sorted(MORE))
-    with ProcessPoolExecutor(max_workers=2) as pool:
-        futures = [pool.submit(solve_point, omega, level) for omega in frequencies]
-        try:
-            for omega, future in zip(frequencies, futures, strict=True):
-                points.append(future.result())
-                say(f"{omega:g} rad/s")
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with process_pool(2) as pool:
+        for point in pool.map(partial(solve_point, level=level), frequencies):
+            points.append(point)
+            say(f"{point.omega:g} rad/s")
     return report(points)
 
 

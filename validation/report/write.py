@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from lapjoint.output_files import write_file
+from lapjoint.problem import Problem
+from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult
 from validation.report.page import page, views
 from validation.report.records import case_record, kinds_sheet, summary_sheet
@@ -23,7 +25,9 @@ _PACKAGES = (
 )
 
 
-def write_reports(results: Sequence[CaseResult], level: str, output: Path, seconds: float) -> tuple[Path, Path]:
+def write_reports(
+    results: Sequence[CaseResult], level: str, output: Path, seconds: float, problem: Problem | None = None
+) -> tuple[Path, Path]:
     """Write the reports into `output`, each file in one move.
 
     Parameters
@@ -36,13 +40,15 @@ def write_reports(results: Sequence[CaseResult], level: str, output: Path, secon
         An existing directory.
     seconds : float
         Run time of all.
+    problem : Problem, optional
+        The one problem that was compared, for ``report.json``.
 
     Returns
     -------
     tuple of Path
         ``report.html`` and ``report.json``; the tables are in the folder ``tables`` beside them.
     """
-    about = {
+    about: dict[str, Any] = {
         "level": level,
         "seconds": round(seconds, 1),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -50,6 +56,8 @@ def write_reports(results: Sequence[CaseResult], level: str, output: Path, secon
         "platform": platform.platform(),
         "versions": {name: found for name in _PACKAGES if (found := _version(name))},
     }
+    if problem is not None:
+        about["problem"] = problem_tables_json(problem)
     shown = views(results)
     overall = {"summary": summary_sheet(results), "kinds": kinds_sheet(results), "budget": overall_sheet(results)}
     write_sheets([*overall.values(), *(sheet for view in shown for sheet in view.sheets)], output)

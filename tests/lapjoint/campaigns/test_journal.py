@@ -18,6 +18,7 @@ import xarray as xr
 from counting_solver import asked, installed
 
 import lapjoint.campaigns.batch
+import lapjoint.campaigns.dataset
 from lapjoint import ContactState, Section, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, run
 from lapjoint.campaigns.grid import Grid
@@ -206,3 +207,20 @@ def test_a_file_that_may_not_grow_ends_the_command_with_status_1(room: int, out:
     resumed = run(plan(), out=out)
     assert len(asked(out.parent / "log")) - before < 20
     xr.testing.assert_identical(resumed, run(plan()))
+
+
+def test_a_finished_sweep_is_read_once_and_a_new_one_not_at_all(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read, reads = lapjoint.campaigns.dataset.read_curve, []
+    monkeypatch.setattr(lapjoint.campaigns.dataset, "read_curve", lambda path: reads.append(path) or read(path))
+    made = run(plan(), out=out)
+    assert reads == []
+    xr.testing.assert_identical(run(plan(), out=out), made)
+    assert reads == [out]
+
+
+def test_a_journal_that_is_a_link_is_not_followed(out: Path) -> None:
+    (out.parent / "victim").write_text("mine")
+    journal_path(out).symlink_to(out.parent / "victim")
+    with pytest.raises(InputError, match=r"curve\.nc\.journal: cannot be written"):
+        run(plan(), out=out, force=True)
+    assert (out.parent / "victim").read_text() == "mine"

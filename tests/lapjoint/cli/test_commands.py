@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Exponent, Outcome, SteadyState, paper_joint, read_problem
+from lapjoint import FREE, ContactState, Exponent, Outcome, Problem, SteadyState, paper_joint, read_problem
 from lapjoint.cli.main import main
 from lapjoint.cli.options import DRAWINGS
 from lapjoint.cli.progress import duration_text, lines_of_progress, lines_with_time_left
@@ -369,9 +369,9 @@ def test_validate_passes_on_what_is_asked_and_the_verdict(
     asked: list[object] = []
 
     def suite_main(
-        path: Path, cases: tuple[str, ...], level: str, output: Path, console: object, peers: tuple[str, ...]
+        problem: Problem, cases: tuple[str, ...], level: str, output: Path, console: object, peers: tuple[str, ...]
     ) -> int:
-        asked.extend([read_problem(path), cases, level, output, peers])
+        asked.extend([problem, cases, level, output, peers])
         return status
 
     monkeypatch.setattr("validation.suite.main", suite_main)

@@ -1,0 +1,99 @@
+"""A pool of processes that ends when it should: at Ctrl-C, after an error, and with the process that made it.
+
+A process of the pool ignores Ctrl-C, which a terminal sends to it too, so that only the parent answers it.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+
+from lapjoint.errors import SolverError
+
+MOST_STARTS = 3
+"""A pool whose processes died so many times before they did anything is given up."""
+
+
+@contextmanager
+def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """A pool of `workers` processes for the time of a block.
+
+    If the block raises, as at Ctrl-C, its processes end at once, whatever they are doing.
+
+    Raises
+    ------
+    SolverError
+        If the processes do not start.
+    """
+    pool = new_pool(workers)
+    try:
+        yield pool
+    finally:
+        end_pool(pool)
+
+
+def new_pool(workers: int) -> ProcessPoolExecutor:
+    """A pool whose processes are known to start; `end_pool` ends it.
+
+    Raises
+    ------
+    SolverError
+        If they do not.
+    """
+    for _ in range(MOST_STARTS):
+        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
+        try:
+            with interrupts_held():
+                ready = pool.submit(_ready)
+            ready.result()
+        except BrokenProcessPool:
+            end_pool(pool)
+        except BaseException:
+            end_pool(pool)
+            raise
+        else:
+            return pool
+    raise SolverError(
+        "the worker processes end as soon as they start; a script that asks for workers must do so below "
+        'if __name__ == "__main__", as each of them imports it'
+    )
+
+
+def end_pool(pool: ProcessPoolExecutor) -> None:
+    """End the processes of a pool at once, whatever they are doing."""
+    for process in list((pool._processes or {}).values()):
+        process.terminate()
+    pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def interrupts_held() -> Iterator[None]:
+    """Hold Ctrl-C back while processes are started: they inherit that, and the parent gets it afterwards."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin() -> None:
+    """In a new process: leave Ctrl-C to the parent, and end with it however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def end_with_parent() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
+
+
+def _ready() -> None:
+    """Nothing: to see whether a process starts."""

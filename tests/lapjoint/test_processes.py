@@ -1,0 +1,86 @@
+"""A pool of processes ends at Ctrl-C and after an error, whatever its processes are doing."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from lapjoint.errors import SolverError
+from lapjoint.processes import process_pool
+
+LONG = 600.0  # s: longer than any of these tests may take
+BUSY = """
+import sys, time
+from lapjoint.processes import process_pool
+if __name__ == "__main__":
+    with process_pool(2) as pool:
+        tasks = [pool.submit(time.sleep, 600.0) for _ in range(6)]
+        print("busy", flush=True)
+        tasks[0].result()
+"""
+
+
+def test_answers_come_in_the_order_asked_for() -> None:
+    with process_pool(2) as pool:
+        assert list(pool.map(math.sqrt, [4.0, 9.0, 16.0])) == [2.0, 3.0, 4.0]
+    assert multiprocessing.active_children() == []
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_an_error_in_the_block_ends_the_processes_at_once(error: type[BaseException]) -> None:
+    begin = time.monotonic()
+
+    def work() -> None:
+        with process_pool(2) as pool:
+            for _ in range(6):
+                pool.submit(time.sleep, LONG)
+            raise error
+
+    with pytest.raises(error):
+        work()
+    assert multiprocessing.active_children() == []
+    assert time.monotonic() - begin < LONG / 10
+
+
+def test_ctrl_c_reaches_the_parent_while_it_waits() -> None:
+    def wait() -> None:
+        with process_pool(2) as pool:
+            threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+            list(pool.map(time.sleep, [LONG] * 4))
+
+    with pytest.raises(KeyboardInterrupt):
+        wait()
+    assert multiprocessing.active_children() == []
+
+
+def test_ctrl_c_in_a_terminal_gives_one_traceback_and_leaves_no_process(tmp_path: Path) -> None:
+    (tmp_path / "busy.py").write_text(BUSY)
+    process = subprocess.Popen(
+        [sys.executable, str(tmp_path / "busy.py")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "busy\n"
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to the workers too
+    _, said = process.communicate(timeout=60)  # returns when no process holds the pipes any more
+    assert said.count("Traceback") == 1
+    assert said.rstrip().endswith("KeyboardInterrupt")
+
+
+def test_processes_that_cannot_start_are_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lapjoint.processes._ready", partial(os._exit, 1))
+    with pytest.raises(SolverError, match="end as soon as they start"), process_pool(1):
+        pass
