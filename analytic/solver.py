@@ -34,7 +34,7 @@ class Solver:
         Modes in the free state, and in every other; they go before `n_modes`.
     tolerance : float
         What the default number of modes aims at: the relative error of impulses by truncation.
-    max_order : int
+    max_period_multiple : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
         Most excitation periods marched in search of a steady state.
@@ -49,7 +49,7 @@ class Solver:
     free_modes: int | None = None
     contact_modes: int | None = None
     tolerance: float = 1e-5
-    max_order: int = 8
+    max_period_multiple: int = 8
     max_periods: int = 16000
 
     def __post_init__(self) -> None:
@@ -59,7 +59,7 @@ class Solver:
                 check_count(field, value)
         if not 1e-9 <= self.tolerance <= 1e-1:
             raise InputError(f"tolerance = {self.tolerance!r}: allowed are 1e-9 to 0.1")
-        for field in ("max_order", "max_periods"):
+        for field in ("max_period_multiple", "max_periods"):
             value = getattr(self, field)
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise InputError(f"{field} = {value!r}: must be an integer of at least 1")
@@ -151,6 +151,8 @@ class Solver:
         start : SectionPoint, optional
             Begin from the section of another steady state, found by this solver, rather than from the initial
             state.  Modes that it lacks are at rest, and those that it has too many are left out.
+        sensitivity : bool
+            Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
 
         Raises
         ------
@@ -161,7 +163,7 @@ class Solver:
         """
         from lapjoint.orbits import Effort, find_steady_state
 
-        effort = Effort(self.max_order, self.max_periods, growth=sensitivity)
+        effort = Effort(self.max_period_multiple, self.max_periods, growth=sensitivity)
         return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
 
     def period_map(self, problem: Problem) -> PeriodMap:

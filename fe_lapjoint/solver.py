@@ -39,7 +39,7 @@ class Solver:
         The mesh's highest frequency rises with the square of `elements`; explicit steps and LSODA then crawl.
     rtol, atol : float
         Tolerances of the library methods.
-    max_order : int
+    max_period_multiple : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
         Most excitation periods marched in search of a steady state, and at least 420 where an exponent is due.
@@ -55,11 +55,11 @@ class Solver:
     method: str = "exact"
     rtol: float = 1e-9
     atol: float = 1e-12
-    max_order: int = 8
+    max_period_multiple: int = 8
     max_periods: int = 10000
 
     def __post_init__(self) -> None:
-        for field, most in (("elements", MOST_ELEMENTS), ("max_order", 1000), ("max_periods", 10**7)):
+        for field, most in (("elements", MOST_ELEMENTS), ("max_period_multiple", 1000), ("max_periods", 10**7)):
             value = getattr(self, field)
             if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
                 raise InputError(f"{field} = {value!r}: must be an integer from 1 to {most}")
@@ -125,7 +125,8 @@ class Solver:
 
         A `start` serves every problem whose mesh has the same number of degrees of freedom: frequency, amplitude,
         gaps, stiffnesses and damping may differ, and a stop is closed at first where it is pressed.  On another
-        mesh it is not used, and the march begins from the problem's initial state.
+        mesh it is not used, and the march begins from the problem's initial state.  With `sensitivity` the answer
+        says how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
 
         Raises
         ------
@@ -134,7 +135,7 @@ class Solver:
         """
         from lapjoint.orbits import Effort, find_steady_state
 
-        effort = Effort(self.max_order, self.max_periods, growth=sensitivity)
+        effort = Effort(self.max_period_multiple, self.max_periods, growth=sensitivity)
         return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
 
     def period_map(self, problem: Problem) -> PeriodMap:

@@ -33,11 +33,18 @@ class Solver(Protocol):
         """The motion from the initial state, over `duration` seconds."""
 
     def steady_state(
-        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
+        self,
+        problem: Problem,
+        *,
+        start: SectionPoint | None = None,
+        sensitivity: bool = True,
+        progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that remains when a march from the initial state, or from `start`, has settled.
 
-        `start` is the section of a steady state of this or a neighbouring problem, found by the same solver.
+        `start` is the section point of a steady state of this or a neighbouring problem, found by the same solver.
+        `sensitivity` asks for `Acceptance.growth`, how much deviations grew on the way, which may take as long again;
+        a solver that does not measure it takes no notice.
         """
 
     def refined(self, factor: float) -> Solver:

@@ -58,7 +58,7 @@ class PublishedScheme:
     tolerance : float
         To what fraction impulses and displacements must repeat for a motion to have settled.  As the frozen shape
         creeps on for thousands of cycles, most motions of the paper's joint never settle to 1e-6.
-    max_order : int
+    max_period_multiple : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
         Most excitation periods marched before a motion is given up and its next 1000 periods are averaged.
@@ -76,7 +76,7 @@ class PublishedScheme:
     free_modes: int = 8
     contact_modes: int = 5
     tolerance: float = 1e-3
-    max_order: int = 8
+    max_period_multiple: int = 8
     max_periods: int = 4000
     patience: int = 4000
     shortest: float = 1e-7
@@ -88,7 +88,7 @@ class PublishedScheme:
             raise InputError(f"tolerance = {self.tolerance!r}: allowed are 1e-9 to 0.1")
         if not 0 <= self.shortest < math.inf:
             raise InputError(f"shortest = {self.shortest!r}: must be a time in s, 0 or more")
-        for field in ("max_order", "max_periods", "patience"):
+        for field in ("max_period_multiple", "max_periods", "patience"):
             value = getattr(self, field)
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise InputError(f"{field} = {value!r}: must be an integer of at least 1")
@@ -130,11 +130,16 @@ class PublishedScheme:
         return history_of(self.name, motion)
 
     def steady_state(
-        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
+        self,
+        problem: Problem,
+        *,
+        start: SectionPoint | None = None,
+        sensitivity: bool = True,
+        progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that remains when the march from the initial state, or from `start`, has settled.
 
-        It is marched, never solved for; see `analytic.published.steady`.
+        It is marched, never solved for; see `analytic.published.steady`.  Nothing is measured for `sensitivity`.
 
         Raises
         ------
@@ -146,6 +151,6 @@ class PublishedScheme:
         problem.require_excitation_frequency("steady state")
         from analytic.published import steady
 
-        effort = steady.Search(self.tolerance, self.max_order, self.max_periods, self.patience, self.shortest)
+        effort = steady.Search(self.tolerance, self.max_period_multiple, self.max_periods, self.patience, self.shortest)
         counts = self.free_modes, self.contact_modes
         return steady.steady_state(problem, self.name, counts, effort, start, progress)

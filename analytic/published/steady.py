@@ -3,9 +3,9 @@
 The paper runs each motion "through steady state"; one that "appears transient after many thousands of impacts" is
 called aperiodic, and its next 1000 cycles are taken.  The text does not say when a motion has settled.  Here it has
 once the penetration times of all stops (the impulses over the stiffnesses) and the displacements at the stops at the
-end of the cycle repeat those 1, 2, ... `max_order` cycles before to `tolerance`, cycle by cycle for `_REPEATS` repeats,
-and from the first of these to the last.  Otherwise, after `patience` impacts or `max_periods` cycles, the next 1000
-cycles are averaged and the motion is UNDECIDED.
+end of the cycle repeat those 1, 2, ... `max_period_multiple` cycles before to `tolerance`, cycle by cycle for
+`_REPEATS` repeats, and from the first of these to the last.  Otherwise, after `patience` impacts or `max_periods`
+cycles, the next 1000 cycles are averaged and the motion is UNDECIDED.
 
 No Newton here: a frozen shape that stops growing may take any value, so fixed points fill a continuum and only the
 march tells which of them a motion from rest comes to.
@@ -42,7 +42,7 @@ class Search:
     """How long to wait for a motion to settle."""
 
     tolerance: float
-    max_order: int
+    max_period_multiple: int
     max_periods: int
     patience: int
     """Impacts after which a motion is given up."""
@@ -74,7 +74,7 @@ def settling(
     """
     P, most = len(joint.problem.stops), search.max_periods
     rows = np.zeros((most + _CYCLES_AVERAGED, P + joint.tables.constant.shape[1]))
-    agree, log = np.zeros(search.max_order, dtype=np.int64), new_log(0, 1, P)
+    agree, log = np.zeros(search.max_period_multiple, dtype=np.int64), new_log(0, 1, P)
     restarted(motion)
     limit, last, moving = min(_CHUNK, most), False, motion.moving
     while True:
@@ -116,7 +116,7 @@ def steady_state(
     period, joint = 2 * math.pi / problem.excitation_frequency, PublishedJoint(problem, *counts)
     found = settling(joint, started(joint, start), period, search, progress)
     section = packed(joint, found.motion)
-    periods = found.order or search.max_order
+    periods = found.order or search.max_period_multiple
     motion = march_published(joint, started(joint, section), periods * period, shortest=search.shortest)
     history = history_of(name, motion)
     if found.order:
@@ -127,12 +127,12 @@ def steady_state(
         problem=problem,
         solver=name,
         outcome=outcome,
-        order=found.order,
+        period_multiple=found.order,
         symmetric=found.order % 2 == 1 and is_symmetric(history),
         residual=_residual(motion, periods * period),
-        multipliers=np.zeros(0),
+        multipliers=np.zeros(0, dtype=complex),
         exponent=None,
-        section=section,
+        section_point=section,
         history=history,
         impulses=impulses,
     )

@@ -46,11 +46,11 @@ def run(level: Level, say: Say) -> CaseResult:
                     Criterion(f"{label}: certified aperiodic, {steady.solver}", "1", certified, 1, 1, reason)
                 )
                 assert steady.exponent is not None
-                value, spread, periods = steady.exponent.value, steady.exponent.spread, steady.exponent.periods
+                value, error, periods = steady.exponent.value, steady.exponent.standard_error, steady.exponent.periods
                 how = f"{steady.solver}, over {periods} periods"
-                parts = (("finite time", COVERAGE * spread),)
-                estimates.append(Estimate(value, COVERAGE * spread, how, parts=parts))
-                rows.append((label, steady.solver, f"{value:.3g}", f"{spread:.2g}", periods))
+                parts = (("finite time", COVERAGE * error),)
+                estimates.append(Estimate(value, COVERAGE * error, how, parts=parts))
+                rows.append((label, steady.solver, f"{value:.3g}", f"{error:.2g}", periods))
             checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", estimates[0], estimates[1]))
     return CaseResult(
         "aperiodic",
@@ -62,6 +62,10 @@ def run(level: Level, say: Say) -> CaseResult:
         checks=tuple(checks),
         criteria=tuple(criteria),
         tables=(
-            table("Largest Lyapunov exponents", ("joint", "solver", "exponent (1/s)", "spread (1/s)", "periods"), rows),
+            table(
+                "Largest Lyapunov exponents",
+                ("joint", "solver", "exponent (1/s)", "standard error (1/s)", "periods"),
+                rows,
+            ),
         ),
     )

@@ -33,7 +33,7 @@ class Solver:
         Time step, s; shortened a little so that the duration, or the excitation period, is a multiple of it.
     repeats : float
         A steady state is reached when displacements, velocities and impulses come back to this fraction of their size.
-    max_order : int
+    max_period_multiple : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
         Most excitation periods marched in search of a steady state.
@@ -47,11 +47,11 @@ class Solver:
     elements: int = 40
     dt: float = 4e-6
     repeats: float = 1e-6
-    max_order: int = 8
+    max_period_multiple: int = 8
     max_periods: int = 500
 
     def __post_init__(self) -> None:
-        for field, most in (("elements", MOST_ELEMENTS), ("max_order", 100), ("max_periods", 10**5)):
+        for field, most in (("elements", MOST_ELEMENTS), ("max_period_multiple", 100), ("max_periods", 10**5)):
             value = getattr(self, field)
             if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
                 raise InputError(f"{field} = {value!r}: must be an integer from 1 to {most}")
@@ -103,11 +103,16 @@ class Solver:
         return opensees_answers.simulate(self, problem, float(duration), progress)
 
     def steady_state(
-        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
+        self,
+        problem: Problem,
+        *,
+        start: SectionPoint | None = None,
+        sensitivity: bool = True,
+        progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that a march from rest settles to: the first that comes back to itself; see `repeats`.
 
-        Nothing is certified: there are no Floquet multipliers and no exponent.  `start` is not used.
+        Nothing is certified: there are no Floquet multipliers and no exponent.  `start` and `sensitivity` are not used.
 
         Raises
         ------

@@ -70,8 +70,8 @@ def steady_state(solver: Solver, problem: Problem, progress: Progress | None) ->
     """The motion that remains, as far as a march can tell."""
     if progress is not None:
         progress(0.0, 1.0)
-    options = (solver.elements, solver.dt, solver.repeats, solver.max_order, solver.max_periods)
-    order, residual, record = ask("settled", problem, *options)
+    options = (solver.elements, solver.dt, solver.repeats, solver.max_period_multiple, solver.max_periods)
+    multiple, residual, record = ask("settled", problem, *options)
     history = history_of(problem, solver.name, record)
     coordinates = np.array([record.values[0].ravel(), record.rates[0].ravel()])
     if progress is not None:
@@ -79,15 +79,15 @@ def steady_state(solver: Solver, problem: Problem, progress: Progress | None) ->
     return SteadyState(
         problem=problem,
         solver=solver.name,
-        outcome=periodic_outcome(history) if order else Outcome.UNDECIDED,
-        order=order,
-        symmetric=bool(order) and _mirrored(history, solver.repeats),
+        outcome=periodic_outcome(history) if multiple else Outcome.UNDECIDED,
+        period_multiple=multiple,
+        symmetric=bool(multiple) and _mirrored(history, solver.repeats),
         residual=residual,
-        multipliers=np.zeros(0),
+        multipliers=np.zeros(0, dtype=complex),
         exponent=None,
-        section=SectionPoint(history.states[0], coordinates),
+        section_point=SectionPoint(history.states[0], coordinates),
         history=history,
-        impulses=impulses_per_period(history, order),
+        impulses=impulses_per_period(history, multiple),
     )
 
 

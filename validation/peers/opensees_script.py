@@ -173,25 +173,25 @@ def motion(problem: Problem, elements: int, duration: float, dt: float) -> Recor
 
 
 def settled(
-    problem: Problem, elements: int, dt: float, repeats: float, max_order: int, max_periods: int
+    problem: Problem, elements: int, dt: float, repeats: float, max_period_multiple: int, max_periods: int
 ) -> tuple[int, float, Record]:
-    """Order (0: not settled), residual, and the record of the last `order` periods (at least one)."""
+    """Period multiple (0: not settled), residual, and the record of the last so many periods (at least one)."""
     period, model = problem.require_excitation_period("steady state"), _shaken(problem, elements)
     steps = 2 * math.ceil(period / dt / 2)  # even, so that a mirrored motion is so on the steps too
     residual, last = math.inf, list[Record]()
     for n in range(max_periods):
-        last = [*last[-max_order:], model.march(n * period, steps, period / steps)]
-        apart = [_distance(problem, last[-1], last[-1 - order]) for order in range(1, len(last))]
-        order, residual = _repetition(apart, repeats)
-        if order:
-            return order, residual, _joined(last[-order:])
+        last = [*last[-max_period_multiple:], model.march(n * period, steps, period / steps)]
+        apart = [_distance(problem, last[-1], last[-1 - multiple]) for multiple in range(1, len(last))]
+        multiple, residual = _repetition(apart, repeats)
+        if multiple:
+            return multiple, residual, _joined(last[-multiple:])
     return 0, residual, last[-1]
 
 
 def _repetition(apart: list[float], repeats: float) -> tuple[int, float]:
-    """The order at which a motion repeats (0: none yet) and its residual, from its distances to 1, 2 ... periods ago.
+    """The period multiple of a motion (0: none yet) and its residual, from its distances to 1, 2 ... periods ago.
 
-    One that is still settling may come nearer to an earlier period than to the last: lower orders must be well apart.
+    One that is still settling may be nearer to an earlier period than to the last: lower multiples must be well apart.
     """
     for i, distance in enumerate(apart):
         if distance <= repeats:
