@@ -18,7 +18,7 @@ from lapjoint import FREE, paper_joint
 @pytest.mark.benchmark(group="steady state, by frequency")
 def bench_steady_state(benchmark: Any, omega: float) -> None:
     solver, problem = analytic.Solver(), paper_joint(angular_frequency=omega)
-    assert benchmark(solver.steady_state, problem).order == 1
+    assert benchmark(solver.steady_state, problem).period_multiple == 1
 
 
 @pytest.mark.parametrize("part", ["march of a period, recorded", "its monodromy", "its multipliers", "the model"])

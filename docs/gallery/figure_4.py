@@ -39,7 +39,7 @@ def main(step: float = 1.0, workers: int = 2) -> None:
 def draw(axes: Axes, found: xr.Dataset) -> None:
     """Impulses of the tip stops; those of motions that did not settle in grey."""
     omega, impulse = found.angular_frequency, found.impulse.values / 1e4
-    unsettled = found.order.values == 0
+    unsettled = found.period_multiple.values == 0
     for stop, colour, label in TIP:
         axes.plot(omega, impulse[:, stop], ".", ms=1.5, color=colour, label=label)
         axes.plot(omega[unsettled], impulse[unsettled, stop], ".", ms=1.5, color="#999999")

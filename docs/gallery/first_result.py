@@ -61,7 +61,7 @@ def curve(axes: Axes, step: float, fe_step: float, workers: int) -> None:
     title = f"Certified steady states: {counts[0]} analytic, {counts[1]} by finite elements"
     axes.set_title(title, fontsize=9, loc="left")
     axes.legend(fontsize=7)
-    certified = [int((found.order > 0).sum()) for found in (exact, fe)]
+    certified = [int((found.period_multiple > 0).sum()) for found in (exact, fe)]
     print(
         f"Certified periodic: {certified[0]} of {counts[0]} analytic, {certified[1]} of {counts[1]} by finite elements"
     )

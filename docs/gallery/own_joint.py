@@ -28,7 +28,13 @@ pipe = Problem(
 )
 one, other = (solver.steady_state(pipe) for solver in (analytic.Solver(), fe_lapjoint.Solver()))
 for found in (one, other):
-    print(found.outcome.value, f"Order {found.order};", "impulses", found.impulses.round(4), "N s")
+    print(
+        found.outcome.value,
+        f"Repeats after {found.period_multiple} periods;",
+        "impulses",
+        found.impulses.round(4),
+        "N s",
+    )
 apart = np.max(np.abs(one.impulses - other.impulses)) / np.max(np.abs(one.impulses))
 print("The solvers agree" if apart < 1e-4 else "The solvers disagree", f"to {apart:.0e} of the largest impulse.")
 figures.save(figures.plot_motion(one.history), __file__.replace(".py", ".png"))

@@ -14,7 +14,8 @@ cases = (joint.replace(title="Four stops"), joint.replace(title="Top stops only"
 panels = figures.new_panels(2, 1, 7.0, 4.6, sharex=True)
 for axes, problem in zip(panels, cases, strict=True):
     found = analytic.Solver().steady_state(problem)
-    print(f"{problem.title}: order {found.order}, {'symmetric' if found.symmetric else 'not symmetric'}")
+    mirrored = "symmetric" if found.symmetric else "not symmetric"
+    print(f"{problem.title}: period multiple {found.period_multiple}, {mirrored}")
     figures.plot_spectrum(found.history, axes)
 panels[0].set_xlabel("")
 figures.save(panels, __file__.replace(".py", ".png"))

@@ -101,17 +101,18 @@ def batches(plan: Plan, done: set[int], sections: dict[int, dict[str, Any] | Non
 def _solve(
     plan: Plan, solver: Solver, cell: int, section: dict[str, Any] | None
 ) -> tuple[Point, dict[str, Any] | None]:
-    """The point of a cell, and the section to go on from: the last one found, where the solver gives up."""
+    """The point of a cell, and the section point to go on from: the last one found, where the solver gives up."""
     try:
         problem = plan.problem_at(cell, solver)
-        found = solver.steady_state(problem, start=None if section is None else section_from(section))
+        start = None if section is None else section_from(section)
+        found = solver.steady_state(problem, start=start, sensitivity=plan.sensitivity)
     except SolverError as error:
         return Point(message=str(error)), section
     except InputError as error:
         message = str(error)
         where = plan.describe(cell)
         raise InputError(message if message.startswith(where) else f"{where}: {message}") from None
-    return point_of(found), plain_section(found.section) if plan.chained else None
+    return point_of(found), plain_section(found.section_point) if plan.chained else None
 
 
 @lru_cache(maxsize=4)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.answers.steady_state import Outcome
+from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.errors import InputError, OutputError
@@ -28,15 +29,18 @@ SAME_MOTION = 1e-3
 """Two motions are the same if their impulses differ by less than this, relative to the largest at the point."""
 
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
-# Name of the variable, field of the point, kind, units, and what it is.
-_SCALARS: tuple[tuple[str, str, str, str, str], ...] = (
-    ("order", "order", "i4", "1", "excitation periods after which the motion repeats; 0: it was not found to repeat"),
-    ("residual", "residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
-    ("multiplier", "multiplier", "f8", "1", "modulus of the largest Floquet multiplier"),
-    ("exponent", "exponent", "f8", "s-1", "largest Lyapunov exponent, measured where the motion does not repeat"),
-    ("spread", "spread", "f8", "s-1", "standard error of the largest Lyapunov exponent"),
-    ("span", "span", "f8", "s", "duration of the motion whose contacts are kept"),
+_LEADING = "the Floquet multiplier of largest modulus; of a conjugate pair, the one with the positive imaginary part"
+# Name of the variable and of the point's field, kind, units, and what it is.
+_SCALARS: tuple[tuple[str, str, str, str], ...] = (
+    ("period_multiple", "i4", "1", "excitation periods after which the motion repeats; 0: it was not found to repeat"),
+    ("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
+    ("multiplier_real", "f8", "1", f"real part of {_LEADING}"),
+    ("multiplier_imag", "f8", "1", f"imaginary part of {_LEADING}"),
+    ("exponent", "f8", "s-1", "largest Lyapunov exponent, measured where the motion does not repeat"),
+    ("standard_error", "f8", "s-1", "standard error of the largest Lyapunov exponent"),
+    ("duration", "f8", "s", "duration of the motion whose contacts are kept"),
 )
+_GROWTH = ("growth", "f8", "1", "largest factor by which a deviation grew on the way to the motion")
 _CONTACTS: tuple[tuple[str, str, str, str], ...] = (
     ("contact_stop", "i4", "", "index of the stop, from 0"),
     ("contact_start", "f8", "s", "time of impact, since the start of the motion that is kept"),
@@ -107,8 +111,8 @@ def _certificate(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict
     }
     codes = shaped([OUTCOME_CODES[point.outcome] for point in points], "i1")
     found["outcome"] = grid, codes, {"long_name": "what the search for a steady state established", **meanings}
-    for name, field, kind, units, text in _SCALARS:
-        values = shaped([getattr(point, field) for point in points], kind)
+    for name, kind, units, text in (*_SCALARS, _GROWTH) if plan.sensitivity else _SCALARS:
+        values = shaped([getattr(point, name) for point in points], kind)
         found[name] = grid, values, {"units": units, "long_name": text}
     yes_no = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
     text = "whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)"
@@ -121,13 +125,13 @@ def _certificate(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict
 def _contacts(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[str, Variable]:
     counts = np.array([len(point.contacts) for point in points], dtype="i4").reshape(plan.shape)
     rows = [contact for point in points for contact in point.contacts]
-    order = ", ".join(grid)
+    names = ", ".join(grid)
     attributes: dict[str, Any] = {
         "units": "1",
         "long_name": "number of contacts in the motion that is kept",
         "sample_dimension": "contact",
         "comment": "Contiguous ragged array: the contacts of each motion lie together along the dimension contact, "
-        f"motion after motion in C order of ({order}), the last fastest. Those of the motion with the flat index i "
+        f"motion after motion in C order of ({names}), the last fastest. Those of the motion with the flat index i "
         "are contact_*[sum(contact_count.flat[:i]) : sum(contact_count.flat[:i + 1])].",
     }
     found: dict[str, Variable] = {"contact_count": (grid, counts, attributes)}
@@ -143,7 +147,7 @@ def _contacts(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[st
 def _distinct(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> Variable:
     counts = [_motions(points[i : i + plan.starts]) for i in range(0, len(points), plan.starts)]
     text = (
-        "number of different motions among the starts: by order and impulses (mirror images count twice); "
+        "number of different motions among the starts: by period multiple and impulses (mirror images count twice); "
         "all that do not repeat count as one"
     )
     attributes = {"units": "1", "long_name": text, "relative_tolerance": SAME_MOTION}
@@ -162,15 +166,16 @@ def _motions(points: list[Point]) -> int:
 
 
 def _same(one: Point, other: Point, tolerance: float) -> bool:
-    if one.order != other.order:
+    if one.period_multiple != other.period_multiple:
         return False
-    return one.order == 0 or bool(np.allclose(one.impulses, other.impulses, rtol=0.0, atol=tolerance))
+    return one.period_multiple == 0 or bool(np.allclose(one.impulses, other.impulses, rtol=0.0, atol=tolerance))
 
 
 def _attributes(plan: Plan) -> dict[str, Any]:
     identity = plan.identity
     return {
         "Conventions": "CF-1.11",
+        "format_version": FORMAT_VERSION,
         "title": f"Steady states of: {plan.grid.problem.title or 'a joint'}",
         "problem": identity["problem"],
         "solver": plan.solver,
@@ -178,6 +183,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         "start": plan.start,
         "starts": plan.starts,
         "seed": plan.seed,
+        "sensitivity": int(plan.sensitivity),
         **{f"version_{name}": number for name, number in identity["versions"].items()},
         "fingerprint": plan.fingerprint,
     }
@@ -213,7 +219,7 @@ def read_curve(path: str | Path) -> xr.Dataset:
     Raises
     ------
     InputError
-        If there is no such file, or it is not one.
+        If there is no such file, it is not one, or an older or newer version of lapjoint wrote it in another format.
     """
     import xarray as xr
 
@@ -225,4 +231,7 @@ def read_curve(path: str | Path) -> xr.Dataset:
         raise InputError(f"{path}: cannot be read: {reason}") from None
     if "fingerprint" not in found.attrs or "outcome" not in found:
         raise InputError(f"{path}: is not the result of a sweep")
+    reason = refusal(found.attrs.get("format_version", 1))
+    if reason:
+        raise InputError(f"{path}: {reason}")
     return found

@@ -15,11 +15,11 @@ from io import FileIO
 from pathlib import Path
 from typing import Any
 
+from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError, OutputError
 
-FORMAT = 1
 BEGINNING = b'{"journal":'
 
 
@@ -99,7 +99,7 @@ class Journal:
         self._file.seek(good)
         self._file.truncate()
         if good == 0:
-            self._write({"journal": FORMAT, "fingerprint": self.plan.fingerprint, **self.plan.identity})
+            self._write({"journal": FORMAT_VERSION, "fingerprint": self.plan.fingerprint, **self.plan.identity})
 
     def _load(self, force: bool) -> int:
         """Take the points in the file; returns the number of bytes that are good."""
@@ -116,7 +116,7 @@ class Journal:
         header = _parsed(raw)
         if header is None and BEGINNING.startswith(raw[: len(BEGINNING)]):
             return False  # cut short, before any point was kept
-        if header is not None and header.get("fingerprint") == self.plan.fingerprint and header["journal"] == FORMAT:
+        if header is not None and self._same_format(header) and header.get("fingerprint") == self.plan.fingerprint:
             return True
         if not force:
             raise InputError(
@@ -127,8 +127,14 @@ class Journal:
     def _difference(self, header: dict[str, Any] | None) -> str:
         if header is None or "fingerprint" not in header:
             return "is there already, and is not a journal of a sweep"
+        if not self._same_format(header):
+            return refusal(header.get("journal"))
         different = [key for key, value in self.plan.identity.items() if header.get(key) != value]
-        return f"holds another sweep, not finished (it differs in {', '.join(different) or 'format'})"
+        return f"holds another sweep, not finished (it differs in {', '.join(different)})"
+
+    @staticmethod
+    def _same_format(header: dict[str, Any]) -> bool:
+        return not refusal(header.get("journal"))
 
     def _taken(self, raw: bytes) -> bool:
         """Whether a later line could be read."""

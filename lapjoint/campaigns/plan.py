@@ -51,6 +51,8 @@ class Plan:
         Number of starts at each point; with "rest", those after the first are random.
     seed : int
         Seed of the random initial states.
+    sensitivity : bool
+        Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
 
     Raises
     ------
@@ -64,6 +66,7 @@ class Plan:
     start: Start = "rest"
     starts: int = 1
     seed: int = 0
+    sensitivity: bool = False
 
     def __post_init__(self) -> None:
         if self.start not in get_args(Start):
@@ -137,6 +140,7 @@ class Plan:
             "start": self.start,
             "starts": self.starts,
             "seed": self.seed,
+            "sensitivity": self.sensitivity,
             "versions": versions(),
         }
 

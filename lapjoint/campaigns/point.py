@@ -23,21 +23,25 @@ class Point:
 
     outcome: str = FAILED
     """Name of the `lapjoint.answers.steady_state.Outcome`, or `FAILED`."""
-    order: int = 0
+    period_multiple: int = 0
+    """Excitation periods after which the motion repeats; 0 if it was not found to."""
     symmetric: bool = False
     residual: float = math.nan
-    multiplier: float = math.nan
-    """Modulus of the largest Floquet multiplier."""
+    multiplier_real: float = math.nan
+    multiplier_imag: float = math.nan
+    """Floquet multiplier of largest modulus; of a conjugate pair, the one with the positive imaginary part."""
     exponent: float = math.nan
     """Largest Lyapunov exponent, 1/s."""
-    spread: float = math.nan
+    standard_error: float = math.nan
     """Its standard error, 1/s."""
     impulses: tuple[float, ...] = ()
     """Impulse of each stop over one excitation period, N s; empty if the solver gave up."""
-    span: float = math.nan
+    duration: float = math.nan
     """Duration of the motion whose contacts are kept, s."""
     contacts: tuple[tuple[int, float, float, float, float, int], ...] = ()
     """Stop, start after the motion's, s, duration, s, impulse, N s, peak force, N, and where it is cut."""
+    growth: float = math.nan
+    """Largest factor by which a deviation grew on the way to the motion; NaN if it was not measured."""
     message: str = ""
     """Why the solver gave up."""
 
@@ -45,17 +49,19 @@ class Point:
 def point_of(found: SteadyState) -> Point:
     """What is kept of a steady state."""
     history, exponent = found.history, found.exponent
-    multipliers = np.asarray(found.multipliers)
+    leading = complex(found.multipliers[0]) if found.multipliers.size else complex(math.nan, math.nan)
+    growth = None if found.acceptance is None else found.acceptance.growth
     return Point(
         outcome=found.outcome.name,
-        order=int(found.order),
+        period_multiple=int(found.period_multiple),
         symmetric=bool(found.symmetric),
         residual=float(found.residual),
-        multiplier=float(np.max(np.abs(multipliers))) if multipliers.size else math.nan,
+        multiplier_real=leading.real,
+        multiplier_imag=abs(leading.imag),
         exponent=math.nan if exponent is None else float(exponent.value),
-        spread=math.nan if exponent is None else float(exponent.spread),
+        standard_error=math.nan if exponent is None else float(exponent.standard_error),
         impulses=tuple(np.asarray(found.impulses, dtype=float).tolist()),
-        span=float(history.end - history.start),
+        duration=float(history.end - history.start),
         contacts=tuple(
             (
                 int(c.stop),
@@ -67,14 +73,19 @@ def point_of(found: SteadyState) -> Point:
             )
             for c in history.contacts
         ),
+        growth=math.nan if growth is None else float(growth),
     )
 
 
-def plain_section(section: SectionPoint) -> dict[str, Any]:
-    """A section as JSON can hold it; Python writes each float with the digits that give it back exactly."""
-    return {"closed": list(section.state.closed), "coordinates": np.asarray(section.coordinates, dtype=float).tolist()}
+def plain_section(point: SectionPoint) -> dict[str, Any]:
+    """A section point as JSON can hold it; Python writes each float with the digits that give it back exactly."""
+    plain = {"closed": list(point.state.closed), "coordinates": np.asarray(point.coordinates, dtype=float).tolist()}
+    if point.nodes is not None:
+        plain["nodes"] = np.asarray(point.nodes, dtype=float).tolist()
+    return plain
 
 
 def section_from(plain: dict[str, Any]) -> SectionPoint:
-    """The section that `plain_section` made plain."""
-    return SectionPoint(ContactState(tuple(plain["closed"])), np.array(plain["coordinates"], dtype=float))
+    """The section point that `plain_section` made plain."""
+    nodes = np.array(plain["nodes"], dtype=float) if "nodes" in plain else None
+    return SectionPoint(ContactState(tuple(plain["closed"])), np.array(plain["coordinates"], dtype=float), nodes)

@@ -33,6 +33,7 @@ def sweep(
     start: Start = "rest",
     starts: int = 1,
     seed: int = 0,
+    sensitivity: bool = False,
     workers: Workers = 1,
     scheduler: str | None = None,
     out: str | Path | None = None,
@@ -58,6 +59,8 @@ def sweep(
         Number of starts at each point; with "rest", those after the first are random.
     seed : int
         Seed of the random initial states.
+    sensitivity : bool
+        Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
     workers : int or map-like callable
         Number of processes, -1 for all processors; or what maps a function over an iterable, as
         ``multiprocessing.Pool.imap_unordered`` does.  A script that asks for processes must do so below
@@ -86,7 +89,7 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
-    plan = Plan(Grid(problem, tuple(axes)), solver, dict(options or {}), start, starts, seed)
+    plan = Plan(Grid(problem, tuple(axes)), solver, dict(options or {}), start, starts, seed, sensitivity)
     return run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
 
 

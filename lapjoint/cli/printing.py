@@ -9,6 +9,7 @@ import click
 
 from lapjoint import History, Modes, Problem, SteadyState
 from lapjoint.answers.contact_state import state_label
+from lapjoint.answers.steady_state import Acceptance
 from lapjoint.figures.text import apart, cut_to
 from lapjoint.output_files import write_file
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 ROWS_SHOWN = 20
 FAILURES_SHOWN = 5
+MULTIPLIERS_SHOWN = 5
 NAME_SHOWN, STATE_SHOWN = 24, 48
 """Characters of the name of a stop, and of a state, in a table; files hold all of it."""
 
@@ -65,19 +67,34 @@ def print_steady_state(found: SteadyState) -> None:
     """Print what was found and how."""
     click.echo(found.problem.title or "Untitled problem")
     click.echo(f"{found.solver}: {found.outcome.value}")
-    if found.order:
-        periods = "period" if found.order == 1 else "periods"
+    if found.period_multiple:
+        multiple = f"{found.period_multiple} excitation period" + "s" * (found.period_multiple > 1)
         mirrored = ", mirrored after half of them" if found.symmetric else ""
-        click.echo(f"Repeats after {found.order} excitation {periods}, to {found.residual:.2g} of its size{mirrored}")
+        click.echo(f"Repeats after {multiple}, to {found.residual:.2g} of its size{mirrored}")
     if found.multipliers.size:
-        moduli = ", ".join(f"{value:.6g}" for value in found.multipliers[:5])
-        click.echo(f"Floquet multipliers, moduli: {moduli}{' ...' if found.multipliers.size > 5 else ''}")
+        shown = ", ".join(complex_text(complex(value)) for value in found.multipliers[:MULTIPLIERS_SHOWN])
+        click.echo(f"Floquet multipliers: {shown}{' ...' if found.multipliers.size > MULTIPLIERS_SHOWN else ''}")
     if found.exponent is not None:
-        rate, spread = found.exponent.value, found.exponent.spread
-        click.echo(f"Largest Lyapunov exponent: {rate:.4g} 1/s +- {spread:.2g}, over {found.exponent.periods} periods")
+        rate, error = found.exponent.value, found.exponent.standard_error
+        click.echo(f"Largest Lyapunov exponent: {rate:.4g} 1/s +- {error:.2g}, over {found.exponent.periods} periods")
         if found.exponent.negative:
-            click.echo("Nearby motions come together: it repeats, but after more periods than max_order")
+            click.echo("Nearby motions come together: it repeats, but after more periods than max_period_multiple")
+    if found.acceptance is not None and found.acceptance.sensitive:
+        click.echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]")
+
+
+def _sensitivity(acceptance: Acceptance) -> str:
+    """Why rounding or a push may have decided which motion was reached."""
+    if acceptance.pushes:
+        times = "once" if acceptance.pushes == 1 else f"{acceptance.pushes} times"
+        return f"the march was pushed off an unstable one {times}"
+    return f"on the way a deviation grew by a factor of {acceptance.growth:.1g}"
+
+
+def complex_text(value: complex) -> str:
+    """A complex number in six digits; a real one without its imaginary part."""
+    return f"{value.real:.6g}{value.imag:+.6g}i" if value.imag else f"{value.real:.6g}"
 
 
 def print_impulses(problem: Problem, impulses: list[float], heading: str) -> None:
@@ -97,15 +114,20 @@ def stop_column(problem: Problem) -> tuple[list[str], int]:
 
 def steady_state_summary(found: SteadyState) -> dict[str, Any]:
     """A steady state as JSON holds it."""
+    accepted = found.acceptance
     return {
         "solver": found.solver,
         "outcome": found.outcome.name.lower(),
-        "order": found.order,
+        "period_multiple": found.period_multiple,
         "symmetric": found.symmetric,
         "residual": found.residual,
-        "multipliers": found.multipliers.tolist(),
+        "multipliers_real": found.multipliers.real.tolist(),
+        "multipliers_imag": found.multipliers.imag.tolist(),
         "lyapunov_exponent_per_s": None if found.exponent is None else found.exponent.value,
-        "lyapunov_exponent_spread_per_s": None if found.exponent is None else found.exponent.spread,
+        "lyapunov_exponent_standard_error_per_s": None if found.exponent is None else found.exponent.standard_error,
+        "accepted_after_periods": None if accepted is None else accepted.periods,
+        "pushes": None if accepted is None else accepted.pushes,
+        "growth": None if accepted is None else accepted.growth,
         "impulses_Ns": dict(zip(found.problem.stop_names, found.impulses.tolist(), strict=True)),
     }
 

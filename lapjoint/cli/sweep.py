@@ -35,6 +35,9 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
 )
 @click.option("--starts", type=int, default=1, show_default=True, help="Starts at each point; further ones are random.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random states.")
+@click.option(
+    "--sensitivity", is_flag=True, help="Measure how much deviations grew on the way too; takes about as long again."
+)
 @click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
 @click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
 @click.option("--force", is_flag=True, help="Throw away another sweep that is in FILE.")
@@ -53,6 +56,7 @@ def sweep(
     start: Literal["rest", "up", "down", "random"],
     starts: int,
     seed: int,
+    sensitivity: bool,
     workers: int,
     scheduler: str | None,
     force: bool,
@@ -69,7 +73,7 @@ def sweep(
     axes = arguments.axes_from(first, last, step, fields)
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
-    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed)
+    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity)
     there = stored(plan, out, force=force)
     if there is None:
         with shown_points("sweep") as progress:

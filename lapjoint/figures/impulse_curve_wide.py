@@ -88,7 +88,7 @@ def certificates(dataset: xr.Dataset) -> Any:
     codes = np.full(dataset.outcome.shape, keys.index("failed"))
     for value, meaning in zip(np.atleast_1d(dataset.outcome.attrs["flag_values"]), meanings, strict=True):
         codes[dataset.outcome.values == value] = keys.index(meaning)
-    many = (codes == keys.index("periodic")) & (dataset.order.values > 1)
+    many = (codes == keys.index("periodic")) & (dataset.period_multiple.values > 1)
     return np.where(many, keys.index("periodic_n"), codes)
 
 

@@ -23,9 +23,10 @@ from lapjoint import (
     Modes,
     Outcome,
     Problem,
-    Section,
+    SectionPoint,
     SteadyState,
 )
+from lapjoint.answers.steady_state import Acceptance
 from lapjoint.errors import InputError, SolverError
 from lapjoint.solver import Progress
 
@@ -43,7 +44,7 @@ def installed(folder: Path) -> str:
 
 
 def asked(log: Path) -> list[tuple[float, float | None]]:
-    """What a solver was asked, in order: the frequency, and the mark of the section it was to start from."""
+    """What a solver was asked, in order: the frequency, and the mark of the section point it was to start from."""
     return [tuple(json.loads(line)) for line in log.read_text().splitlines()] if log.exists() else []
 
 
@@ -78,7 +79,12 @@ class Counting:
         return self
 
     def steady_state(
-        self, problem: Problem, *, start: Section | None = None, progress: Progress | None = None
+        self,
+        problem: Problem,
+        *,
+        start: SectionPoint | None = None,
+        sensitivity: bool = True,
+        progress: Progress | None = None,
     ) -> SteadyState:
         omega = problem.excitation_frequency
         assert omega is not None
@@ -90,12 +96,13 @@ class Counting:
         tip = float(problem.initial.displacement_at(np.array(problem.beam.length)))
         impulses = np.array([omega * (k + 1) + 1e5 * tip + past / 3 for k in range(len(problem.stops))])
         contacts = tuple(Contact(k, 0.1 * k, 0.1 * k + 0.05, j, 10 * j) for k, j in enumerate(impulses))
-        section = Section(ContactState((0,)), np.array([[omega / 3 + past / 7, 0.1], [-0.0, 1e-300]]))
+        section = SectionPoint(ContactState((0,)), np.array([[omega / 3 + past / 7, 0.1], [-0.0, 1e-300]]))
         contacts = contacts[: int(omega) % (len(impulses) + 1)]
         history = History(problem, self.name, 0.0, 1.0, np.zeros(0), (FREE,), contacts, field)
-        return SteadyState(
-            problem, self.name, Outcome.PERIODIC, 1, False, 1e-9, np.array([0.5]), None, section, history, impulses
-        )
+        multipliers = np.array([-0.3 - 0.4j, -0.3 + 0.4j])
+        acceptance = Acceptance(section, 8, growth=omega if sensitivity else None)
+        found = Outcome.PERIODIC, 1, False, 1e-9, multipliers, None, section, history, impulses, acceptance
+        return SteadyState(problem, self.name, *found)
 
     def _note(self, omega: float, mark: float | None) -> None:
         if "COUNTING_LOG" in os.environ:

@@ -80,7 +80,7 @@ def findings(problem: Problem, points: int, solver: str = "analytic") -> Finding
         omega = tuple(np.linspace(near - reach, near + reach, 13))
         tops.append(curve(problem, omega, solver).peak(near, reach))
     windows = curve(problem, WINDOWS, solver)
-    settled = (windows.dataset.order.values == 1) & (windows.asymmetry < SYMMETRIC)
+    settled = (windows.dataset.period_multiple.values == 1) & (windows.asymmetry < SYMMETRIC)
     return Findings(tuple(tops), int(settled.sum()), periodic(problem, points) if points else None, points)
 
 

@@ -88,10 +88,10 @@ def step() -> Entry:
 
 
 def _certificates(curve: Curve) -> str:
-    orders = curve.dataset.order.values
-    periodic = int((orders == 1).sum())
-    worst = float(np.nanmax(curve.dataset.multiplier.values))
-    return f"{periodic} of {orders.size} of period one, largest multiplier {worst:.3f}"
+    multiples = curve.dataset.period_multiple.values
+    periodic = int((multiples == 1).sum())
+    worst = float(np.nanmax(np.hypot(curve.dataset.multiplier_real.values, curve.dataset.multiplier_imag.values)))
+    return f"{periodic} of {multiples.size} of period one, largest multiplier {worst:.3f}"
 
 
 def _settled(curve: Curve) -> str:
@@ -102,7 +102,7 @@ def _settled(curve: Curve) -> str:
 def never_settling() -> list[Entry]:
     """The window near 1398 rad/s."""
     exact, fe, published = (at(solver, APERIODIC) for solver in ("analytic", "fe", PUBLISHED))
-    settles = bool((exact.dataset.order.values == 1).all() and (fe.dataset.order.values == 1).all())
+    settles = bool((exact.dataset.period_multiple.values == 1).all() and (fe.dataset.period_multiple.values == 1).all())
     height, by_fe = float(exact.tip[-1]), float(fe.tip[-1])
     return [
         Entry(
@@ -142,8 +142,8 @@ def asymmetric_windows() -> list[Entry]:
                 "Section 3",
                 f"one side's impulse grows and the other's falls to zero, {name} rad/s",
                 "asymmetric, unsteady after 4,000 impacts",
-                f"asymmetry {exact.asymmetry[rows].max():.1g}, period {_orders(exact, rows)}",
-                f"asymmetry {fe.asymmetry[rows].max():.1g}, period {_orders(fe, rows)}",
+                f"asymmetry {exact.asymmetry[rows].max():.1g}, period {_multiples(exact, rows)}",
+                f"asymmetry {fe.asymmetry[rows].max():.1g}, period {_multiples(fe, rows)}",
                 f"asymmetry {np.nanmax(published.asymmetry[rows]):.2g}, unsettled "
                 f"{int(published.outcome_is(Outcome.UNDECIDED)[rows].sum())} of 3",
                 Ruling.OVERTURNED if even else Ruling.CONFIRMED,
@@ -154,8 +154,8 @@ def asymmetric_windows() -> list[Entry]:
     return entries
 
 
-def _orders(curve: Curve, rows: slice) -> str:
-    return ", ".join(str(order) for order in sorted(set(curve.dataset.order.values[rows].tolist())))
+def _multiples(curve: Curve, rows: slice) -> str:
+    return ", ".join(str(multiple) for multiple in sorted(set(curve.dataset.period_multiple.values[rows].tolist())))
 
 
 def everywhere(curves: Figure4) -> Entry:

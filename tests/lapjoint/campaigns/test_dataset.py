@@ -42,9 +42,9 @@ def point(cell: int) -> Point:
     outcome = OUTCOMES[cell % len(OUTCOMES)]
     if cell % 8 == 7:
         return Point(message="stopped")
-    order = 0 if outcome in ("QUASIPERIODIC", "APERIODIC", "UNDECIDED") else 1 + cell % 2
+    multiple = 0 if outcome in ("QUASIPERIODIC", "APERIODIC", "UNDECIDED") else 1 + cell % 2
     contacts = tuple((k % 4, 0.1 * k, 0.05, float(cell), 2.0, 0) for k in range(cell % 7))
-    return Point(outcome, order, False, 1e-9, 0.5, math.nan, math.nan, impulses, 1.0, contacts)
+    return Point(outcome, multiple, False, 1e-9, 0.5, 0.0, math.nan, math.nan, impulses, 1.0, contacts)
 
 
 def dataset(this: Plan) -> xr.Dataset:
@@ -106,12 +106,12 @@ def test_other_readers_find_the_contacts_of_each_motion(tmp_path: Path) -> None:
         assert list(file["stop_name"][...]) == [b"P2", b"P3", b"P4", b"P5"]
 
 
-def test_distinct_motions_are_counted_by_order_and_impulses() -> None:
+def test_distinct_motions_are_counted_by_period_multiple_and_impulses() -> None:
     one = Point("PERIODIC", 1, impulses=(1.0, 0.0, 0.0, 0.0))
     near = replace(one, impulses=(1.0005, 0.0, 0.0, 0.0))
     far = replace(one, impulses=(1.1, 0.0, 0.0, 0.0))
-    double = replace(one, order=2)
-    wild = replace(one, outcome="APERIODIC", order=0)
+    double = replace(one, period_multiple=2)
+    wild = replace(one, outcome="APERIODIC", period_multiple=0)
     motions = [[one, near, Point()], [one, far, double], [wild, replace(wild, impulses=far.impulses), Point()]]
     motions += [[Point()] * 3]
     points = dict(enumerate(point for three in motions for point in three))
@@ -146,6 +146,19 @@ def test_another_dataset_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"a": ("x", np.zeros(2))}).to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
     with pytest.raises(InputError, match="is not the result of a sweep"):
         read_curve(tmp_path / "a.nc")
+
+
+@pytest.mark.parametrize(("version", "whose"), [(None, "an older"), (1, "an older"), (3, "a newer")])
+def test_a_file_of_another_format_is_refused(version: int | None, whose: str, tmp_path: Path) -> None:
+    path, found = tmp_path / "curve.nc", dataset(plan())
+    assert found.attrs.pop("format_version") == 2
+    if version is not None:
+        found.attrs["format_version"] = version
+    write_curve(found, path)
+    with pytest.raises(InputError) as error:
+        read_curve(path)
+    sentence = f"is of format version {version or 1}, which {whose} lapjoint wrote; this one reads version 2 only"
+    assert str(error.value) == f"{path}: {sentence}"
 
 
 def test_a_curve_shows_every_stop_with_its_sign() -> None:

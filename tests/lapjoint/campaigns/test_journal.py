@@ -19,7 +19,7 @@ from counting_solver import asked, installed
 
 import lapjoint.campaigns.batch
 import lapjoint.campaigns.dataset
-from lapjoint import ContactState, Section, paper_joint
+from lapjoint import ContactState, SectionPoint, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, run
 from lapjoint.campaigns.grid import Grid
 from lapjoint.campaigns.journal import Journal, journal_path
@@ -29,7 +29,17 @@ from lapjoint.errors import InputError, OutputError
 
 JOINT = paper_joint()
 POINT = Point(
-    "PERIODIC", 1, True, 0.1 + 0.2, math.nan, math.inf, -0.0, (1e-320, 1 / 3), 1.0, ((0, 0.0, 1.0, 2.0, 3.0, 1),)
+    "PERIODIC",
+    1,
+    True,
+    0.1 + 0.2,
+    -0.7,
+    0.1,
+    math.nan,
+    math.inf,
+    (-0.0, 1e-320, 1 / 3),
+    1.0,
+    ((0, 0.0, 1.0, 2.0, 3.0, 1),),
 )
 
 
@@ -71,9 +81,11 @@ def interrupted(out: Path, number: int = 10, **changes: Any) -> Plan:
     return this
 
 
-def test_what_it_keeps_comes_back_exactly(tmp_path: Path) -> None:
+@pytest.mark.parametrize("modal", [True, False])
+def test_what_it_keeps_comes_back_exactly(modal: bool, tmp_path: Path) -> None:
     journal = Journal(plan(), tmp_path / "curve.nc")
-    section = Section(ContactState((1, 3)), np.array([[1 / 3, -0.0], [5e-324, 1e300]]))
+    coordinates, nodes = np.array([[1 / 3, -0.0], [5e-324, 1e300]]), None if modal else np.array([0.0, 0.1, 2 / 3])
+    section = SectionPoint(ContactState((1, 3)), coordinates, nodes)
     journal.append({7: POINT, 8: Point(message="é")}, plain_section(section))
     journal.close()
     again = Journal(plan(), tmp_path / "curve.nc")
@@ -83,6 +95,7 @@ def test_what_it_keeps_comes_back_exactly(tmp_path: Path) -> None:
     back = section_from(again.sections[8] or {})
     assert back.state == section.state
     assert back.coordinates.tobytes() == section.coordinates.tobytes()
+    np.testing.assert_array_equal(back.nodes, section.nodes)
     again.close()
 
 
@@ -123,6 +136,21 @@ def test_another_sweep_is_thrown_away_only_when_told(out: Path) -> None:
     with pytest.raises(InputError, match="is the result of another sweep"):
         run(plan(), out=out)
     assert run(plan(), out=out, force=True).attrs["seed"] == 0
+
+
+@pytest.mark.parametrize(("version", "whose"), [(1, "an older"), (3, "a newer")])
+def test_a_journal_of_another_format_is_refused(version: int, whose: str, out: Path) -> None:
+    this = interrupted(out)
+    path = journal_path(out)
+    path.write_bytes(path.read_bytes().replace(b'{"journal":2,', f'{{"journal":{version},'.encode()))
+    sentence = (
+        f"{path}: is of format version {version}, which {whose} lapjoint wrote; this one reads version 2 only; "
+        "choose another --out, or throw it away with --force"
+    )
+    with pytest.raises(InputError) as error:
+        run(this, out=out)
+    assert str(error.value) == sentence
+    xr.testing.assert_identical(run(this, out=out, force=True), run(this))
 
 
 def test_what_is_not_a_sweep_is_not_overwritten(out: Path) -> None:

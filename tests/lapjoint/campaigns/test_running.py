@@ -61,11 +61,25 @@ def test_a_point_is_what_the_solver_says_there() -> None:
     found = Solver(n_modes=4).steady_state(paper_joint(angular_frequency=820.0, damping_ratio=0.1))
     there = curve.sel(angular_frequency=820.0, damping_ratio=0.1)
     np.testing.assert_array_equal(there.impulse, found.impulses)
-    assert there.multiplier == found.multipliers[0]
-    assert there.order == found.order
+    assert complex(there.multiplier_real, abs(there.multiplier_imag)) == found.multipliers[0]
+    assert there.period_multiple == found.period_multiple
+    assert there.duration == found.history.end - found.history.start
     assert there.contact_count == len(found.history.contacts)
     last = curve.contact_impulse[-len(found.history.contacts) :]  # it is the same as the last point, 820 and 0.1
     np.testing.assert_array_equal(last, [contact.impulse for contact in found.history.contacts])
+
+
+def test_the_leading_multiplier_of_a_pair_has_a_positive_imaginary_part(counting: Path) -> None:
+    curve = sweep(JOINT, [FREQUENCIES], **counted())
+    assert (curve.multiplier_real == -0.3).all()
+    assert (curve.multiplier_imag == 0.4).all()
+
+
+def test_growth_on_the_way_is_measured_only_if_asked(counting: Path) -> None:
+    without, asked_for = (sweep(JOINT, [FREQUENCIES], sensitivity=yes, **counted()) for yes in (False, True))
+    assert "growth" not in without
+    np.testing.assert_array_equal(asked_for.growth, asked_for.angular_frequency)
+    xr.testing.assert_equal(without, asked_for.drop_vars("growth"))
 
 
 @pytest.mark.parametrize("mapper", [map, "threads"])

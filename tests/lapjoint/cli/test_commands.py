@@ -116,6 +116,10 @@ def test_steady_prints_the_impulse_of_every_stop(tmp_path: Path) -> None:
     content = json.loads(path.read_text())
     exact = Solver(n_modes=8).steady_state(paper_joint())
     assert list(content["impulses_Ns"].values()) == exact.impulses.tolist()
+    assert content["period_multiple"] == exact.period_multiple
+    assert [
+        complex(*parts) for parts in zip(content["multipliers_real"], content["multipliers_imag"], strict=True)
+    ] == (exact.multipliers.tolist())
     assert "Floquet multipliers" in printed
     assert all(name in printed for name in ("P2", "P3", "P4", "P5"))
 
@@ -344,22 +348,22 @@ def test_a_solver_that_gives_up_ends_with_status_1(monkeypatch: pytest.MonkeyPat
 def test_an_undecided_motion_ends_with_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Solver(n_modes=8).steady_state(paper_joint())
     exponent = Exponent(0.1, 0.2, 400, time=4.0, halves=(0.0, 0.2), quarters=(0.0, 0.0, 0.2, 0.2))
-    undecided = replace(found, outcome=Outcome.UNDECIDED, order=0, multipliers=np.zeros(0), exponent=exponent)
+    undecided = replace(found, outcome=Outcome.UNDECIDED, period_multiple=0, multipliers=np.zeros(0), exponent=exponent)
     monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided)
     result = run("steady", PAPER)
     assert result.exit_code == 1
     assert "the motion did not settle" in result.stdout
     assert "exponent: 0.1 1/s +- 0.2, over 400 periods" in result.stdout
     assert "Repeats" not in result.stdout
-    assert "max_order" not in result.stdout
+    assert "max_period_multiple" not in result.stdout
 
 
 def test_a_motion_of_more_periods_than_were_looked_for_is_said_to_be_one(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Solver(n_modes=8).steady_state(paper_joint())
     exponent = Exponent(-0.3, 0.01, 4000, time=200.0, halves=(-0.3, -0.3), quarters=(-0.3,) * 4)
-    longer = replace(found, outcome=Outcome.UNDECIDED, order=0, multipliers=np.zeros(0), exponent=exponent)
+    longer = replace(found, outcome=Outcome.UNDECIDED, period_multiple=0, multipliers=np.zeros(0), exponent=exponent)
     monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: longer)
-    assert "repeats, but after more periods than max_order" in run("steady", PAPER).stdout
+    assert "repeats, but after more periods than max_period_multiple" in run("steady", PAPER).stdout
 
 
 @pytest.mark.parametrize("status", [0, 1])
