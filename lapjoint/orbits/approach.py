@@ -140,6 +140,8 @@ def _decays(
     if not np.all(np.isfinite(parts)):
         return False
     slow = np.abs(parts) * np.linalg.norm(vectors, axis=0) > _DECAYED * size
+    if not slow.any():
+        return True
     columns = vectors[:, slow] * parts[slow]
     real, imaginary = watch.deviated(np.real(columns)), watch.deviated(np.imag(columns))
 
