@@ -15,6 +15,7 @@ from analytic.march.march import joined
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -109,6 +110,12 @@ class PeriodMap:
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point with other numbers of modes, or of other gaps."""
+        known = all(k < len(self.problem.stops) for k in point.state.closed)
+        coordinates = np.asarray(point.coordinates, dtype=float)
+        if point.nodes is not None or coordinates.ndim != 2 or coordinates.shape[0] != 2 or not known:
+            raise InputError("start: is no section point of the analytic solver for a joint with these stops")
+        if not np.all(np.isfinite(coordinates)):
+            raise InputError("start: has coordinates that are not finite")
         return _section_point(resumed(self.joint, point))
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:

@@ -7,6 +7,7 @@ done so far is in a `Motion`, which they change in place, so they are called aga
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -91,6 +92,12 @@ class Work(NamedTuple):
     """Whether each stop switched just now, shape ``(P,)``."""
 
 
+@lru_cache(maxsize=64)
+def no_log(modes: int, stops: int) -> Log:
+    """A log without room, to which nothing is ever written."""
+    return new_log(0, modes, stops)
+
+
 def new_log(rows: int, modes: int, stops: int) -> Log:
     """An empty log."""
     return Log(
@@ -115,10 +122,11 @@ def new_motion(slot: int, start: float, q: FloatArray, v: FloatArray, modes: int
         time=np.array([start, 0.0]),
         q=np.zeros(modes),
         v=np.zeros(modes),
-        last_switch=np.full(stops, start),
+        last_switch=np.zeros(stops),
         total=np.zeros(stops),
     )
     motion.q[: q.size], motion.v[: v.size] = q, v
+    motion.last_switch[:] = start
     return motion
 
 

@@ -83,7 +83,7 @@ def gap_view(motion: March) -> list[GapSegment]:
                 deviation_amplitudes=A[i, :free],
                 drift=drift[i],
                 stop=int(log.stop[i]),
-                rate=float(log.rate[i]),
+                rate=float(log.rate[i]) if log.stop[i] >= 0 else 0.0,
             )
         )
     return segments

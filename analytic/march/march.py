@@ -19,6 +19,7 @@ from analytic.march.compiled import (
     advance,
     new_log,
     new_motion,
+    no_log,
 )
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
@@ -97,7 +98,8 @@ def march(
         If more than `max_switches` switches occur, or the march makes no progress.
     """
     motion = begun(joint, begin, start)
-    log, full = new_log(_ROOM if record else 0, motion.q.size, motion.total.size), []
+    modes, stops = motion.q.size, motion.total.size
+    log, full = new_log(_ROOM, modes, stops) if record else no_log(modes, stops), []
     parts = _PROGRESS_PARTS if progress is not None and not record else 1
     for goal in [start + (end - start) * (i + 1) / parts for i in range(parts - 1)] + [end]:
         status = LOG_FULL
@@ -105,7 +107,8 @@ def march(
             status, logged = advance(joint.tables, None, motion, goal, log, depth, 0.0, max_switches)
             if logged:
                 full.append(copied(log, logged))
-            settle_status(joint, motion, status, max_switches)
+            if status != DONE:
+                settle_status(joint, motion, status, max_switches)
             if progress is not None:
                 progress(float(motion.time[0]) - start, end - start)
     return March(joint, joined(full) if full else log, ended(joint, motion), motion.total)

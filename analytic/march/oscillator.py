@@ -41,10 +41,10 @@ def forced_answer(force: FloatArray, omega: FloatArray, decay: FloatArray, drive
 
 def away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArray) -> FloatArray:
     """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays."""
-    result = omega.copy()
-    for value in driven:
-        hit = (decay < _SEPARATE * omega) & (np.abs(omega - value) < _SEPARATE * omega)
-        result[hit] = value * (1 + _SEPARATE)
+    least = _SEPARATE * omega
+    undamped, result = decay < least, omega
+    for value in driven if undamped.any() else ():
+        result = np.where(undamped & (np.abs(omega - value) < least), value * (1 + _SEPARATE), result)
     return result
 
 

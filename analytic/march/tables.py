@@ -30,6 +30,7 @@ BoolArray = npt.NDArray[np.bool_]
 
 HALVINGS = 40
 """Tabulated steps, each half the one before: from the longest, a period of a slow mode, down to 1e-12 of it."""
+_HALVES = 0.5 ** np.arange(HALVINGS)
 _UNIT_TABLES = 32  # kept: a few for each family, as more states become known; about 1 MB each with 20 modes
 _FLAT_STATES = 256  # kept, as in `analytic.march.modal_state`; about 60 kB each with 20 modes
 
@@ -126,7 +127,7 @@ _PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
 def tabulated_steps(problem: Problem) -> FloatArray:
     """The tabulated steps, s, shape ``(HALVINGS,)``."""
     beam = problem.beam
-    return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * 0.5 ** np.arange(HALVINGS))
+    return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * _HALVES)
 
 
 @lru_cache(maxsize=_FLAT_STATES)
@@ -300,7 +301,7 @@ def scale(
     tables.harmonic[slots] = forced_answer(tables.force[slots, 1:], omega, decay, tables.omega)
     moved = tables.weight[slots, :, :N] @ tables.harmonic[slots].transpose(0, 2, 1)
     tables.forced[slots] = moved + residual[:, :, 1:] * sizes[1:]
-    if not np.array_equal(omega, natural):
+    if omega is not natural:
         for row, i in np.argwhere(omega != natural):
             _move(tables, slots.start + int(row), int(i), omega[row, i : i + 1], decay[row, i : i + 1])
 
@@ -309,19 +310,12 @@ def _move(tables: Tables, slot: int, i: int, omega: FloatArray, decay: FloatArra
     """Give an undamped mode another frequency, rad/s, shape ``(1,)``, as `away_from_resonance` has it."""
     root = roots_of(omega, decay)[0, 0]
     tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
-    tables.turn[slot, :, i] = np.exp(tables.longest * 0.5 ** np.arange(HALVINGS) * root)
+    tables.turn[slot, :, i] = np.exp(tables.longest * _HALVES * root)
     tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2
 
 
 def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
     """A joint's own copy of the known states, with its harmonics."""
-    own = {name: getattr(unit.tables, name).copy() for name in _PER_SLOT}
-    steps = unit.tables.longest * 0.5 ** np.arange(HALVINGS)
-    turn = np.exp(1j * np.outer(steps, harmonics.omega))
-    return unit.tables._replace(
-        **own,
-        omega=harmonics.omega,
-        phase=harmonics.phase,
-        harmonic_turn=turn,
-        **{name: getattr(unit.tables, name).copy() for name in ("position", "sign", "gap")},
-    )
+    own = Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in unit.tables)
+    turn = np.exp(1j * (unit.tables.longest * _HALVES[:, None] * harmonics.omega))
+    return own._replace(omega=harmonics.omega, phase=harmonics.phase, harmonic_turn=turn)

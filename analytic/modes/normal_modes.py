@@ -1,4 +1,17 @@
-"""Mass-normalised modes (16)-(17) of any contact state, with exact shapes."""
+r"""Mass-normalised modes (16)-(17) of any contact state, with exact shapes, and a sign that neighbours share.
+
+A mode is found up to its sign.  The sign is chosen so that it changes continuously with the problem where that can be,
+because a section point of one problem is reused, as modal coordinates, in its neighbours: at the tip
+
+    phi + phi''' / beta^3 > 0,
+
+and rigid-body modes rise to the tip, or are constant.  A spring k at the tip, of a support or a stop, makes
+EI phi''' = k phi, so the two parts have one sign and cancel for no k from 0 to infinity.  Where no spring acts between
+the ends the sum cannot vanish: with phi = phi''' = 0 at the tip, the solution of (8) that goes on from there has all
+derivatives of one sign, and meets no condition at the root.  Nor can it where the nearest spring is many wavelengths
+from the tip, whatever that spring is.  What remains are single stiffnesses at which, with a spring between the ends,
+the sum of a low mode passes 0, and crossings of two frequencies.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +73,15 @@ def _exact_modes(
     shapes = _joined(_rigid_shapes(layout, rigid, L), elastic)
     norm = 1 / np.sqrt(beam.m * np.diag(gram(shapes, shapes)))  # (16), (17)
     shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
+    shapes = shapes.scaled(np.where(_at_tip(shapes, z / L) < 0, -1.0, 1.0))
     return NormalModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
+
+
+def _at_tip(shapes: BeamFunctions, beta: FloatArray) -> FloatArray:
+    """phi + phi''' / beta^3 at the tip of each mode, or 1 for rigid-body modes, shape ``(modes,)``; `beta` in 1/m."""
+    tip, elastic = shapes.nodes[-1:], beta > 0
+    cube = np.where(elastic, beta, 1.0) ** 3
+    return np.where(elastic, shapes(tip)[:, 0] + shapes(tip, 3)[:, 0] / cube, 1.0)
 
 
 def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:

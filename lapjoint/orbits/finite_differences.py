@@ -49,9 +49,9 @@ class FiniteDifferences:
         now, points, growth = start, [], np.zeros(periods)
         impulses, switches = np.zeros(len(self.map.problem.stops)), 0
         for i in range(periods):
-            length = _SMALL * max(self.map.size(now), np.finfo(float).tiny)
-            beside = self.map.march(self.map.moved(now, length * deviation), 2).end
             passage = self.map.march(now, 2)
+            length = _SMALL * max(self.map.size(now), self.map.size(passage.end), np.finfo(float).tiny)
+            beside = self.map.march(self.map.moved(now, length * deviation), 2).end
             now = passage.end
             deviation = self.map.difference(beside, now)
             size = self.map.norm(deviation)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic.characteristic import Layout, characteristic, count_below, frequencies, layout_of
+from analytic.modes.characteristic_equation import Layout, characteristic, count_below, frequencies, layout_of
 from lapjoint import Beam, Problem, Stop, Support, contact_states, paper_joint
 
 DIGITS = 50

@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 import analytic
-from analytic.kernel import first_root_of_bound
-from analytic.state import build_state, family_of
+from analytic.march.joint import Joint
+from analytic.march.step_bound import first_root_of_bound
 from lapjoint import (
     FREE,
     BaseMotion,
@@ -74,8 +74,8 @@ def test_one_mode_before_contact_is_the_textbook_oscillator(damping: object) -> 
 
 
 def residual_at_tip(problem: Problem, t: float) -> float:
-    model = build_state(problem, family_of(problem), FREE, 1)
-    return float(model.residual(np.array([2.0]))[1, 0] * math.sin(40.0 * t))
+    residual = Joint(problem, 1, 1).residual(FREE)
+    return float(residual(np.array([2.0]))[1, 0] * math.sin(40.0 * t))
 
 
 def test_a_contact_ends_where_the_force_vanishes_and_its_impulse_is_the_area() -> None:

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from analytic.modes import exact_modes
-from analytic.shapes import gram, integral
-from analytic.state import build_passage, build_state, family_of
-from lapjoint import FREE, Beam, ContactState, Problem, Support, contact_states, paper_joint
+from analytic.march.joint import Joint
+from analytic.modes.beam_functions import gram, integral
+from analytic.modes.normal_modes import exact_modes
+from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, contact_states, paper_joint
 
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
 PROBLEMS = {
@@ -51,9 +51,9 @@ def test_closed_form_inner_products_agree_with_quadrature() -> None:
 def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:
     # (8) by parts: (omega_i^2 - omega_j^2) <Phi_i, Phi_j> = sum of k Phi_i Phi_j over the stops that differ.
     problem = paper_joint()
-    family = family_of(problem)
-    free, both = (build_state(problem, family, state, 30) for state in (FREE, ContactState((0, 1))))
-    S = build_passage(problem, family, free, both).S
+    joint, both_closed = Joint(problem, 30, 30), ContactState((0, 1))
+    free, both = joint.modal(FREE), joint.modal(both_closed)
+    S = joint.passage(FREE, both_closed).S
     k = problem.stops[0].stiffness
     jump = k * both.at_stops[:2].T @ free.at_stops[:2]
     squares = both.modes.omega[:, None] ** 2 - free.modes.omega**2
@@ -91,11 +91,12 @@ def test_derivatives_of_shapes_agree_with_differences() -> None:
 
 def test_residual_shape_is_the_sum_of_the_left_out_modes() -> None:
     problem, state, x = paper_joint(), ContactState((0, 1)), np.array([0.3, 1.25, 2.5])
-    few, many = (build_state(problem, family_of(problem), state, count) for count in (20, 300))
-    forces = np.vstack([many.F0, many.Fh])[:, 20:]
+    few, joint = Joint(problem, 20, 20), Joint(problem, 300, 300)
+    many = joint.modal(state)
+    forces = (many.force * joint.sizes[:, None])[:, 20:]
     summed = (forces / many.modes.omega[20:] ** 2) @ many.modes.shapes(x)[20:]
     # The sum is cut at 300 modes (3e-4 of it is left out) and the foundation of the closed form moves it by 1e-6.
-    np.testing.assert_allclose(few.residual(x), summed, rtol=2e-3, atol=2e-3 * np.abs(summed).max())
+    np.testing.assert_allclose(few.residual(state)(x), summed, rtol=2e-3, atol=2e-3 * np.abs(summed).max())
 
 
 def test_frequencies_of_all_nine_states_interlace_the_free_ones() -> None:
@@ -105,3 +106,37 @@ def test_frequencies_of_all_nine_states_interlace_the_free_ones() -> None:
         omega = exact_modes(problem, state, 10).omega
         assert np.all(omega >= free[:10] * (1 - 1e-14))
         assert np.all(omega <= free[len(state.closed) : 10 + len(state.closed)] * (1 + 1e-14))
+
+
+CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
+ENDS = {
+    "clamped": (CLAMP,),
+    "clamped, on a spring at the tip": (CLAMP, Support(x=2.0, translational=3e5, torsional=1e4)),
+    "pinned at both ends": tuple(Support(x=x, translational=math.inf) for x in (0.0, 2.0)),
+    "free": (),
+}
+
+
+@pytest.mark.parametrize("ends", ENDS)
+def test_modes_keep_their_sign_as_a_stop_at_the_tip_stiffens(ends: str) -> None:
+    """From one stiffness to the next, 30 % more, a section's modal coordinates mean the same motion."""
+    x, previous = np.linspace(0, 2, 41), None
+    for k in 1e3 * 1.3 ** np.arange(44):  # up to 1e8 N/m: 8000 times the beam's EI / L^3
+        stops = (Stop(x=2.0, side="top", gap=1e-3, stiffness=k),)
+        shapes = exact_modes(Problem(beam=BEAM, supports=ENDS[ends], stops=stops), ContactState((0,)), 6).shapes(x)
+        if previous is not None:
+            assert np.all((previous * shapes).sum(axis=1) >= 0.0)
+        previous = shapes
+
+
+@pytest.mark.parametrize("change", ["the clamp's torsional spring", "a spring at the tip"])
+def test_modes_without_contact_keep_their_sign_as_a_support_stiffens(change: str) -> None:
+    x, previous = np.linspace(0, 2, 41), None
+    for k in [*(1e2 * 1.5 ** np.arange(45)), math.inf]:
+        tip, root = (0.0, k) if "clamp" in change else (k, math.inf)
+        supports = (Support(x=0.0, translational=math.inf, torsional=root),)
+        supports += (Support(x=2.0, translational=tip),) if tip else ()
+        shapes = exact_modes(Problem(beam=BEAM, supports=supports), FREE, 6).shapes(x)
+        if previous is not None:
+            assert np.all((previous * shapes).sum(axis=1) > 0.0)
+        previous = shapes

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic.motion import ModalField
-from analytic.published_field import PublishedField
-from analytic.published_loss import frozen_part
+from analytic.march.field import ModalField
+from analytic.published.field import PublishedField
+from analytic.published.loss import frozen_part
 from lapjoint import FREE, ContactState, History, InputError, Outcome, ViscousDamping, paper_joint
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from lapjoint.solver import Solver
@@ -70,10 +70,10 @@ def test_without_a_switch_it_is_the_certified_solver_without_its_residual() -> N
     field = certified.field
     assert isinstance(field, ModalField)
     x, t = np.linspace(0, 2.5, 7), np.linspace(0, 3 * PERIOD, 40)
-    segment, model = field.segments[0], field.joint.model(FREE)
+    segment, residual = field.segments[0], field.joint.residual(FREE)
     for dx, dt in ((0, 0), (2, 0), (0, 1)):
         loads = np.concatenate([np.full((1, t.size), float(dt == 0)), field._loads(t, dt)])
-        expected = certified.evaluate(x, t, dx, dt) - model.residual(x, dx).T @ loads
+        expected = certified.evaluate(x, t, dx, dt) - residual(x, dx).T @ loads
         np.testing.assert_allclose(published.evaluate(x, t, dx, dt), expected, atol=1e-9 * np.abs(expected).max())
     assert segment.state == FREE
 
@@ -112,14 +112,14 @@ def test_the_force_of_the_deflected_shape_is_that_of_equation_30() -> None:
     joint, log = motion.joint, motion.log
     for segment in (3, 11, 20):
         slot = int(log.slot[segment])
-        model, G = joint.model(joint.state_in(slot)), motion.rest[segment].copy()
+        modal, G = joint.modal(joint.state_in(slot)), motion.rest[segment].copy()
         G[slot] += log.q[segment]
-        published = np.zeros(model.size)
-        for other in range(G.shape[0]):
-            omega = joint.model(joint.state_in(other)).modes.omega
-            S = joint.cross[slot, other, : model.size, : omega.size]  # type: ignore[attr-defined]
+        published = np.zeros(modal.size)
+        for other in range(len(joint.states)):
+            omega = joint.modal(joint.state_in(other)).modes.omega
+            S = joint.cross[slot, other, : modal.size, : omega.size]  # type: ignore[attr-defined]
             published -= S @ (omega**2 * G[other, : omega.size])
-        expected = model.F0 - model.modes.omega**2 * log.q[segment, : model.size]
+        expected = modal.force[0] - modal.modes.omega**2 * log.q[segment, : modal.size]
         np.testing.assert_allclose(published, expected, atol=1e-8 * np.abs(expected).max())
 
 

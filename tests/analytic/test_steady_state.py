@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic.default_modes import default_count, truncation_error
-from analytic.march import Coordinates, Joint, march
-from analytic.start import initial_coordinates, initial_state
-from analytic.tangent import carried, monodromy
-from lapjoint import FREE, ModalDamping, Outcome, ViscousDamping, paper_joint
+from analytic.march import Coordinates, Joint, carried, march, monodromy
+from analytic.march.initial_state import started
+from analytic.modes.mode_count import default_count, truncation_error
+from lapjoint import ModalDamping, Outcome, ViscousDamping, paper_joint
 
 
 @pytest.mark.parametrize("omega", [515.0, 2000.0])
@@ -21,7 +20,7 @@ def test_newton_finds_the_orbit_that_marching_leads_to(omega: float) -> None:
     problem = paper_joint(angular_frequency=omega)
     steady = analytic.Solver(n_modes=14).steady_state(problem)
     assert steady.outcome is Outcome.PERIODIC
-    assert steady.order == 1
+    assert steady.period_multiple == 1
     assert steady.stable
     period, cycles = 2 * math.pi / omega, 200
     marched = analytic.Solver(n_modes=14).simulate(problem, (cycles + 1) * period)
@@ -34,9 +33,7 @@ def test_newton_finds_the_orbit_that_marching_leads_to(omega: float) -> None:
 
 
 def settled(joint: Joint, period: float) -> Coordinates:
-    problem = joint.problem
-    start = initial_coordinates(problem, joint.model(FREE).modes)
-    return march(joint, Coordinates(initial_state(problem), *start), 0.0, 60 * period, record=False).end
+    return march(joint, started(joint), 0.0, 60 * period, record=False).end
 
 
 DAMPINGS = {"modal": ModalDamping(ratio=0.08), "viscous": ViscousDamping(coefficient=2000.0)}
@@ -72,7 +69,7 @@ def test_the_monodromy_shrinks_volume_by_the_damping_and_the_truncation(damping:
     expected = 0.0
     segments = motion.segments
     for now, after in zip(segments, (*segments[1:], None), strict=True):
-        expected -= 2 * joint.model(now.state).decay.sum() * (now.end - now.start)
+        expected -= 2 * joint.modal(now.state).decay.sum() * (now.end - now.start)
         if after is not None:
             # A saltation matrix has the determinant of the map itself times h' after over h' before, which is 1
             # but for the velocity that 20 modes lose: 1e-5 a switch.
@@ -139,7 +136,7 @@ def test_longer_periods_are_found() -> None:
     # With a damping ratio of 0.01, the motion from rest at 300 rad/s settles to one of three excitation periods.
     problem = paper_joint(angular_frequency=300.0, damping_ratio=0.01)
     steady = analytic.Solver(n_modes=14).steady_state(problem)
-    assert steady.order == 3
+    assert steady.period_multiple == 3
     assert steady.history.end == pytest.approx(3 * 2 * math.pi / 300.0)
     thirds = [steady.history.displacement(2.5, n * steady.history.end / 3)[0, 0] for n in range(3)]
     assert np.ptp(thirds) > 1e-3 * np.abs(thirds).max()  # it does not repeat after one
@@ -162,9 +159,9 @@ def test_a_section_of_a_neighbour_leads_to_the_same_motion() -> None:
     solver = analytic.Solver()
     near = solver.steady_state(paper_joint(angular_frequency=780.0))
     here = paper_joint(angular_frequency=820.0, gap=1.05e-3)
-    near = replace(near, section=replace(near.section, coordinates=near.section.coordinates[:, :12]))
+    start = replace(near.section_point, coordinates=near.section_point.coordinates[:, :12])
     np.testing.assert_allclose(
-        solver.steady_state(here, start=near.section).impulses, solver.steady_state(here).impulses, rtol=1e-7
+        solver.steady_state(here, start=start).impulses, solver.steady_state(here).impulses, rtol=1e-7
     )
 
 
@@ -180,7 +177,7 @@ def test_lightly_damped_motions_are_certified_aperiodic(damping: str) -> None:
     problem = paper_joint(angular_frequency=omega).replace(damping=kind)
     steady = analytic.Solver(n_modes=12).steady_state(problem)
     assert steady.outcome is Outcome.APERIODIC
-    assert steady.order == 0
+    assert steady.period_multiple == 0
     assert steady.exponent is not None
     assert steady.exponent.positive
     assert steady.exponent.periods >= 500

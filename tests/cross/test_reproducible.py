@@ -7,9 +7,9 @@ from collections.abc import Iterable
 import pytest
 
 import fe_lapjoint
-from analytic.modes import _exact_modes
-from analytic.state import _family
-from analytic.tables import slots_of
+from analytic.march import known_states, modal_state, tables
+from analytic.modes.normal_modes import _exact_modes
+from analytic.published import joint
 from fe_lapjoint.modes.eigenmodes import _eigenmodes
 from lapjoint import paper_joint
 from lapjoint.solver import Solver, make_solver
@@ -24,7 +24,9 @@ SOLVERS = {
 
 def forget() -> None:
     """What a fresh process does not know."""
-    for known in (slots_of, _family, _exact_modes, _eigenmodes):
+    ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
+    ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, joint._products, _exact_modes)
+    for known in (*ours, _eigenmodes):
         known.cache_clear()
 
 

@@ -14,10 +14,7 @@ import pytest
 
 import analytic
 import fe_lapjoint
-from analytic.march import Coordinates, Joint, march
-from analytic.start import initial_coordinates, initial_state
 from lapjoint import (
-    FREE,
     BaseMotion,
     Beam,
     Material,
@@ -60,8 +57,8 @@ PERIOD = 2 * math.pi / 130.0
 def assert_weakly_chaotic(found: SteadyState) -> None:
     assert found.outcome is Outcome.APERIODIC
     assert found.exponent is not None
-    assert abs(found.exponent.value - WEAK_CHAOS) <= 4 * found.exponent.spread
-    assert found.exponent.spread < 0.25 * WEAK_CHAOS
+    assert abs(found.exponent.value - WEAK_CHAOS) <= 4 * found.exponent.standard_error
+    assert found.exponent.standard_error < 0.25 * WEAK_CHAOS
 
 
 @pytest.mark.parametrize("n_modes", [None, 20, 40])
@@ -76,18 +73,17 @@ def test_weak_chaos_is_not_taken_for_a_torus_fe(elements: int) -> None:
 
 def test_two_motions_side_by_side_part_at_the_rate_of_weak_chaos() -> None:
     """Without any tangent: the distance is brought back to 1e-7 of the motion once in ten periods."""
-    joint, span = Joint(PIPE, 10, 10), 10 * 2 * math.pi / 80.0
-    state = initial_state(PIPE)
-    here = Coordinates(state, *initial_coordinates(PIPE, joint.model(FREE).modes))
-    here = march(joint, here, 0.0, 40 * span, record=False).end
-    away, growths = np.random.default_rng(3).standard_normal(here.y.size), []
-    away *= 1e-7 * np.linalg.norm(here.y) / np.linalg.norm(away)
+    map_ = analytic.Solver(n_modes=10).period_map(PIPE)
+    span, here = 10 * map_.period, map_.march(map_.initial(), 800).end
+    away, growths = np.random.default_rng(3).standard_normal(here.coordinates.size), []
+    away *= 1e-7 * map_.size(here) / map_.norm(away)
     while len(growths) < 1500:
-        there = march(joint, here.moved(here.y + away), 0.0, span, record=False).end
-        end = march(joint, here, 0.0, span, record=False).end
+        there = map_.march(map_.moved(here, away), 20).end
+        end = map_.march(here, 20).end
         if there.state == end.state:  # else one of them touches a stop just now: begin anew from here
-            growths.append(math.log(np.linalg.norm(there.y - end.y) / np.linalg.norm(away)))
-            away = (there.y - end.y) * math.exp(-growths[-1])
+            after = map_.difference(there, end)
+            growths.append(math.log(map_.norm(after) / map_.norm(away)))
+            away = after * math.exp(-growths[-1])
         here = end
     rates = np.array(growths[50:]) / span
     batches = rates[: rates.size // 16 * 16].reshape(16, -1).mean(axis=1)
@@ -100,27 +96,27 @@ MESH: dict[str, Any] = {"analytic": {}, "FE": {"elements": 26}}
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_exponent(solver: str) -> None:
-    """A joint amid period doublings, after transient chaos: other meshes show orders 28 and 56, a coarse one chaos.
+    """A joint amid period doublings, after transient chaos: other meshes show 28 and 56 periods, a coarse one chaos.
 
-    The exponent measured where order 14 is beyond `max_order` is that of the orbit's multiplier.
+    The exponent measured where 14 periods are beyond `max_period_multiple` is that of the orbit's multiplier.
     """
-    short, long = (SOLVERS[solver](max_order=n, **MESH[solver]).steady_state(CANTILEVER) for n in (8, 14))
-    assert (long.outcome, long.order) == (Outcome.PERIODIC, 14)
+    short, long = (SOLVERS[solver](max_period_multiple=n, **MESH[solver]).steady_state(CANTILEVER) for n in (8, 14))
+    assert (long.outcome, long.period_multiple) == (Outcome.PERIODIC, 14)
     assert short.outcome is Outcome.UNDECIDED
     assert short.exponent is not None
     assert short.exponent.negative
-    decay = math.log(long.multipliers[0]) / (14 * PERIOD)
-    assert abs(short.exponent.value - decay) <= 4 * short.exponent.spread
+    decay = math.log(abs(long.multipliers[0])) / (14 * PERIOD)
+    assert abs(short.exponent.value - decay) <= 4 * short.exponent.standard_error
     # Weighted means converge as fast as they may: seen from any quarter the rate is that of the orbit.
     assert short.exponent.quarters[-1] == pytest.approx(decay, rel=1e-4)
 
 
 def test_a_motion_that_circles_an_orbit_of_fewer_periods_is_not_taken_for_it() -> None:
-    """With 18 elements the march settles to order 56, 0.8 % of its size from a stable orbit of order 14."""
+    """With 18 elements the march settles to 56 periods, 0.8 % of its size from a stable orbit of 14."""
     options = {"elements": 18, "max_periods": 1200}
-    short, long = (fe_lapjoint.Solver(max_order=n, **options).steady_state(CANTILEVER) for n in (14, 56))
+    short, long = (fe_lapjoint.Solver(max_period_multiple=n, **options).steady_state(CANTILEVER) for n in (14, 56))
     assert short.outcome is Outcome.UNDECIDED
-    assert (long.outcome, long.order) == (Outcome.PERIODIC, 56)
+    assert (long.outcome, long.period_multiple) == (Outcome.PERIODIC, 56)
 
 
 @pytest.mark.slow
@@ -128,4 +124,4 @@ def test_a_coarser_mesh_is_chaotic_and_says_so() -> None:
     found = fe_lapjoint.Solver(elements=16).steady_state(CANTILEVER)
     assert found.outcome is Outcome.APERIODIC
     assert found.exponent is not None
-    assert found.exponent.value == pytest.approx(0.288, abs=4 * found.exponent.spread)  # over 32 000 periods
+    assert found.exponent.value == pytest.approx(0.288, abs=4 * found.exponent.standard_error)  # over 32 000 periods

@@ -63,10 +63,10 @@ def test_a_joint_that_bounces_to_rest_on_its_stop_in_every_cycle_is_said_to_chat
     assert analytic.Solver().steady_state(paper_joint(angular_frequency=20.0)).outcome is Outcome.CHATTERING
 
 
-def measured(value: float, spread: float, *, trend: float = 0.0, time: float = 100.0) -> Exponent:
+def measured(value: float, error: float, *, trend: float = 0.0, time: float = 100.0) -> Exponent:
     """An exponent whose second half exceeds the first by ``trend``."""
     halves = value - trend / 2, value + trend / 2
-    return Exponent(value, spread, 1000, time, halves, tuple(np.repeat(halves, 2)))
+    return Exponent(value, error, 1000, time, halves, tuple(np.repeat(halves, 2)))
 
 
 def test_an_exponent_is_positive_or_negative_only_in_both_halves_and_over_many_e_folds() -> None:

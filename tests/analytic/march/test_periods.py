@@ -1,0 +1,87 @@
+"""Marches over whole periods, and the growth of a deviation: to the bits of one march after another."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic.march import Coordinates, Joint, carried, march, march_periods, measure_growth
+from analytic.march.growth import size_of
+from analytic.march.initial_state import started
+from lapjoint import Problem, StepLoad, ViscousDamping, paper_joint
+from lapjoint.errors import SolverError
+from lapjoint.problem import FloatArray
+
+PROBLEMS = {
+    "symmetric": paper_joint(angular_frequency=820.0),
+    "lightly damped": paper_joint(angular_frequency=300.0, damping_ratio=0.005),
+    "viscous, with a load": paper_joint(angular_frequency=515.0).replace(
+        damping=ViscousDamping(coefficient=300.0), point_loads=(StepLoad(x=1.0, force=40.0),)
+    ),
+}
+
+
+def period_of(problem: Problem) -> float:
+    assert problem.excitation_frequency is not None
+    return 2 * math.pi / problem.excitation_frequency
+
+
+def same(one: Coordinates, other: Coordinates) -> bool:
+    return one.state == other.state and one.y.tobytes() == other.y.tobytes()
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_periods_at_once_are_the_periods_one_by_one(name: str) -> None:
+    problem, count = PROBLEMS[name], 25
+    period, joint = period_of(problem), Joint(problem, 9, 7)
+    now, penetration, sections = started(joint), np.zeros(4), []
+    for _ in range(count):
+        motion = march(joint, now, 0.0, period, record=False)
+        now = motion.end
+        penetration += motion.penetration
+        sections.append(now)
+    fresh = Joint(problem, 9, 7)
+    found = march_periods(fresh, started(fresh), period, count, record=True)
+    assert found.switches > 50
+    assert same(found.end, now)
+    assert found.penetration.tobytes() == penetration.tobytes()
+    assert all(map(same, found.sections, sections))
+    assert len(found.sections) == count
+    unrecorded = march_periods(fresh, started(fresh), period, count)
+    assert same(unrecorded.end, now)
+    assert unrecorded.sections == ()
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_a_deviation_grows_at_once_as_one_by_one(name: str) -> None:
+    problem, count = PROBLEMS[name], 25
+    period, joint = period_of(problem), Joint(problem, 9, 7)
+    begin = started(joint)
+    deviation = np.random.default_rng(5).standard_normal(18)
+    now, sizes, penetration = begin, np.zeros(count), np.zeros(4)
+    along: FloatArray = (deviation / size_of(deviation, period)).reshape(-1, 1)
+    for i in range(count):
+        motion = march(joint, now, 0.0, period)
+        along = carried(motion, along)
+        sizes[i] = size_of(along[:, 0], period)
+        along = along / sizes[i]
+        now = motion.end
+        penetration += motion.penetration
+    fresh = Joint(problem, 9, 7)
+    found = measure_growth(fresh, begin, deviation, period, count)
+    assert same(found.end, now)
+    assert found.growth.tobytes() == np.log(sizes).tobytes()
+    assert found.deviation.tobytes() == along[:, 0].tobytes()
+    assert found.penetration.tobytes() == penetration.tobytes()
+    assert all(map(same, found.sections, march_periods(fresh, begin, period, count, record=True).sections))
+
+
+def test_too_many_switches_are_an_error() -> None:
+    problem = PROBLEMS["symmetric"]
+    period, joint = period_of(problem), Joint(problem, 9, 7)
+    with pytest.raises(SolverError, match="more than 20 switches"):
+        march_periods(joint, started(joint), period, 1000, max_switches=20)
+    with pytest.raises(SolverError, match="more than 20 switches"):
+        measure_growth(joint, started(joint), np.ones(18), period, 1000, max_switches=20)

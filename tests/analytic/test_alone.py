@@ -1,0 +1,97 @@
+"""Joints share nothing that can be written to: in turn or in threads, they give the bits that they give alone."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+
+import numpy as np
+import pytest
+
+from analytic.march import Coordinates, Joint, known_states, march, modal_state, tables
+from analytic.march.initial_state import started
+from analytic.modes import normal_modes
+from analytic.published import joint as published
+from lapjoint import Problem, paper_joint
+from lapjoint.solver import make_solver
+
+FREQUENCIES = (181.0, 515.0, 820.0, 1400.0, 2060.0, 2600.0, 3300.0, 4100.0)  # they meet states in different orders
+PARTS = 12
+
+
+def forget() -> None:
+    """What a fresh process does not know."""
+    ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
+    ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, published._products)
+    for known in (*ours, normal_modes._exact_modes):
+        known.cache_clear()
+
+
+def problem(omega: float) -> Problem:
+    return paper_joint(angular_frequency=omega)
+
+
+def steps(omega: float) -> Iterator[bytes]:
+    """A motion in `PARTS` parts of a third of a period each, and the bits of each."""
+    joint = Joint(problem(omega), 9, 7)
+    now, span = started(joint), 2 * math.pi / omega / 3
+    for i in range(PARTS):
+        motion = march(joint, now, i * span, (i + 1) * span, depth=True)
+        now = motion.end
+        log = (motion.log.start, motion.log.q[:, :7], motion.log.area, motion.log.deepest, motion.penetration)
+        yield b"".join(part.tobytes() for part in (*log, now.y)) + str(now.state.closed).encode()
+
+
+def alone(omega: float) -> list[bytes]:
+    forget()
+    return list(steps(omega))
+
+
+def test_two_joints_of_one_family_marched_in_turn() -> None:
+    one, other = alone(FREQUENCIES[0]), alone(FREQUENCIES[4])
+    forget()
+    both = list(zip(steps(FREQUENCIES[0]), steps(FREQUENCIES[4]), strict=True))
+    assert [pair[0] for pair in both] == one
+    assert [pair[1] for pair in both] == other
+
+
+@pytest.mark.parametrize("solver", ["analytic", "analytic-published"])
+def test_eight_threads_that_know_nothing(solver: str) -> None:
+    def answer(omega: float) -> tuple[bytes, ...]:
+        history = make_solver(solver).simulate(problem(omega), 6 * 2 * math.pi / omega)
+        contacts = np.array([(c.stop, c.start, c.end, c.impulse, c.peak_force) for c in history.contacts])
+        z = history.displacement(np.array([1.25, 2.5]), np.linspace(0, history.end, 20))
+        return contacts.tobytes(), history.switch_times.tobytes(), z.tobytes()
+
+    def by_itself(omega: float) -> tuple[bytes, ...]:
+        forget()
+        return answer(omega)
+
+    expected = [by_itself(omega) for omega in FREQUENCIES]
+    forget()
+    together = Barrier(len(FREQUENCIES))
+
+    def in_a_thread(omega: float) -> tuple[bytes, ...]:
+        together.wait()
+        return answer(omega)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(len(FREQUENCIES)) as threads:
+            assert list(threads.map(in_a_thread, FREQUENCIES)) == expected
+    finally:
+        sys.setswitchinterval(interval)
+
+
+def test_what_is_kept_cannot_be_written_to() -> None:
+    forget()
+    joint = Joint(problem(515.0), 5, 5)
+    march(joint, Coordinates(*vars(started(joint)).values()), 0.0, 0.02)
+    unit = tables.unit_tables(joint.family, joint.counts, known_states.memory_of(joint.family, joint.counts).known)
+    assert unit.tables.modes.size > 1
+    for part in (*unit.tables, *unit[1:]):
+        assert not isinstance(part, np.ndarray) or not part.flags.writeable

@@ -1,0 +1,100 @@
+"""The least period of an orbit: what repeats sooner is found to, and what truncation parts is put together again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from loose_pins import bar as loose_bar
+from toy import Bar, bar
+
+import analytic
+import fe_lapjoint
+from lapjoint import Outcome, paper_joint
+from lapjoint.orbits import PeriodMap
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.least_period import over_least_period
+from lapjoint.orbits.newton import FAR, Orbit, find_orbit
+
+
+def orbit_of(map_: PeriodMap, half_periods: int, settle: int) -> Orbit:
+    point = map_.march(map_.initial(), 2 * settle).end
+    found = find_orbit(HalfPeriods(map_), point, half_periods, FAR)
+    assert found is not None
+    return found
+
+
+MAPS: dict[str, Any] = {
+    "bar": lambda: Bar().period_map(bar(0.8, (0.5, 5.0), (-0.5, 5.0))),
+    "analytic": lambda: analytic.Solver(n_modes=6).period_map(paper_joint()),
+    "FE": lambda: fe_lapjoint.Solver(elements=3).period_map(paper_joint()),
+}
+
+
+@pytest.mark.parametrize("solver", MAPS)
+@pytest.mark.parametrize("half_periods", [2, 3, 4, 6])
+def test_a_symmetric_motion_is_found_again_over_half_a_period(solver: str, half_periods: int) -> None:
+    map_ = MAPS[solver]()
+    orbit = orbit_of(map_, half_periods, 30)
+    shorter = over_least_period(HalfPeriods(map_), orbit)
+    assert (shorter.half_periods, shorter.period_multiple, shorter.symmetric) == (1, 1, True)
+    assert HalfPeriods(map_).apart(shorter.point, orbit.point) < 1e-6
+
+
+def test_without_the_symmetry_the_least_is_a_whole_period() -> None:
+    map_ = Bar().period_map(bar(0.8, (0.5, 5.0)))
+    shorter = over_least_period(HalfPeriods(map_), orbit_of(map_, 6, 30))
+    assert (shorter.half_periods, shorter.period_multiple, shorter.symmetric) == (2, 1, False)
+    alone = orbit_of(map_, 2, 30)
+    assert over_least_period(HalfPeriods(map_), alone) is alone
+
+
+def test_a_true_motion_of_two_periods_keeps_them() -> None:
+    map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
+    orbit = orbit_of(map_, 4, 100)
+    assert over_least_period(HalfPeriods(map_), orbit) is orbit
+    twice = orbit_of(map_, 8, 100)
+    assert over_least_period(HalfPeriods(map_), twice).period_multiple == 2
+
+
+def test_a_true_motion_of_three_periods_is_not_taken_for_one() -> None:
+    """With a damping ratio of 0.01 the paper's joint repeats after three periods at 300 rad/s."""
+    problem = paper_joint(angular_frequency=300.0, damping_ratio=0.01)
+    steady = analytic.Solver(n_modes=14).steady_state(problem)
+    assert steady.period_multiple == 3
+    halves = HalfPeriods(analytic.Solver(n_modes=14).period_map(problem))
+    orbit = find_orbit(halves, steady.section_point, 6, 1e-3)
+    assert orbit is not None
+    assert over_least_period(halves, orbit).period_multiple == 3
+    thirds = [steady.history.displacement(2.5, n * steady.history.end / 3)[0, 0] for n in range(3)]
+    assert np.ptp(thirds) > 1e-3 * np.abs(thirds).max()  # it does not repeat after one
+
+
+@pytest.mark.parametrize(
+    ("omega", "gap", "amplitude", "n_modes", "outcome", "symmetric"),
+    [
+        (100.0, 1e-3, 5e-3, None, Outcome.CHATTERING, False),
+        (100.0, 1e-3, 10e-3, 30, Outcome.PERIODIC, False),
+        (220.0, 0.2e-3, 1e-3, None, Outcome.PERIODIC, True),
+        (150.0, 0.2e-3, 1e-3, None, Outcome.PERIODIC, True),
+        (150.0, 1e-3, 3e-3, None, Outcome.PERIODIC, True),
+    ],
+)
+def test_the_multiple_is_the_least_and_the_half_period_that_mirrors_is_found(
+    omega: float, gap: float, amplitude: float, n_modes: int | None, outcome: Outcome, symmetric: bool
+) -> None:
+    """Jumps of truncation part these motions into two or three, 1e-7 to 2e-4 of their size from each other."""
+    problem = loose_bar(omega, gap, amplitude)
+    one = analytic.Solver(n_modes=n_modes).steady_state(problem)
+    other = fe_lapjoint.Solver(elements=12).steady_state(problem)
+    for steady in (one, other):
+        assert steady.outcome is outcome
+        assert steady.period_multiple == 1
+        assert steady.stable
+        assert steady.residual <= 1e-3  # what truncation may part
+    assert one.symmetric is symmetric
+    x, half = np.linspace(0.0, 1.0, 5), one.history.end / 2
+    t = np.linspace(0.01, 0.99, 20) * half
+    z, later = one.history.displacement(x, t), one.history.displacement(x, t + half)
+    assert bool(np.abs(z + later).max() < 1e-3 * np.abs(z).max()) is symmetric

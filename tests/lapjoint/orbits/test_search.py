@@ -1,0 +1,321 @@
+"""The search: how it marches, what it gives up, and that its outcomes hang on the problem and the effort alone."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from loose_pins import bar as loose_bar
+from toy import Bar, bar
+
+import analytic
+import fe_lapjoint
+from lapjoint import Outcome, Problem, SectionPoint, paper_joint
+from lapjoint.answers.steady_state import Exponent
+from lapjoint.orbits import Effort, Passage, PeriodMap
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.newton import Orbit, find_orbit
+from lapjoint.orbits.search import STRETCH, TRANSIENT, Found, Search
+from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
+from lapjoint.problem import FloatArray
+
+SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=6), "FE": fe_lapjoint.Solver(elements=3), "bar": Bar()}
+JOINTS: dict[str, Problem] = {"analytic": paper_joint(), "FE": paper_joint(), "bar": bar(0.8, (0.5, 5.0))}
+
+
+def same(one: SectionPoint, other: SectionPoint) -> bool:
+    """To the last bit."""
+    return one.state == other.state and np.array_equal(one.coordinates, other.coordinates)
+
+
+# --- The same bits, however it is marched --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_whole_periods_marched_at_once_end_at_the_same_bits_as_one_after_the_other(solver: str) -> None:
+    map_ = SOLVERS[solver].period_map(JOINTS[solver])
+    point, impulses, switches = map_.initial(), np.zeros(len(map_.problem.stops)), 0
+    for _ in range(5):
+        passage = map_.march(point, 2)
+        point, impulses, switches = passage.end, impulses + passage.impulses, switches + passage.switches
+    at_once = map_.march(map_.initial(), 10)
+    assert same(at_once.end, point)
+    assert at_once.impulses == pytest.approx(impulses, rel=1e-12)
+    assert at_once.switches == switches > 0
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_half_a_period_more_begins_where_the_whole_ones_end(solver: str) -> None:
+    map_ = SOLVERS[solver].period_map(JOINTS[solver])
+    point = map_.march(map_.initial(), 4).end
+    assert same(map_.march(map_.initial(), 5).end, map_.march(point, 1).end)
+
+
+@pytest.mark.parametrize("solver", ["analytic", "FE"])
+def test_what_is_followed_ends_at_the_bits_of_the_march(solver: str) -> None:
+    map_ = SOLVERS[solver].period_map(JOINTS[solver])
+    point = map_.initial()
+    n = map_.difference(point, point).size
+    deviation = np.random.default_rng(0).standard_normal(n)
+    followed = map_.followed(point, deviation / map_.norm(deviation), 6)
+    assert len(followed.points) == 6
+    for periods in (1, 3, 6):
+        assert same(followed.points[periods - 1], map_.march(point, 2 * periods).end)
+    passage = map_.march(point, 12)
+    assert followed.impulses == pytest.approx(passage.impulses, rel=1e-12)
+    assert followed.switches == passage.switches > 0
+    assert map_.norm(followed.deviation) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_simulate_ends_each_period_at_the_bits_of_the_search(solver: str) -> None:
+    """Its history shows the same displacement and velocity at each end of a period, to rounding of the evaluation."""
+    problem, periods = JOINTS[solver], 6
+    map_ = SOLVERS[solver].period_map(problem)
+    marched = SOLVERS[solver].simulate(problem, periods * map_.period)
+    recorded = map_.history(map_.initial(), periods)
+    assert np.array_equal(marched.switch_times, recorded.switch_times)
+    assert marched.states == recorded.states
+    assert marched.contacts == recorded.contacts
+    x = np.linspace(0, problem.beam.length, 7)
+    t = np.linspace(0, periods * map_.period * (1 - 1e-12), 50)
+    for dt in (0, 1):
+        assert np.array_equal(marched.evaluate(x, t, dt=dt), recorded.evaluate(x, t, dt=dt))
+    point = map_.march(map_.initial(), 2 * periods).end
+    again, size = map_.history(point, 1), np.abs(marched.displacement(x, t)).max()
+    end = marched.displacement(x, marched.end)
+    assert again.displacement(x, 0.0) == pytest.approx(end, abs=1e-12 * size)
+    impulses = sum(marched.contacts[i].impulse for i in range(len(marched.contacts)))
+    assert impulses == pytest.approx(map_.march(map_.initial(), 2 * periods).impulses.sum(), rel=1e-10)
+
+
+@pytest.mark.parametrize("solver", ["analytic", "FE"])
+def test_a_switch_at_the_end_of_a_period_is_neither_lost_nor_made_twice(solver: str) -> None:
+    """Whatever part of a period a joint starts at, marches and histories count alike."""
+    for phase in np.linspace(0, 2 * math.pi, 9):
+        base = paper_joint().base_motion
+        assert base is not None
+        problem = paper_joint().replace(base_motion=base.model_copy(update={"phase": float(phase)}))
+        map_ = SOLVERS[solver].period_map(problem)
+        point = map_.march(map_.initial(), 20).end
+        passage, history = map_.march(point, 4), map_.history(point, 2)
+        assert passage.switches == history.switch_times.size
+        assert passage.impulses.sum() == pytest.approx(sum(c.impulse for c in history.contacts), rel=1e-9, abs=1e-9)
+
+
+# --- Outcomes ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [
+        pytest.param(bar(0.8, (0.5, 5.0)), id="one period"),
+        pytest.param(bar(3.0, (0.0, 20.0), ratio=0.03), id="two periods"),
+    ],
+)
+def test_outcomes_do_not_depend_on_who_looks_on_or_on_what_is_measured(problem: Problem) -> None:
+    map_, calls = Bar().period_map(problem), []
+    alone = Search(map_, Effort()).run(map_.initial())
+    watched = Search(map_, Effort(), lambda done, most: calls.append((done, most))).run(map_.initial())
+    unmeasured = Search(map_, Effort(growth=False)).run(map_.initial())
+    for found in (watched, unmeasured):
+        assert isinstance(found.motion, Orbit)
+        assert isinstance(alone.motion, Orbit)
+        assert same(found.motion.point, alone.motion.point)
+        assert found.acceptance.periods == alone.acceptance.periods
+        assert same(found.acceptance.point, alone.acceptance.point)
+    assert unmeasured.acceptance.growth is None
+    assert unmeasured.acceptance.sensitive is None
+    done = [one for one, _ in calls]
+    assert done == sorted(done)
+    assert done[-1] == alone.acceptance.periods
+    assert {most for _, most in calls} == {16_000}
+
+
+def test_where_a_motion_was_accepted_is_where_the_march_was() -> None:
+    for problem in (bar(0.8, (0.5, 5.0)), bar(3.0, (0.0, 20.0), ratio=0.03)):
+        map_ = Bar().period_map(problem)
+        found = Search(map_, Effort()).run(map_.initial())
+        assert found.acceptance.pushes == 0
+        assert same(found.acceptance.point, map_.march(map_.initial(), 2 * found.acceptance.periods).end)
+
+
+class Noted:
+    """A map that counts the half periods marched."""
+
+    def __init__(self, map_: PeriodMap) -> None:
+        self.inner = map_
+        self.marched = 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.inner, name)
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        self.marched += half_periods
+        return self.inner.march(start, half_periods)
+
+
+@pytest.mark.parametrize("periods", [1, 7, 700])
+def test_effort_in_periods_ends_in_undecided(periods: int) -> None:
+    """Undamped motion never settles; one stretch is measured beyond the periods allowed."""
+    map_ = Bar().period_map(bar(0.8, (10.0, 5.0), ratio=0.0))
+    found = Search(map_, Effort(max_periods=periods, max_period_multiple=2, growth=False)).run(map_.initial(), 1)
+    assert isinstance(found.motion, Wandering)
+    assert found.motion.outcome is Outcome.UNDECIDED
+    assert found.acceptance.periods <= max(periods, TRANSIENT) + 2 * STRETCH + 40
+    assert abs(found.motion.exponent.value) < 1e-2
+
+
+def test_effort_in_switches_ends_in_undecided() -> None:
+    map_ = Bar().period_map(bar(2.6, (0.3, 30.0), ratio=0.02))
+    found = Search(map_, Effort(max_switches=50, growth=False)).run(map_.initial())
+    assert isinstance(found.motion, Wandering)
+    assert found.motion.outcome is Outcome.UNDECIDED
+    assert found.acceptance.periods < TRANSIENT + STRETCH
+
+
+def test_longer_motions_than_allowed_are_not_certified() -> None:
+    """The bar repeats after two periods, and no shorter search says that it does."""
+    problem = bar(3.0, (0.0, 20.0), ratio=0.03)
+    map_ = Bar().period_map(problem)
+    found = Search(map_, Effort(max_period_multiple=1, max_periods=600, growth=False)).run(map_.initial())
+    assert isinstance(found.motion, Wandering)
+    assert found.motion.outcome is Outcome.UNDECIDED
+    assert found.motion.exponent.negative
+
+
+def test_the_exponent_of_a_motion_too_long_to_be_looked_for_is_its_multipliers() -> None:
+    problem = bar(3.0, (0.0, 20.0), ratio=0.03)
+    map_ = Bar().period_map(problem)
+    short = Search(map_, Effort(max_period_multiple=1, max_periods=600, growth=False)).run(map_.initial()).motion
+    long = Search(map_, Effort(growth=False)).run(map_.initial()).motion
+    assert isinstance(short, Wandering)
+    assert isinstance(long, Orbit)
+    decay = math.log(abs(long.multipliers[0])) / (2 * map_.period)
+    assert short.exponent.quarters[-1] == pytest.approx(decay, rel=1e-3)
+
+
+# --- Courses -------------------------------------------------------------------------------------------------------
+
+
+def test_a_stable_orbit_that_the_march_passes_by_is_dropped() -> None:
+    """A march that is not on the linear course of an orbit, and ends elsewhere: whatever is found, it is marched to.
+
+    At 2.3 rad/s the bar has a stable motion of one period and one of three; from rest it comes to the latter.
+    """
+    problem = bar(2.3, (0.0, 20.0), ratio=0.03)
+    map_ = Bar().period_map(problem)
+    found = Search(map_, Effort(growth=False)).run(map_.initial())
+    assert isinstance(found.motion, Orbit)
+    on = map_.march(found.acceptance.point, 2 * 600).end
+    halves = HalfPeriods(map_)
+    assert found.motion.period_multiple == 3
+    cycle = [found.motion.point]
+    for _ in range(2):
+        cycle.append(halves.marched(cycle[-1], 2))
+    assert min(halves.apart(on, point) for point in cycle) < 1e-7
+
+
+def test_a_march_that_leaves_its_course_takes_the_orbit_with_it() -> None:
+    """The march is led astray after the orbit was found, as by a switch that the orbit does not make."""
+    problem = bar(0.8, (10.0, 5.0))
+    inner = Bar().period_map(problem)
+    orbit = find_orbit(HalfPeriods(inner), inner.initial(), 2, np.inf)
+    assert orbit is not None
+
+    class Astray(Noted):
+        def march(self, start: SectionPoint, half_periods: int) -> Passage:
+            passage = super().march(start, half_periods)
+            return Passage(self.inner.moved(passage.end, np.array([1.0, 0.0])), passage.impulses, passage.switches)
+
+    for map_, kept in ((Noted(inner), True), (Astray(inner), False)):
+        search = Search(map_, Effort(growth=False))  # type: ignore[arg-type]
+        search._point = inner.moved(orbit.point, np.array([3.0, 0.0]))
+        deviation = inner.difference(search._point, orbit.point)
+        assert search._on_course(orbit, deviation, 4) is kept
+        assert search._marched <= 4
+
+
+def test_a_march_still_far_from_a_clearance_goes_on_until_it_is_bound() -> None:
+    """The farther it starts, the longer it waits, and never less than until the deviation clears the stop."""
+    omega, ratio = 0.8, 0.02
+    amplitude = omega**2 / abs(1 - omega**2 + 2j * ratio * omega)
+    problem = bar(omega, (1.3 * amplitude, 5.0), ratio=ratio)
+    map_ = Bar().period_map(problem)
+    orbit = find_orbit(HalfPeriods(map_), map_.march(map_.initial(), 400).end, 2, 1.0)
+    assert orbit is not None
+    waited = []
+    for size in (0.1, 1.0, 5.0):
+        start = map_.moved(orbit.point, np.array([size * amplitude, 0.0]))
+        found = Search(map_, Effort(growth=False)).run(start, 1)
+        assert isinstance(found.motion, Orbit)
+        assert not map_.history(found.acceptance.point, 200).contacts
+        waited.append(found.acceptance.periods)
+    assert waited == sorted(waited)
+    assert waited[0] < waited[-1]
+
+
+# --- Pushes, and what is shown -------------------------------------------------------------------------------------
+
+
+def test_a_march_that_is_held_is_pushed_and_says_so() -> None:
+    map_ = analytic.Solver(n_modes=11).period_map(loose_bar(300.0))
+    found = Search(map_, Effort()).run(map_.initial())
+    assert isinstance(found.motion, Orbit)
+    assert found.motion.stable
+    assert found.acceptance.pushes >= 1
+    assert found.acceptance.sensitive
+
+
+def exponent(value: float, error: float = 0.1) -> Exponent:
+    return Exponent(value, error, 1000, 100.0, (value, value), (value,) * 4)
+
+
+def test_what_a_measurement_shows() -> None:
+    def outcome(value: float, breadth: float, spirals: bool = False, pushes: int = 0) -> Outcome:
+        return shown(exponent(value), 1.0, breadth, spirals=spirals, pushes=pushes)
+
+    assert outcome(1.0, 0.5) is Outcome.APERIODIC
+    assert outcome(1.0, 1e-5) is Outcome.UNDECIDED  # it repeats
+    assert outcome(1.0, 5e-3) is Outcome.UNDECIDED  # so narrow that it may be held
+    assert outcome(1.0, 5e-3, pushes=3) is Outcome.APERIODIC
+    assert outcome(0.01, 0.5) is Outcome.UNDECIDED  # nothing is known that it could circle
+    assert outcome(0.01, 0.5, spirals=True) is Outcome.QUASIPERIODIC
+    assert outcome(0.3, 0.5, spirals=True) is Outcome.UNDECIDED
+    assert outcome(-1.0, 0.5, spirals=True) is Outcome.UNDECIDED
+
+
+def test_a_stretch_confirms_the_one_before_where_both_show_the_same() -> None:
+    def stretch(outcome: Outcome, value: float) -> Wandering:
+        point = SectionPoint(Bar().period_map(bar(1.0, (0.5, 1.0))).initial().state, np.zeros((2, 1)))
+        return Wandering(outcome, exponent(value), point, 0.5, 0.5, np.zeros(1))
+
+    chaos, torus = stretch(Outcome.APERIODIC, 1.0), stretch(Outcome.QUASIPERIODIC, 0.0)
+    dying, unclear = stretch(Outcome.UNDECIDED, -1.0), stretch(Outcome.UNDECIDED, 0.2)
+    assert chaos.confirms(chaos)
+    assert not chaos.confirms(torus)
+    assert dying.confirms(dying)
+    assert not dying.confirms(unclear)
+    assert not unclear.confirms(unclear)
+
+
+def test_breadth_and_residual_are_those_of_the_best_multiple() -> None:
+    halves = HalfPeriods(Bar().period_map(bar(1.0, (0.5, 1.0))))
+
+    def points(series: FloatArray) -> list[SectionPoint]:
+        return [SectionPoint(halves.map.initial().state, np.array([[z], [0.0]])) for z in series]
+
+    three = np.tile([1.0, 2.0, 4.0], 40)
+    assert breadth_and_residual(halves, points(three), 3) == pytest.approx((0.0, 0.0), abs=1e-15)
+    assert breadth_and_residual(halves, points(three), 2)[0] == pytest.approx(3 / 4)
+    drifting = three + np.arange(120) * 1e-3
+    assert breadth_and_residual(halves, points(drifting), 8)[0] == pytest.approx(3e-3 / drifting.max())
+
+
+def test_what_was_found_is_an_orbit_or_a_wandering() -> None:
+    map_ = Bar().period_map(bar(0.8, (0.5, 5.0)))
+    found = Search(map_, Effort()).run(map_.initial())
+    assert isinstance(found, Found)
+    assert isinstance(found.motion, Orbit)

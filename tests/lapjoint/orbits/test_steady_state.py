@@ -1,0 +1,286 @@
+"""Steady states of all solvers: what their certificates say holds of the march that goes on."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from toy import Bar, bar
+
+import analytic
+import fe_lapjoint
+from lapjoint import (
+    FREE,
+    BaseMotion,
+    Beam,
+    InputError,
+    ModalDamping,
+    Outcome,
+    Problem,
+    SectionPoint,
+    SteadyState,
+    Stop,
+    Support,
+    paper_joint,
+)
+from lapjoint.orbits import Effort, PeriodMap, find_steady_state
+from lapjoint.orbits.half_periods import HalfPeriods
+
+FIRST = 3.5160152685  # rad/s: first natural frequency of a cantilever of EI = m = L = 1
+
+
+def cantilever(ratio: float, zeta: float, *stops: Stop) -> Problem:
+    """A cantilever of EI = m = L = 1 on a shaker of 1 mm, `ratio` times as fast as it vibrates by itself."""
+    return Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        stops=stops,
+        damping=ModalDamping(ratio=zeta),
+        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=ratio * FIRST),
+    )
+
+
+def marched_on(map_: PeriodMap, steady: SteadyState) -> tuple[np.ndarray, float]:
+    """Impulses a period long after a motion was accepted, and how well the march then repeats.
+
+    Three times as long as free vibration takes to die away: what deceives a search does so sooner.  And until 1e-9 of
+    the distance from the orbit is left.
+    """
+    assert steady.acceptance is not None
+    multiple = max(steady.period_multiple, 1)
+    periods = 3 / map_.slowest_decay / map_.period
+    if steady.multipliers.size:
+        periods = max(periods, multiple * math.log(1e-9) / math.log(abs(steady.multipliers[0])))
+    point = map_.march(steady.acceptance.point, 2 * multiple * math.ceil(periods / multiple)).end
+    passage = map_.march(point, 2 * multiple)
+    return passage.impulses / multiple, HalfPeriods(map_).apart(passage.end, point)
+
+
+def assert_is_where_the_march_leads(map_: PeriodMap, steady: SteadyState) -> None:
+    impulses, residual = marched_on(map_, steady)
+    assert residual < 1e-6
+    scale = max(np.abs(impulses).max(), 1e-12)
+    # Newton's method stops within 1e-9 of the motion, and truncation makes it jump by some 1e-6.
+    assert steady.impulses == pytest.approx(impulses, rel=1e-4, abs=1e-5 * scale)
+
+
+# --- The problems of which both solvers were certain, and wrong ----------------------------------------------------
+
+
+def tip(gap: float, stiffness: float) -> Stop:
+    return Stop(x=1.0, side="top", gap=gap, stiffness=stiffness)
+
+
+TRANSIENTS = {
+    "three periods, by a late contact": (cantilever(4.5, 0.01, tip(0.003, 100.0)), 3, 0.02189, 1e-3),
+    "three periods, two stops": (
+        cantilever(
+            3.327636, 0.05, tip(0.00177700226, 5.57214), Stop(x=0.5, side="bottom", gap=0.00226287, stiffness=1.83650)
+        ),
+        3,
+        6.286e-4,
+        1e-3,
+    ),
+    "three periods, one stop": (cantilever(4.976706, 0.02, tip(0.001849372330525, 29.229075838)), 3, 1.2975e-3, 1e-3),
+}
+CERTAIN: dict[str, Any] = {"analytic": analytic.Solver(n_modes=10), "FE": fe_lapjoint.Solver(elements=8)}
+
+
+@pytest.mark.parametrize("solver", CERTAIN)
+@pytest.mark.parametrize("case", TRANSIENTS)
+def test_late_contacts_of_a_transient_are_waited_for(solver: str, case: str) -> None:
+    """Each has a stable motion of one period as well; no march from rest comes to it."""
+    problem, multiple, impulse, tolerance = TRANSIENTS[case]
+    steady = CERTAIN[solver].steady_state(problem)
+    assert (steady.outcome, steady.period_multiple) == (Outcome.PERIODIC, multiple)
+    # Stated to four digits; 8 elements or 10 modes bring some 1e-4 of their own.
+    assert steady.impulses[0] == pytest.approx(impulse, rel=tolerance)
+    assert_is_where_the_march_leads(CERTAIN[solver].period_map(problem), steady)
+
+
+# --- Acceptance ----------------------------------------------------------------------------------------------------
+
+SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=8), "FE": fe_lapjoint.Solver(elements=4), "bar": Bar()}
+LAPSED = {
+    "contacts": paper_joint(),
+    "two different gaps": paper_joint().replace(
+        stops=(paper_joint().stops[0].model_copy(update={"gap": 2e-3}), *paper_joint().stops[1:])
+    ),
+    "no contact": paper_joint(base_amplitude=1e-5),
+    "slowly settling": paper_joint(angular_frequency=2000.0),
+}
+
+
+@pytest.mark.parametrize("solver", ["analytic", "FE"])
+@pytest.mark.parametrize("kind", LAPSED)
+def test_marching_on_from_where_a_motion_was_accepted_leads_to_it(solver: str, kind: str) -> None:
+    problem = LAPSED[kind]
+    steady = SOLVERS[solver].steady_state(problem)
+    assert steady.stable is True
+    assert_is_where_the_march_leads(SOLVERS[solver].period_map(problem), steady)
+    assert steady.acceptance is not None
+    assert steady.acceptance.growth is not None
+    assert steady.acceptance.growth < 1e4
+    assert steady.acceptance.sensitive is False
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_random_bar_is_where_its_march_leads(seed: int) -> None:
+    """One stop or two, near what the motion without contact reaches; damped so that all of it is over soon."""
+    rng = np.random.default_rng(seed)
+    omega, ratio = rng.uniform(0.5, 4.5), rng.uniform(0.04, 0.1)
+    amplitude = omega**2 / abs(1 - omega**2 + 2j * ratio * omega)
+    gaps = rng.uniform(0.5, 1.6, 2) * amplitude * [1, -1]
+    stops = [(float(gap), float(np.exp(rng.uniform(1, 5)))) for gap in gaps[: rng.integers(1, 3)]]
+    problem = bar(omega, *stops, ratio=ratio)
+    map_ = Bar().period_map(problem)
+    steady = Bar(max_periods=1500, growth=False).steady_state(problem)
+    if steady.period_multiple:
+        assert_is_where_the_march_leads(map_, steady)
+        contacts = bool(np.any(marched_on(map_, steady)[0]))
+        assert contacts == (steady.outcome is not Outcome.NO_CONTACT)
+    else:
+        assert steady.outcome in (Outcome.APERIODIC, Outcome.UNDECIDED)
+        if steady.outcome is Outcome.APERIODIC:
+            assert marched_on(map_, steady)[1] > 1e-3
+
+
+# --- What a certificate says ---------------------------------------------------------------------------------------
+
+
+def test_stability_is_said_of_certified_orbits_only() -> None:
+    settled = Bar().steady_state(bar(0.8, (0.5, 5.0)))
+    assert settled.stable is True
+    undamped = Bar(max_periods=20, growth=False).steady_state(bar(0.8, (10.0, 5.0), ratio=0.0))
+    assert undamped.outcome is Outcome.UNDECIDED
+    assert (undamped.stable, undamped.period_multiple, undamped.multipliers.size) == (None, 0, 0)
+    assert undamped.exponent is not None
+    assert undamped.history.end == pytest.approx(8 * Bar().period_map(undamped.problem).period)
+    unstable = SteadyState(
+        problem=settled.problem,
+        solver=settled.solver,
+        outcome=Outcome.PERIODIC,
+        period_multiple=1,
+        symmetric=False,
+        residual=1e-12,
+        multipliers=np.array([-1.2 + 0j, 0.1]),
+        exponent=None,
+        section_point=settled.section_point,
+        history=settled.history,
+    )
+    assert unstable.stable is False
+
+
+@pytest.mark.parametrize("solver", ["analytic", "FE"])
+def test_a_motion_without_contact_mirrors_itself_whatever_its_gaps(solver: str) -> None:
+    problem = LAPSED["two different gaps"].replace(base_motion=BaseMotion(amplitude=1e-5, angular_frequency=515.0))
+    assert SOLVERS[solver].steady_state(problem).symmetric
+    assert SOLVERS[solver].steady_state(paper_joint()).symmetric
+    assert not SOLVERS[solver].steady_state(LAPSED["two different gaps"]).symmetric
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_motion_begins_at_its_section_point_and_holds_one_period(solver: str) -> None:
+    problem = bar(0.8, (0.5, 5.0)) if solver == "bar" else paper_joint()
+    steady = SOLVERS[solver].steady_state(problem)
+    map_ = SOLVERS[solver].period_map(problem)
+    assert steady.solver == SOLVERS[solver].name
+    assert steady.history.end == pytest.approx(steady.period_multiple * map_.period)
+    again = map_.march(steady.section_point, 2 * steady.period_multiple)
+    assert HalfPeriods(map_).apart(again.end, steady.section_point) < 1e-7
+    assert steady.impulses == pytest.approx(again.impulses / steady.period_multiple, rel=1e-9)
+
+
+# --- Beginning elsewhere -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_neighbours_section_point_leads_to_the_same_orbit_as_rest(solver: str) -> None:
+    if solver == "bar":
+        near, here = bar(0.8, (0.5, 5.0)), bar(0.82, (0.55, 6.0))
+    else:
+        near, here = paper_joint(angular_frequency=780.0), paper_joint(angular_frequency=800.0, gap=1.05e-3)
+    start = SOLVERS[solver].steady_state(near).section_point
+    rest, adopted = (SOLVERS[solver].steady_state(here, start=one) for one in (None, start))
+    assert rest.outcome is adopted.outcome is Outcome.PERIODIC
+    assert adopted.impulses == pytest.approx(rest.impulses, rel=1e-6)
+    assert adopted.acceptance is not None
+    assert rest.acceptance is not None
+    assert adopted.acceptance.periods < rest.acceptance.periods
+
+
+FINER: dict[str, tuple[Any, Any]] = {
+    "analytic": (analytic.Solver(n_modes=8), analytic.Solver(n_modes=12)),
+    "analytic, fewer in contact": (analytic.Solver(n_modes=8), analytic.Solver(free_modes=12, contact_modes=7)),
+    "FE": (fe_lapjoint.Solver(elements=4), fe_lapjoint.Solver(elements=6)),
+    "FE, nodes given": (fe_lapjoint.Solver(elements=4), fe_lapjoint.Solver(nodes=(0.0, 0.7, 1.25, 2.1, 2.5))),
+}
+
+
+@pytest.mark.parametrize("pair", FINER)
+@pytest.mark.parametrize("back", [False, True])
+def test_another_resolution_takes_over_a_section_point(pair: str, back: bool) -> None:
+    """From its place another resolution finds its own orbit, sooner than from rest and not far away."""
+    one, other = FINER[pair][::-1] if back else FINER[pair]
+    problem = paper_joint()
+    start = one.steady_state(problem).section_point
+    rest, near = other.steady_state(problem), other.steady_state(problem, start=start)
+    map_ = other.period_map(problem)
+    adopted = map_.adopted(start)
+    # Where the resolutions differ by a few percent, so do the points.
+    assert HalfPeriods(map_).apart(adopted, rest.section_point) < 0.2
+    assert near.impulses == pytest.approx(rest.impulses, rel=1e-7)
+    assert near.acceptance is not None
+    assert near.acceptance.periods <= 4
+
+
+@pytest.mark.parametrize("solver", ["analytic", "FE"])
+def test_a_section_point_of_its_own_is_adopted_as_it_is(solver: str) -> None:
+    map_ = SOLVERS[solver].period_map(paper_joint())
+    for periods in (0, 1, 7, 30):
+        point = map_.march(map_.initial(), 2 * periods).end if periods else map_.initial()
+        again = map_.adopted(point)
+        assert again.state == point.state
+        assert map_.size(again) == pytest.approx(map_.size(point), rel=1e-12)
+        assert map_.norm(map_.difference(again, point)) <= 1e-12 * max(map_.size(point), 1e-300)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_what_is_no_section_point_of_the_solver_is_refused(solver: str) -> None:
+    problem = bar(0.8, (0.5, 5.0)) if solver == "bar" else paper_joint()
+    strange = SectionPoint(FREE, np.zeros((2, 3)), np.array([0.0, 1.0]))
+    with pytest.raises(InputError, match="start"):
+        SOLVERS[solver].steady_state(problem, start=strange)
+
+
+def test_points_of_the_other_solver_are_refused() -> None:
+    problem = paper_joint()
+    points = {name: SOLVERS[name].period_map(problem).initial() for name in ("analytic", "FE")}
+    with pytest.raises(InputError, match="start"):
+        SOLVERS["analytic"].steady_state(problem, start=points["FE"])
+    with pytest.raises(InputError, match="start"):
+        SOLVERS["FE"].steady_state(problem, start=points["analytic"])
+
+
+def test_the_mirror_image_of_a_lopsided_motion_is_found_from_its_mirror_image() -> None:
+    """A symmetric joint whose motion is not: which of the two is reached, where it starts decides."""
+    solver = fe_lapjoint.Solver(elements=4)
+    problem = paper_joint(angular_frequency=1100.0, damping_ratio=0.02)
+    map_ = solver.period_map(problem)
+    steady = solver.steady_state(problem)
+    assert (steady.outcome, steady.period_multiple, steady.symmetric) == (Outcome.PERIODIC, 1, False)
+    halfway = map_.mirrored(map_.march(steady.section_point, 1).end)
+    twin = solver.steady_state(problem, start=halfway)
+    twins = HalfPeriods(map_).twins
+    assert twins is not None
+    assert twin.impulses == pytest.approx(-steady.impulses[list(twins)], rel=1e-6)
+    assert np.abs(twin.impulses - steady.impulses).max() > 1e-4 * np.abs(steady.impulses).max()
+
+
+def test_progress_is_told_in_periods() -> None:
+    map_, calls = Bar().period_map(bar(0.8, (0.5, 5.0))), []
+    find_steady_state(map_, "bar", Effort(max_periods=50), progress=lambda done, most: calls.append((done, most)))
+    assert calls
+    assert all(0 < done <= most == 50 for done, most in calls)
