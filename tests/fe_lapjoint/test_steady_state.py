@@ -74,7 +74,7 @@ def test_a_problem_without_one_frequency_has_no_steady_state() -> None:
 @pytest.mark.parametrize(("omega", "amplitude"), [(515.0, 1e-5), (3000.0, 1e-4)])  # without contact, and with
 def test_undamped_transients_never_settle_and_this_is_said(omega: float, amplitude: float) -> None:
     problem = paper_joint(angular_frequency=omega, damping_ratio=0.0, base_amplitude=amplitude)
-    steady = fe_lapjoint.Solver(elements=1, max_periods=24, max_order=2).steady_state(problem)
+    steady = fe_lapjoint.Solver(elements=1, max_periods=24, max_period_multiple=2).steady_state(problem)
     assert steady.outcome in (Outcome.UNDECIDED, Outcome.APERIODIC)
     assert (steady.period_multiple, steady.multipliers.size) == (0, 0)
     assert steady.exponent is not None
