@@ -91,7 +91,7 @@ def forecast(
         if broken.size:
             fails = done + int(broken[-1]) + 1
         done += block.shape[1]
-        if fails and fails < done:  # enough to know: it is worth looking again after these
+        if fails and 2 * fails <= done:  # enough to know: it is worth looking again after these
             return Forecast(fails)
         if not fails and _decays(watch, vectors, power @ block[:, 0], size, share):
             return Forecast(0)

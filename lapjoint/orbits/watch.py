@@ -132,24 +132,24 @@ class SegmentWatch:
 
     def deviated(self, deviations: FloatArray) -> Deviated:
         """See `Watch`."""
-        count, (segments, terms, n) = deviations.shape[1], self._rows.shape
-        parts = (self._rows.reshape(-1, n) @ deviations).reshape(segments, terms, count)
+        count, stops, (segments, terms, n) = deviations.shape[1], self._gap.size, self._rows.shape
+        parts = (self._rows.reshape(segments * terms, n) @ deviations).reshape(segments, terms, count)
         d = self._real @ parts.real - self._imaginary @ parts.imag
         misses = self._misses @ np.abs(parts)
         values = self._at_switches @ parts[self._turned]
         at_switches, rates = values.real[:, 0], values.real[:, 1]
         if self._drift is not None:
-            drift = (self._drift.reshape(-1, n) @ deviations).reshape(segments, -1, 2, count)
+            drift = (self._drift.reshape(segments * stops * 2, n) @ deviations).reshape(segments, stops, 2, count)
             d += (drift[:, :, None, 0] + drift[:, :, None, 1] * self._tau[:, None, :, None]).reshape(d.shape)
             own = drift[self._turned, self.switches.stop]
             at_switches = at_switches + own[:, 0] + own[:, 1] * self._spans[self._turned, None]
             rates = rates + own[:, 1]
         np.abs(d, out=d)
-        shape = segments, -1, self._tau.shape[1], count
-        d, misses = d.reshape(shape), misses.reshape(segments, -1, self._tau.shape[1] - 1, count)
+        points = self._tau.shape[1]
+        d, misses = d.reshape(segments, stops, points, count), misses.reshape(segments, stops, points - 1, count)
         misses += np.maximum(d[:, :, :-1], d[:, :, 1:])
-        inside = misses.transpose(1, 0, 2, 3).reshape(misses.shape[1], -1, count)[:, self._inside]
-        return Deviated(inside.reshape(-1, count), at_switches, rates)
+        inside = misses.transpose(1, 0, 2, 3).reshape(stops, segments * (points - 1), count)[:, self._inside]
+        return Deviated(inside.reshape(self.intervals.stop.size, count), at_switches, rates)
 
     def _first_points(self, width: float) -> tuple[IndexArray, FloatArray]:
         """Segments and times from their starts, s, of the ends of all intervals, shape ``(points,)`` each."""
@@ -201,11 +201,12 @@ class SegmentWatch:
             weights[i, :, :size] = one.weights[:, :size]
         self._drift = np.array([one.drift for one in segments]) if any(one.drift.any() for one in segments) else None
         waves = np.exp(rates[:, None] * self._tau[:, :, None])
-        phases = (weights[:, :, None] * waves[:, None]).reshape(len(segments), -1, terms)
+        rows = len(segments), self._gap.size
+        phases = (weights[:, :, None] * waves[:, None]).reshape(rows[0], rows[1] * most, terms)
         self._real, self._imaginary = np.ascontiguousarray(phases.real), np.ascontiguousarray(phases.imag)
         bends = (rates.real**2 + rates.imag**2)[:, None] * (np.diff(self._tau) ** 2 / 8)[:, :, None]
         miss = np.minimum(bends, 2.0) * np.abs(waves[:, :-1])
-        self._misses = (np.abs(weights)[:, :, None] * miss[:, None]).reshape(len(segments), -1, terms)
+        self._misses = (np.abs(weights)[:, :, None] * miss[:, None]).reshape(rows[0], rows[1] * (most - 1), terms)
         self._turned = np.array([i for i, one in enumerate(segments) if one.switched >= 0], dtype=np.intp)
         own = weights[self._turned, self.switches.stop] * np.exp(rates * self._spans[:, None])[self._turned]
         self._at_switches = np.stack([own, own * rates[self._turned]], axis=1)

@@ -18,7 +18,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from lapjoint.problem.symmetry import mirror_twins
 from scipy.optimize import brentq
 
 from lapjoint import (
@@ -40,6 +39,7 @@ from lapjoint import (
 from lapjoint.errors import SolverError
 from lapjoint.orbits import Effort, Passage, find_steady_state
 from lapjoint.problem import FloatArray
+from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
 _SAMPLES = 32  # in a cycle of the excitation or of free vibration, whichever is shorter
