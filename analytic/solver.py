@@ -49,7 +49,7 @@ class Solver:
     free_modes: int | None = None
     contact_modes: int | None = None
     tolerance: float = 1e-5
-    max_period_multiple: int = 8
+    max_period_multiple: int = 64
     max_periods: int = 16000
 
     def __post_init__(self) -> None:

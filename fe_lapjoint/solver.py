@@ -55,7 +55,7 @@ class Solver:
     method: str = "exact"
     rtol: float = 1e-9
     atol: float = 1e-12
-    max_period_multiple: int = 8
+    max_period_multiple: int = 64
     max_periods: int = 10000
 
     def __post_init__(self) -> None:

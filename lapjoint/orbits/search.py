@@ -9,7 +9,8 @@ that the linearised map predicts, the orbit is dropped.
 A march that is held at an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  One that has not settled for
 long is followed together with a deviation, and the exponent is measured over stretches ever longer.  It is believed
 when two stretches in a row show the same, the second longer than the first: a long transient, or chaos that pauses,
-deceives one of them more easily than both.  If a stable orbit is known, chaos must show for much longer.
+deceives one of them more easily than both.  If a stable orbit is known, or found where the march nearly comes back,
+chaos must last for all the periods allowed; and a march that all but comes back is not called quasi-periodic.
 
 All effort is counted in periods and switches, so that no outcome depends on the speed of the machine.
 """
@@ -17,6 +18,7 @@ All effort is counted in periods and switches, so that no outcome depends on the
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,16 +28,16 @@ from lapjoint.orbits.exponent import exponent_of, largest_growth
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
-from lapjoint.orbits.newton import FAR, Orbit, find_orbit
+from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import Followed, Follows, PeriodMap
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_off
-from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
+from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_return, shown
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
 FIRST_LOOK = 8  # periods: most of what starts from rest is then near enough for Newton's method
 FIRST_LOOK_NEAR = 4  # if the start is likely to be near the motion
-TRANSIENT = 504  # periods before an exponent is measured
+TRANSIENT = 256  # periods before an exponent is measured
 STRETCH = 512  # least periods over which it is
 _NEARLY_BACK = 0.05  # of the size of the motion: returns after several periods that Newton's method is tried for
 _RETURNS = 3  # of them, the closest ones
@@ -44,14 +46,18 @@ _COURSE = 0.25  # of the step that the linearised map makes: what the march may 
 _SLOWER = 0.5  # of what the slowest multiplier takes off the distance: and by this, or it circles the orbit
 _STEPS_ALIKE = 1  # steps of the map that must go as the linearised one says
 _THERE = 1e-8  # of the size of the motion: so near, rounding says how a step goes
-_AGREE = 4  # stretches in a row that must show chaos where a stable orbit is known; else 2
+MULTIPLES_AT_A_LOOK = 8  # periods that a march goes on at each look, to see after how many it comes back
+_WATCHED = 192  # last points of a stretch among which nearly closed orbits are looked for
+_FEW = 3  # periods of those orbits, at most
+_TRIED = 4  # of them, the most nearly closed ones
+_LOCKED = 1e-3  # of how far it wanders: a march that comes back so closely after any number of periods may be locked
 
 
 @dataclass(frozen=True)
 class Effort:
     """How hard to look for a steady state."""
 
-    max_period_multiple: int = 8
+    max_period_multiple: int = 64
     """Longest periodic motion looked for, in excitation periods."""
     max_periods: int = 16_000
     """Excitation periods marched, at most; at least one stretch more where an exponent is due."""
@@ -113,8 +119,8 @@ class Search:
         before: list[Wandering] = []
         stretch = STRETCH
         while True:
-            now = self._measured(stretch)
-            orbit = self._look()
+            now, points = self._measured(stretch)
+            orbit = self._look() or self._come_back(points)
             if orbit is not None:
                 return self._found(orbit)
             agreeing = 1
@@ -122,8 +128,7 @@ class Search:
                 if not one.confirms(other):
                     break
                 agreeing += 1
-            suspect = self._stable_known and now.outcome is Outcome.APERIODIC
-            if agreeing >= (_AGREE if suspect else 2):
+            if agreeing >= 2 and (self._spent or not self._may_settle(now, points)):
                 return self._found(now)
             if self._spent:
                 return self._found(replace(now, outcome=Outcome.UNDECIDED))
@@ -182,7 +187,7 @@ class Search:
             if orbit is not None:
                 return orbit
         points = [self._point]
-        for _ in range(self._effort.max_period_multiple):
+        for _ in range(min(self._effort.max_period_multiple, MULTIPLES_AT_A_LOOK)):
             self._advance(1)
             points.append(self._point)
         returns = np.array([self._half_periods.apart(point, points[-1]) for point in points[-2::-1]])
@@ -288,14 +293,51 @@ class Search:
         self._pushes += held
         return held
 
-    def _measured(self, periods: int) -> Wandering:
+    def _come_back(self, points: Sequence[SectionPoint]) -> Orbit | None:
+        """The orbit of many periods that the march is bound for, from how nearly its last points come back."""
+        most = min(self._effort.max_period_multiple, len(points) - 1)
+        returns = np.array([self._half_periods.apart(points[-1 - n], points[-1]) for n in range(1, most + 1)])
+        if not returns.size or returns.min() > _NEARLY_BACK:
+            return None
+        first = int(np.flatnonzero(returns <= 10 * returns.min() + RESIDUAL)[0])
+        self._point, before = points[-1], self._point
+        for multiple in dict.fromkeys((first + 1, int(np.argmin(returns)) + 1)):
+            orbit = self._orbit(2 * multiple, _NEAR)
+            if orbit is not None:
+                return orbit
+        if self._point is points[-1]:
+            self._point = before
+        return None
+
+    def _may_settle(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
+        """Whether an aperiodic march may be no more than a long transient, for all that is known.
+
+        It may be if there is a stable orbit.  One is looked for where the march comes back nearly after a few periods.
+        """
+        if now.outcome is not Outcome.APERIODIC or self._stable_known:
+            return self._stable_known and now.outcome is Outcome.APERIODIC
+        last, apart = points[-_WATCHED:], self._half_periods.apart
+        nearly = [
+            (apart(last[i + multiple], last[i]), i, multiple)
+            for multiple in range(1, _FEW + 1)
+            for i in range(0, len(last) - multiple, multiple)
+        ]
+        for _, i, multiple in sorted(nearly)[:_TRIED]:
+            orbit = find_orbit(self._half_periods, last[i], 2 * multiple, FAR)
+            self._stable_known |= orbit is not None and orbit.stable
+        return self._stable_known
+
+    def _measured(self, periods: int) -> tuple[Wandering, Sequence[SectionPoint]]:
         """March on over a stretch of periods, and measure the largest Lyapunov exponent."""
         found = self._follow(periods)
         assert found is not None
         exponent = exponent_of(found.growth, self._map.period)
-        breadth, residual = breadth_and_residual(self._half_periods, found.points, self._effort.max_period_multiple)
+        most = min(self._effort.max_period_multiple, MULTIPLES_AT_A_LOOK)
+        breadth, residual = breadth_and_residual(self._half_periods, found.points, most)
         outcome = shown(exponent, self._map.slowest_decay, breadth, spirals=self._spirals, pushes=self._pushes)
-        return Wandering(
+        if outcome is Outcome.QUASIPERIODIC and nearest_return(self._half_periods, found.points) <= _LOCKED * breadth:
+            outcome = Outcome.UNDECIDED
+        wandering = Wandering(
             outcome=outcome,
             exponent=exponent,
             point=found.points[-1],
@@ -303,3 +345,4 @@ class Search:
             residual=residual,
             impulses=found.impulses / periods,
         )
+        return wandering, found.points

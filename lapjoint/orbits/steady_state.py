@@ -8,7 +8,7 @@ from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.period_map import PeriodMap
-from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, Found, Search
+from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, MULTIPLES_AT_A_LOOK, Effort, Found, Search
 from lapjoint.problem import StepLoad
 from lapjoint.solver import Progress
 
@@ -79,7 +79,7 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
         multipliers=np.zeros(0, dtype=complex),
         exponent=motion.exponent,
         section_point=motion.point,
-        history=period_map.history(motion.point, effort.max_period_multiple),
+        history=period_map.history(motion.point, min(effort.max_period_multiple, MULTIPLES_AT_A_LOOK)),
         impulses=motion.impulses,
         acceptance=found.acceptance,
     )

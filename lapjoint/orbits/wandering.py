@@ -79,3 +79,9 @@ def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoin
         farthest.append(max(returns) / size)
         latest.append(returns[-1] / size)
     return min(farthest), min(latest)
+
+
+def nearest_return(half_periods: HalfPeriods, points: Sequence[SectionPoint]) -> float:
+    """How closely the last point comes back to one of the later half of the points, over its size."""
+    later = points[len(points) // 2 : -1]
+    return min((half_periods.apart(point, points[-1]) for point in later), default=float("inf"))
