@@ -102,7 +102,9 @@ def _at_last(period_map: PeriodMap, steady: SteadyState, seen: Seen, ahead: int)
 def contradiction(steady: SteadyState, seen: Seen, period: float) -> str:
     """What a march has shown that a certificate denies, in words; empty if they agree."""
     if not steady.period_multiple:
-        return f"repeats after {seen.repeats} periods, to {seen.closure:.1e}" if seen.repeats else ""
+        # A torus comes back closely, too: only what closes counts here.
+        repeats = seen.repeats and seen.closure <= _CLOSED
+        return f"repeats after {seen.repeats} periods, to {seen.closure:.1e}" if repeats else ""
     stops = steady.problem.stops
     if seen.touches != (steady.outcome is not Outcome.NO_CONTACT):
         return f"class: certified {steady.outcome.name}, impulses of the march {seen.impulses}"
