@@ -1,0 +1,168 @@
+"""Random damped joints, to look for false certificates on: by a seed, the same on every machine.
+
+Every beam has EI = m = L = 1 and a base that moves by 1e-3, from rest; nothing else sets a scale.  Problems of even
+index are cantilevers with one stop at the tip, those of odd index joints with one to four stops anywhere:
+
+- cantilevers: excited at 1.3 to 6 times their lowest frequency, gap 0.4 to 1.6 of the tip's amplitude without contact,
+  stiffness 3 to 1000, one modal ratio of 0.005 to 0.02;
+- joints: one or two supports, fixed or springs; stops on either side, or as twins of equal place, gap and stiffness on
+  both; excited at 0.5 to 6 times the lowest frequency, gaps 0.3 to 1.6 of the amplitude at the stop without contact,
+  stiffness 3 to 1000; one modal ratio, one per mode, or viscous damping, each ratio 1e-3 to 0.1.
+
+Frequencies, gaps, stiffnesses of stops in cantilevers' range and of springs, and ratios that span more than a decade
+are drawn evenly by their logarithm, the rest evenly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+import analytic
+from lapjoint import FREE, BaseMotion, Beam, ModalDamping, Problem, Stop, Support
+from lapjoint.problem import FloatArray, ViscousDamping
+
+BASE = 1e-3  # m, amplitude of the base
+BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
+_MODES = 12  # of the sum that gives the amplitude without contact: excitation is below the fourth or fifth
+_POINTS = 2001  # of the quadrature over the beam
+_MOVES = 0.05  # of the largest amplitude along the beam: a stop where it moves by less is placed elsewhere
+
+
+@dataclass(frozen=True)
+class Response:
+    """The motion of a beam without contact, as a sum over its modes."""
+
+    omega: FloatArray
+    """Angular frequencies, rad/s, shape ``(modes,)``."""
+    shapes: FloatArray
+    """Mass-normalised shapes on a grid of `_POINTS` along the beam, shape ``(modes, points)``."""
+    ratios: FloatArray
+    """Damping ratios, shape ``(modes,)``."""
+    participation: FloatArray
+    """Integrals of the shapes over the mass, shape ``(modes,)``."""
+
+    @property
+    def decay_time(self) -> float:
+        """1 / min(zeta_i omega_i), s."""
+        return float(1 / np.min(self.ratios * self.omega))
+
+    def amplitude(self, frequency: float) -> FloatArray:
+        """Amplitude along the beam at an angular frequency of the base, m, shape ``(points,)``."""
+        force = BASE * frequency**2 * self.participation
+        q = force / (self.omega**2 - frequency**2 + 2j * self.ratios * self.omega * frequency)
+        return np.abs(q @ self.shapes)
+
+
+def response_of(problem: Problem) -> Response:
+    """The modes of a beam of mass 1 without its stops, and their damping."""
+    modes = analytic.Solver().modes(problem.replace(stops=()), FREE, _MODES)
+    omega, x = np.asarray(modes.angular_frequencies), np.linspace(0.0, 1.0, _POINTS)
+    shapes = np.asarray(modes.shapes(x), dtype=float)
+    damping = problem.damping
+    if isinstance(damping, ModalDamping):
+        ratios = damping.ratios(omega.size)
+    else:
+        assert isinstance(damping, ViscousDamping)
+        ratios = damping.coefficient / (2 * omega)
+    return Response(omega, shapes, ratios, np.trapezoid(shapes, x, axis=1))
+
+
+def joints(seed: int, count: int) -> Iterator[Problem]:
+    """The first `count` problems of a seed; each depends on the seed and its index alone."""
+    return (joint(seed, index) for index in range(count))
+
+
+def joint(seed: int, index: int) -> Problem:
+    """One problem of a seed: a cantilever with a stop at its tip if the index is even, else any joint."""
+    rng = np.random.default_rng((seed, index))
+    problem = random_joint(rng) if index % 2 else random_cantilever(rng)
+    return problem.replace(title=f"seed {seed}, index {index}: {problem.title}")
+
+
+def random_cantilever(rng: np.random.Generator) -> Problem:
+    """A cantilever with one stop at its tip."""
+    bare = Problem(
+        title="cantilever",
+        beam=BEAM,
+        supports=(_FIXED,),
+        damping=ModalDamping(ratio=rng.uniform(0.005, 0.02)),
+        base_motion=None,
+    )
+    response = response_of(bare)
+    frequency = rng.uniform(1.3, 6.0) * float(response.omega[0])
+    gap = rng.uniform(0.4, 1.6) * float(response.amplitude(frequency)[-1])
+    stop = Stop(x=1.0, side="top", gap=gap, stiffness=_between(rng, 3.0, 1000.0))
+    return bare.replace(base_motion=_base(frequency), stops=(stop,))
+
+
+def random_joint(rng: np.random.Generator) -> Problem:
+    """A joint with one to four stops anywhere."""
+    supports, kind = _supports(rng)
+    undamped = Problem(title=kind, beam=BEAM, supports=supports, damping=ViscousDamping(coefficient=1.0))
+    bare = undamped.replace(damping=_damping(rng, float(response_of(undamped).omega[0])))
+    response = response_of(bare)
+    frequency = rng.uniform(0.5, 6.0) * float(response.omega[0])
+    twins = rng.random() < 0.4
+    amplitude = response.amplitude(frequency)
+    stops: list[Stop] = []
+    for _ in range(int(rng.integers(1, 3)) if twins else int(rng.integers(1, 5))):
+        here = _place(rng, amplitude)
+        gap = rng.uniform(0.3, 1.6) * float(amplitude[here])
+        side = "top" if rng.random() < 0.5 else "bottom"
+        one = Stop(x=here / (_POINTS - 1), side=side, gap=gap, stiffness=_between(rng, 3.0, 1000.0))
+        stops.append(one)
+        if twins:
+            stops.append(one.model_copy(update={"side": "bottom" if side == "top" else "top"}))
+    title = f"{kind}, {len(stops)} stops{', twins' if twins else ''}, {bare.damping.kind}"
+    return bare.replace(title=title, base_motion=_base(frequency), stops=tuple(stops))
+
+
+_FIXED = Support(x=0.0, translational=math.inf, torsional=math.inf)
+
+
+def _base(frequency: float) -> BaseMotion:
+    return BaseMotion(amplitude=BASE, angular_frequency=frequency)
+
+
+def _between(rng: np.random.Generator, least: float, most: float) -> float:
+    """A number between two others, evenly by its logarithm."""
+    return float(math.exp(rng.uniform(math.log(least), math.log(most))))
+
+
+def _place(rng: np.random.Generator, amplitude: FloatArray) -> int:
+    """A point of the grid, where the beam moves; one in three is the tip."""
+    while True:
+        here = _POINTS - 1 if rng.random() < 1 / 3 else int(rng.integers(_POINTS // 20, _POINTS))
+        if amplitude[here] >= _MOVES * amplitude.max():
+            return here
+
+
+def _supports(rng: np.random.Generator) -> tuple[tuple[Support, ...], str]:
+    """One or two supports, and what to call them; none leaves the beam free to drift."""
+    kind = int(rng.integers(0, 6))
+    far = rng.uniform(0.4, 1.0)
+    translational, torsional = _between(rng, 10.0, 1e4), _between(rng, 1.0, 1e3)
+    springs = Support(x=0.0, translational=translational, torsional=torsional)
+    pinned = Support(x=0.0, translational=math.inf)
+    beyond = Support(x=far, translational=_between(rng, 10.0, 1e4))
+    return (
+        ((_FIXED,), "fixed"),
+        ((springs,), "springs"),
+        ((_FIXED, beyond), "fixed and a spring"),
+        ((pinned, Support(x=far, translational=math.inf)), "two pins"),
+        ((springs, beyond), "springs and a spring"),
+        ((_FIXED, Support(x=1.0, torsional=torsional, translational=translational)), "fixed and springs"),
+    )[kind]
+
+
+def _damping(rng: np.random.Generator, lowest: float) -> ModalDamping | ViscousDamping:
+    """One modal ratio, two to four for the lowest modes, or a viscous coefficient that damps the lowest mode so."""
+    kind = int(rng.integers(0, 3))
+    ratios = tuple(_between(rng, 1e-3, 0.1) for _ in range(int(rng.integers(2, 5))))
+    if kind == 0:
+        return ModalDamping(ratio=ratios[0])
+    return ModalDamping(ratio=ratios) if kind == 1 else ViscousDamping(coefficient=2 * ratios[0] * lowest)
