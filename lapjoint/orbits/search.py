@@ -9,8 +9,10 @@ that the linearised map predicts, the orbit is dropped.
 A march that is held at an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  One that has not settled for
 long is followed together with a deviation, and the exponent is measured over stretches ever longer.  It is believed
 when two stretches in a row show the same, the second longer than the first: a long transient, or chaos that pauses,
-deceives one of them more easily than both.  If a stable orbit is known, or found where the march nearly comes back,
-chaos must last for all the periods allowed; and a march that all but comes back is not called quasi-periodic.
+deceives one of them more easily than both.  The second must last for twenty decay times of the slowest free vibration,
+and for a hundred if a stable orbit is known, or found where the march nearly comes back; all within the effort allowed.
+It is then the march that anyone can repeat: the motion counts as accepted at its start.  A march that all but comes
+back is not called quasi-periodic.
 
 All effort is counted in periods and switches, so that no outcome depends on the speed of the machine.
 """
@@ -47,6 +49,8 @@ _SLOWER = 0.5  # of what the slowest multiplier takes off the distance: and by t
 _STEPS_ALIKE = 1  # steps of the map that must go as the linearised one says
 _THERE = 1e-8  # of the size of the motion: so near, rounding says how a step goes
 MULTIPLES_AT_A_LOOK = 8  # periods that a march goes on at each look, to see after how many it comes back
+DECAY_TIMES = 20.0  # of the slowest free vibration that a march must keep from repeating: 2e-9 of a transient is left
+SUSPECT = 5  # times as long where there is a stable orbit, and chaos may be a long transient
 _WATCHED = 192  # last points of a stretch among which nearly closed orbits are looked for
 _FEW = 3  # periods of those orbits, at most
 _TRIED = 4  # of them, the most nearly closed ones
@@ -116,36 +120,49 @@ class Search:
 
     def _wander(self) -> Found:
         """Go on with a march that has not settled, and measure over stretches ever longer."""
-        before: list[Wandering] = []
+        before: Wandering | None = None
         stretch = STRETCH
         while True:
+            begun = Acceptance(self._point, self._marched)
             now, points = self._measured(stretch)
             orbit = self._look() or self._come_back(points)
             if orbit is not None:
                 return self._found(orbit)
-            agreeing = 1
-            for one, other in zip([now, *reversed(before)], reversed(before), strict=False):
-                if not one.confirms(other):
-                    break
-                agreeing += 1
-            if agreeing >= 2 and (self._spent or not self._may_settle(now, points)):
-                return self._found(now)
+            if before is not None and now.confirms(before) and (self._spent or self._long_enough(now, points)):
+                return self._found(now, begun)
             if self._spent:
-                return self._found(replace(now, outcome=Outcome.UNDECIDED))
-            before.append(now)
+                return self._found(replace(now, outcome=Outcome.UNDECIDED), begun)
+            before = now
             if self._push_off() or self._disturbed(now):
-                before = []
+                before = None
             else:
-                stretch = min(2 * stretch, max(self._effort.max_periods - self._marched, STRETCH))
+                wanted = max(2 * stretch, 0 if now.outcome is Outcome.UNDECIDED else self._enough)
+                stretch = max(min(wanted, self._effort.max_periods - self._marched), STRETCH)
+
+    @property
+    def _enough(self) -> int:
+        """Periods that a march must keep from repeating: what decays has decayed then."""
+        if not self._map.slowest_decay:
+            return 0
+        return math.ceil(DECAY_TIMES / (self._map.slowest_decay * self._map.period))
+
+    def _long_enough(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
+        """Whether a stretch that shows what the one before it showed was long enough to be believed."""
+        if now.outcome is Outcome.UNDECIDED:
+            return True
+        least = self._enough * (SUSPECT if self._may_settle(now, points) else 1)
+        return now.exponent.periods >= least
 
     @property
     def _spent(self) -> bool:
         """Whether the effort allowed is spent."""
         return self._marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
 
-    def _found(self, motion: Orbit | Wandering) -> Found:
+    def _found(self, motion: Orbit | Wandering, at: Acceptance | None = None) -> Found:
+        """What ends the search: accepted here and now, or at the start of the last stretch that was measured."""
         growth = largest_growth(np.concatenate(self._growth)) if self._effort.growth and self._growth else None
-        return Found(motion, Acceptance(self._point, self._marched, self._pushes, growth))
+        at = at or Acceptance(self._point, self._marched)
+        return Found(motion, replace(at, pushes=self._pushes, growth=growth))
 
     def _advance(self, periods: int) -> None:
         """March on."""

@@ -165,10 +165,10 @@ def test_a_motion_that_does_not_settle_is_undecided_with_mean_impulses() -> None
     scheme = analytic.PublishedScheme(tolerance=1e-9, patience=100)
     found = scheme.steady_state(paper_joint())
     assert found.outcome is Outcome.UNDECIDED
-    assert found.order == 0
+    assert found.period_multiple == 0
     settled = analytic.PublishedScheme().steady_state(paper_joint())
     assert settled.outcome is Outcome.PERIODIC
-    assert settled.order == 1
+    assert settled.period_multiple == 1
     assert settled.multipliers.size == 0
     np.testing.assert_allclose(found.impulses, settled.impulses, rtol=5e-3)
 
@@ -176,12 +176,12 @@ def test_a_motion_that_does_not_settle_is_undecided_with_mean_impulses() -> None
 def test_a_section_starts_the_motion_again_with_its_frozen_shape() -> None:
     scheme, problem = analytic.PublishedScheme(), paper_joint(angular_frequency=820.0)
     first = scheme.steady_state(problem)
-    again = scheme.steady_state(problem, start=first.section)
+    again = scheme.steady_state(problem, start=first.section_point)
     np.testing.assert_allclose(again.impulses, first.impulses, rtol=5e-3)  # it creeps on
     assert first.history.field(np.array([2.5]), np.array([0.0])) == pytest.approx(
         first.history.field(np.array([2.5]), np.array([first.history.end])), rel=1e-3
     )
-    wider = scheme.steady_state(problem.replace(stops=paper_joint(gap=2e-3).stops), start=first.section)
+    wider = scheme.steady_state(problem.replace(stops=paper_joint(gap=2e-3).stops), start=first.section_point)
     assert wider.outcome is Outcome.PERIODIC
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState
 from lapjoint.orbits import PeriodMap
 from lapjoint.problem import FloatArray
-from lapjoint.steady import Outcome, SectionPoint, SteadyState
 
 DECAYS = 20.0  # decay times marched on: exp(-20) = 2e-9 of a free vibration is left
 LONGER = 10  # times as long is marched on where the motion still approaches the certified one: a multiplier near one
