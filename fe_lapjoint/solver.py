@@ -56,7 +56,7 @@ class Solver:
     rtol: float = 1e-9
     atol: float = 1e-12
     max_period_multiple: int = 64
-    max_periods: int = 10000
+    max_periods: int = 6000
 
     def __post_init__(self) -> None:
         for field, most in (("elements", MOST_ELEMENTS), ("max_period_multiple", 1000), ("max_periods", 10**7)):
