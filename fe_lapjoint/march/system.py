@@ -179,7 +179,7 @@ class System:
 
     def rates(self, t: float, y: FloatArray) -> FloatArray:
         """d(q, q')/dt for ``y`` = (q, q') of shape ``(2 n,)``."""
-        q, v = np.split(y, 2)
+        q, v = y[: self.omega.size], y[self.omega.size :]
         force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
         return np.concatenate([v, force - 2 * self.decay * v - self.omega**2 * q])
 

@@ -87,10 +87,16 @@ def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
 
 
 def _flow(system: System, s: float, deviations: FloatArray) -> FloatArray:
-    C, S = free_response(system.decay, system.omega, np.array([s]))
-    q, v = np.split(deviations, 2)
-    square, drag = (system.omega**2)[:, None], 2 * system.decay[:, None]
-    return np.concatenate([C * q + S * v, (C - drag * S) * v - square * S * q])
+    if system.all_oscillate:
+        wave, a = np.exp(system.roots * s)[:, None], system.decay[:, None]
+        S = wave.imag / system.roots.imag[:, None]
+        C = wave.real + a * S
+    else:
+        a = system.decay[:, None]
+        C, S = free_response(system.decay, system.omega, np.array([s]))
+    n = system.omega.size
+    q, v = deviations[:n], deviations[n:]
+    return np.concatenate([C * q + S * v, (C - 2 * a * S) * v - (system.omega**2)[:, None] * (S * q)])
 
 
 def _jump(model: Model, piece: Piece, after: FloatArray, deviations: FloatArray) -> FloatArray:
