@@ -34,7 +34,7 @@ LINEAR = 0.9  # of a distance: what a deviation may take of it where the map is 
 CURVED = 0.5  # and where it is not
 _SHIFTS = 3.0  # times the shift of a switch: so near to it a stop is in contact or not as the shift has it
 _RATE = 0.5  # of the rate at a switch: what a deviation may change it by
-_FIRST, _MOST = 8, 1024  # deviations looked at together
+_FIRST, _MOST = 16, 1024  # deviations looked at together
 _NOTHING = 1e-13  # of the size of the orbit: rounding
 _DECAYED = 1e-12  # of the size of the orbit: what is left out of the slow eigenvectors
 

@@ -138,7 +138,7 @@ def test_no_more_periods_are_looked_at_than_needed_by_a_factor_of_eight(decay: f
     found = ask(watch, matrix, deviation)
     needed = np.log(4 / LINEAR) / -np.log(decay)
     assert found.fails == last_failure(watch, matrix, deviation, int(2 * needed) + 10)
-    looked_at = sum(block.shape[1] for block in watch.seen if block.shape[1] >= 8)
+    looked_at = sum(block.shape[1] for block in watch.seen if block.shape[1] >= 16)
     assert looked_at <= 8 * needed + 32
 
 
@@ -169,7 +169,7 @@ def test_blocks_that_double_hold_the_columns_of_one_by_one_iteration() -> None:
     watch = HandMade(np.ones((1, 4)), np.array([0.5]))
     deviation = rng.standard_normal(4)
     ask(watch, matrix, deviation)
-    looked = [block for block in watch.seen if block.shape[1] >= 8]
+    looked = [block for block in watch.seen if block.shape[1] >= 16]
     together = np.concatenate(looked, axis=1)
     assert together.shape[1] >= 256
     e = deviation
@@ -187,7 +187,7 @@ def test_an_eigenbasis_that_is_none_settles_nothing_but_what_has_died_away() -> 
     found = forecast(watch, matrix, vectors, np.array([0.0, 1.0]), 1.0, MOST)
     assert found.bound
     # 0.9^k k is below 1e-13 from k = 340 on.
-    assert 340 <= sum(block.shape[1] for block in watch.seen if block.shape[1] >= 8) <= 1024
+    assert 340 <= sum(block.shape[1] for block in watch.seen if block.shape[1] >= 16) <= 1024
     assert not forecast(watch, matrix, vectors, np.array([0.0, 1.0]), 1.0, 128).bound
 
 
