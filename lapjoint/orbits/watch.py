@@ -28,7 +28,8 @@ BoolArray = npt.NDArray[np.bool_]
 _PER_HALF_PERIOD = 16  # intervals of equal width in half a period, to begin with
 _LEAST = 4  # and in a segment
 _HALVINGS = 5  # of the first and the last of them, towards a switch
-_ROUNDS = 12  # of halving where the distance to a stop is not known well enough
+_PARTS = 8  # into which an interval is divided at once, where the distance to a stop is not known well enough
+_ROUNDS = 6  # of dividing: to a 260 000th of the width
 _NEGLIGIBLE = 1e-9  # of the largest distance of a stop: not looked into any further
 _TIGHT = 0.5  # of the distance at the ends of an interval that must be certain within it
 
@@ -110,46 +111,51 @@ class SegmentWatch:
         self._segments = segments
         self._sign = np.array([stop.sign for stop in problem.stops], dtype=float)
         self._gap = np.array([stop.gap for stop in problem.stops], dtype=float)
+        x = np.array([stop.x for stop in problem.stops])
+        _, self._first, self._place = np.unique(x, return_index=True, return_inverse=True)
         self._stack = _Stack(segments)
         self.switches = self._switches(twins)
         segment, tau = self._first_points(math.pi / problem.excitation_frequency / _PER_HALF_PERIOD)
-        distance, sure = self._distances(segment, tau)
+        distance, miss = self._distances(segment, tau)
         least = _NEGLIGIBLE * distance.max(axis=1, initial=0.0, keepdims=True)
         for _ in range(_ROUNDS):
             inside = segment[:-1] == segment[1:]
-            poor = np.flatnonzero(inside & ((sure < _TIGHT * distance) & (distance > least)).any(axis=0))
+            # A chord of a part of the width misses by the square of that part.
+            parts = np.sqrt(miss / np.maximum((1 - _TIGHT) * distance, 1e-300))
+            parts = np.where(inside & (distance > least), np.ceil(np.minimum(parts, _PARTS)), 1).max(axis=0, initial=1)
+            poor = np.flatnonzero(parts > 1)
             if not poor.size:
                 break
-            tau = np.insert(tau, poor + 1, 0.5 * (tau[poor] + tau[poor + 1]))
-            segment = np.insert(segment, poor + 1, segment[poor])
-            distance, sure = self._distances(segment, tau)
+            tau, segment = _divided(tau, segment, poor, parts[poor].astype(int))
+            distance, miss = self._distances(segment, tau)
         inside = segment[:-1] == segment[1:]
         start = np.array([one.start for one in segments])[segment] + tau
+        sure = np.maximum(distance - miss, 0.0)[:, inside]
         self.intervals = intervals_of(
-            self.switches, start[:-1][inside], start[1:][inside], sure[:, inside], segments[-1].end, twins
+            self.switches, start[:-1][inside], start[1:][inside], sure, segments[-1].end, twins
         )
         self._cut(segment, tau)
 
     def deviated(self, deviations: FloatArray) -> Deviated:
         """See `Watch`."""
-        count, stops, (segments, terms, n) = deviations.shape[1], self._gap.size, self._rows.shape
+        count, places, (segments, terms, n) = deviations.shape[1], self._first.size, self._rows.shape
         parts = (self._rows.reshape(segments * terms, n) @ deviations).reshape(segments, terms, count)
         d = self._real @ parts.real - self._imaginary @ parts.imag
         misses = self._misses @ np.abs(parts)
         values = self._at_switches @ parts[self._turned]
         at_switches, rates = values.real[:, 0], values.real[:, 1]
         if self._drift is not None:
-            drift = (self._drift.reshape(segments * stops * 2, n) @ deviations).reshape(segments, stops, 2, count)
+            drift = (self._drift.reshape(segments * places * 2, n) @ deviations).reshape(segments, places, 2, count)
             d += (drift[:, :, None, 0] + drift[:, :, None, 1] * self._tau[:, None, :, None]).reshape(d.shape)
-            own = drift[self._turned, self.switches.stop]
+            own = drift[self._turned, self._place[self.switches.stop]]
             at_switches = at_switches + own[:, 0] + own[:, 1] * self._spans[self._turned, None]
             rates = rates + own[:, 1]
         np.abs(d, out=d)
         points = self._tau.shape[1]
-        d, misses = d.reshape(segments, stops, points, count), misses.reshape(segments, stops, points - 1, count)
+        d, misses = d.reshape(segments, places, points, count), misses.reshape(segments, places, points - 1, count)
         misses += np.maximum(d[:, :, :-1], d[:, :, 1:])
-        inside = misses.transpose(1, 0, 2, 3).reshape(stops, segments * (points - 1), count)[:, self._inside]
-        return Deviated(inside.reshape(self.intervals.stop.size, count), at_switches, rates)
+        inside = misses.transpose(1, 0, 2, 3).reshape(places, segments * (points - 1), count)[:, self._inside]
+        return Deviated(inside[self._place].reshape(self.intervals.stop.size, count), at_switches, rates)
 
     def _first_points(self, width: float) -> tuple[IndexArray, FloatArray]:
         """Segments and times from their starts, s, of the ends of all intervals, shape ``(points,)`` each."""
@@ -165,22 +171,24 @@ class SegmentWatch:
         return np.concatenate(which), np.concatenate(times)
 
     def _distances(self, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distances at the nearer end of each interval, and for certain within it, m, shape ``(P, points - 1)`` each.
+        """Distances at the nearer end of each interval, and by what they may be less within, m, ``(P, points - 1)``.
 
         A stop that truncation leaves beyond its gap at a switch switches again when it comes back to where it was left.
         """
         it = self._stack
         waves = it.amplitudes[segment] * np.exp(it.rates[segment] * tau[:, None])
         powers = tau[:, None] ** np.arange(3.0)
-        weights = it.weights[segment]
-        z = (weights @ waves[:, :, None])[:, :, 0].real + (it.polynomial[segment] @ powers[:, :, None])[:, :, 0]
+        weights = it.weights[:, self._first][segment]
+        z = (weights @ waves[:, :, None])[:, self._place, 0].real + (it.polynomial[segment] @ powers[:, :, None])[
+            :, :, 0
+        ]
         h = it.orientation[segment] * (self._sign * z - self._gap)
         first = np.searchsorted(segment, np.arange(len(self._segments)))
         distance = (np.maximum(h[first], 0.0)[segment] - h).T
         size = np.abs(waves) * np.abs(it.rates[segment]) ** 2
-        bend = (np.abs(weights) @ size[:, :, None])[:, :, 0] + 2 * np.abs(it.polynomial[segment][:, :, 2])
+        bend = (np.abs(weights) @ size[:, :, None])[:, self._place, 0] + 2 * np.abs(it.polynomial[segment][:, :, 2])
         nearer = np.maximum(np.minimum(distance[:, :-1], distance[:, 1:]), 0.0)
-        return nearer, np.maximum(nearer - bend[:-1].T * (np.diff(tau) ** 2 / 8), 0.0)
+        return nearer, bend[:-1].T * (np.diff(tau) ** 2 / 8)
 
     def _cut(self, segment: IndexArray, tau: FloatArray) -> None:
         """Set up the terms of deviations at the ends of all intervals, segments padded to the same number of them."""
@@ -194,21 +202,24 @@ class SegmentWatch:
         terms, n = max(one.deviations.shape[0] for one in segments), segments[0].deviations.shape[1]
         self._rows = np.zeros((len(segments), terms, n), dtype=complex)
         rates = np.zeros((len(segments), terms), dtype=complex)
-        weights = np.zeros((len(segments), self._gap.size, terms), dtype=complex)
+        weights = np.zeros((len(segments), self._first.size, terms), dtype=complex)
         for i, one in enumerate(segments):
             size = one.deviations.shape[0]
             self._rows[i, :size], rates[i, :size] = one.deviations, one.rates[:size]
-            weights[i, :, :size] = one.weights[:, :size]
-        self._drift = np.array([one.drift for one in segments]) if any(one.drift.any() for one in segments) else None
+            weights[i, :, :size] = one.weights[self._first, :size]
+        drifts = any(one.drift.any() for one in segments)
+        self._drift = np.array([one.drift[self._first] for one in segments]) if drifts else None
         waves = np.exp(rates[:, None] * self._tau[:, :, None])
-        rows = len(segments), self._gap.size
+        rows = len(segments), self._first.size
         phases = (weights[:, :, None] * waves[:, None]).reshape(rows[0], rows[1] * most, terms)
         self._real, self._imaginary = np.ascontiguousarray(phases.real), np.ascontiguousarray(phases.imag)
         bends = (rates.real**2 + rates.imag**2)[:, None] * (np.diff(self._tau) ** 2 / 8)[:, :, None]
         miss = np.minimum(bends, 2.0) * np.abs(waves[:, :-1])
         self._misses = (np.abs(weights)[:, :, None] * miss[:, None]).reshape(rows[0], rows[1] * (most - 1), terms)
         self._turned = np.array([i for i, one in enumerate(segments) if one.switched >= 0], dtype=np.intp)
-        own = weights[self._turned, self.switches.stop] * np.exp(rates * self._spans[:, None])[self._turned]
+        own = (
+            weights[self._turned, self._place[self.switches.stop]] * np.exp(rates * self._spans[:, None])[self._turned]
+        )
         self._at_switches = np.stack([own, own * rates[self._turned]], axis=1)
 
     def _switches(self, twins: tuple[int, ...] | None) -> Switches:
@@ -222,6 +233,18 @@ class SegmentWatch:
         _, _, after = it.derivatives(np.where(which == last, 0, which + 1), other, np.zeros(which.size))
         apart = spacings(time, stop, segments[-1].end, twins)
         return Switches(time, stop, np.abs(rate), np.maximum(np.abs(before), np.abs(after)), apart)
+
+
+def _divided(
+    tau: FloatArray, segment: IndexArray, poor: IndexArray, parts: IndexArray
+) -> tuple[FloatArray, IndexArray]:
+    """Ends of intervals of which the `poor` ones are divided into equal parts."""
+    where = np.repeat(poor, parts - 1)
+    number = np.concatenate([np.arange(1, count) / count for count in parts])
+    return (
+        np.insert(tau, where + 1, tau[where] + number * (tau[where + 1] - tau[where])),
+        np.insert(segment, where + 1, segment[where]),
+    )
 
 
 class _Stack:

@@ -38,7 +38,13 @@ def answers(solver: Solver, omegas: Iterable[float]) -> dict[float, list[object]
         steady = solver.steady_state(paper_joint(angular_frequency=omega))
         numbers = (steady.impulses, steady.multipliers, steady.section_point.coordinates)
         contacts = [(c.stop, c.start, c.end, c.impulse, c.peak_force) for c in steady.history.contacts]
-        found[omega] = [steady.outcome, steady.period_multiple, steady.residual, *(n.tobytes() for n in numbers), *contacts]
+        found[omega] = [
+            steady.outcome,
+            steady.period_multiple,
+            steady.residual,
+            *(n.tobytes() for n in numbers),
+            *contacts,
+        ]
     return found
 
 

@@ -62,10 +62,12 @@ def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
     say("steady state")
     point = compare_steady(problem, 40 if level == "quick" else 64)
     notes = [outcome.value for outcome in dict.fromkeys(point.outcomes)]
-    checks, rows = [], []
+    checks, rows = [point.same_period], []
+    if point.explanation:
+        notes.append(point.explanation)
     if Outcome.UNDECIDED not in point.outcomes:
         for name, a, b in zip(problem.stop_names, point.analytic, point.fe, strict=True):
-            checks.append(Check(f"impulse of {name}", "N s", a, b))
+            checks.append(Check(f"impulse of {name}", "N s", a, b, explanation=point.explanation))
             rows.append((name, a.value, f"{a.uncertainty:.1e}", b.value, f"{b.uncertainty:.1e}"))
     else:
         notes.append("Impulses of a motion that does not repeat cannot be compared one by one.")

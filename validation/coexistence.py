@@ -1,0 +1,122 @@
+"""Why two solvers that are each right about their own march may still come to different motions.
+
+Where motions exist side by side, a march whose transient is chaotic is led to one or the other by rounding.  So the
+motion of one solver is handed to the other as an initial shape: if that settles to it, both motions exist in both
+solvers.  If not, a motion may exist in one and not quite in the other, where it is all but losing its stability.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint import Outcome, Problem, SteadyState, initial_from_functions
+from lapjoint.problem import FloatArray
+from lapjoint.solver import Solver
+
+SAME = 1e-2
+"""Of the largest impulse: motions of two solvers that differ by less are one; those side by side differ by far more."""
+CRITICAL = 5e-2
+"""Of the modulus of the leading multiplier: nearer to one, the error of either solver may decide on stability."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A steady state, and the solver that found it."""
+
+    solver: Solver
+    found: SteadyState
+
+
+def same_motion(one: SteadyState, other: SteadyState) -> bool:
+    """Whether two steady states are one motion, as far as class, period and impulses tell.
+
+    Parameters
+    ----------
+    one, other : SteadyState
+        Of one problem, or of one and the same from another initial state.
+
+    Returns
+    -------
+    bool
+        Impulses agree to `SAME` of the largest; a mirror image counts as another motion.
+    """
+    if (one.outcome is Outcome.NO_CONTACT) != (other.outcome is Outcome.NO_CONTACT):
+        return False
+    if one.period_multiple != other.period_multiple:
+        return False
+    if not one.period_multiple:
+        return one.outcome is other.outcome
+    size = float(np.abs([*one.impulses, *other.impulses]).max(initial=0.0))
+    return bool(np.abs(one.impulses - other.impulses).max(initial=0.0) <= SAME * size)
+
+
+def started_from(problem: Problem, found: SteadyState) -> Problem:
+    """The problem with the section point of a motion as its initial state.
+
+    Parameters
+    ----------
+    problem : Problem
+        What both solvers solve.
+    found : SteadyState
+        By any solver.
+
+    Returns
+    -------
+    Problem
+        The same, but for the initial state.
+    """
+    history = found.history
+
+    def displacement(x: FloatArray) -> FloatArray:
+        return np.asarray(history.displacement(x, history.start)[:, 0])
+
+    def velocity(x: FloatArray) -> FloatArray:
+        return np.asarray(history.velocity(x, history.start)[:, 0])
+
+    return problem.replace(initial=initial_from_functions(problem.beam.length, displacement, velocity))
+
+
+def why_they_differ(problem: Problem, one: Motion, other: Motion) -> str:
+    """Why two solvers end on different motions, in a sentence; empty if nothing was found that explains it.
+
+    Parameters
+    ----------
+    problem : Problem
+        What both solvers solve.
+    one, other : Motion
+        What each has found, from the same initial state.
+
+    Returns
+    -------
+    str
+        Which motions exist side by side, or which multiplier is nearly critical.
+    """
+    exists = [_exists(problem, here, there) for here, there in ((one, other), (other, one))]
+    if all(exists):
+        return f"Both motions exist in both solvers, side by side: {_named(one)}; {_named(other)}."
+    for (here, there), found in zip(((one, other), (other, one)), exists, strict=True):
+        if found:
+            return f"{_named(there)} exists beside {_named(here)} in the latter solver too."
+    for motion in (one, other):
+        multipliers = motion.found.multipliers
+        if multipliers.size and abs(multipliers[0]) > 1 - CRITICAL:
+            leading = f"{abs(multipliers[0]):.4f}"
+            return f"{_named(motion)} is all but critical: its leading multiplier has the modulus {leading}."
+    return ""
+
+
+def _exists(problem: Problem, here: Motion, there: Motion) -> bool:
+    """Whether the solver of `here`, started from the motion of `there`, stays on it."""
+    if not there.found.period_multiple:
+        return False
+    return same_motion(here.solver.steady_state(started_from(problem, there.found)), there.found)
+
+
+def _named(motion: Motion) -> str:
+    found = motion.found
+    what = f"{found.outcome.name.lower().replace('_', ' ')}"
+    if found.period_multiple:
+        what += f", {found.period_multiple} excitation period{'s' if found.period_multiple > 1 else ''}"
+    return f"that of {motion.solver.name} ({what})"
