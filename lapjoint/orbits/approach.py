@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.orbits.compiled_watch import all_within
 from lapjoint.orbits.watch import Deviated, Watch
 from lapjoint.problem import FloatArray
 
@@ -106,20 +107,24 @@ def forecast(
 def _sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
     """Whether each deviation meets all conditions, shape ``(K,)``."""
     switches, intervals = watch.switches, watch.intervals
-    near = deviated.largest <= share * intervals.distance[:, None]
-    if not switches.time.size:
-        return np.asarray(near.all(axis=0))
     rate = switches.rate[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         shift = np.where(deviated.at_switches == 0, 0.0, np.abs(deviated.at_switches) / rate)
-    # Index -1, of a stop without switches, reads the last row, but its distance in time is infinite.
-    exempt = (intervals.since[:, None] <= _SHIFTS * shift[intervals.before]) | (
-        intervals.until[:, None] <= _SHIFTS * shift[intervals.after]
+    sound = all_within(
+        deviated.largest,
+        intervals.distance,
+        shift,
+        intervals.before,
+        intervals.since,
+        intervals.after,
+        intervals.until,
+        share,
+        _SHIFTS,
     )
-    sound = (near | exempt).all(axis=0)
-    sound &= (shift <= switches.spacing[:, None] / 3).all(axis=0)
-    sound &= (3 * shift * switches.curvature[:, None] <= rate).all(axis=0)
-    sound &= (np.abs(deviated.rates) <= _RATE * rate).all(axis=0)
+    if switches.time.size:
+        sound &= (shift <= switches.spacing[:, None] / 3).all(axis=0)
+        sound &= (3 * shift * switches.curvature[:, None] <= rate).all(axis=0)
+        sound &= (np.abs(deviated.rates) <= _RATE * rate).all(axis=0)
     return np.asarray(sound)
 
 
@@ -143,14 +148,10 @@ def _decays(
     if not slow.any():
         return True
     columns = vectors[:, slow] * parts[slow]
-    real, imaginary = watch.deviated(np.real(columns)), watch.deviated(np.imag(columns))
+    both = watch.deviated(np.concatenate([np.real(columns), np.imag(columns)], axis=1))
 
-    def bound(one: FloatArray, other: FloatArray) -> FloatArray:
-        return np.asarray(np.hypot(one, other).sum(axis=1, keepdims=True))
+    def bound(values: FloatArray) -> FloatArray:
+        return np.asarray(np.hypot(*np.split(values, 2, axis=1)).sum(axis=1, keepdims=True))
 
-    worst = Deviated(
-        bound(real.largest, imaginary.largest),
-        bound(real.at_switches, imaginary.at_switches),
-        bound(real.rates, imaginary.rates),
-    )
+    worst = Deviated(bound(both.largest), bound(both.at_switches), bound(both.rates))
     return bool(_sound(watch, worst, share)[0])

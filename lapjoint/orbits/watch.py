@@ -19,6 +19,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from lapjoint.orbits.compiled_watch import largest_motion, orbit_distances
 from lapjoint.orbits.period_map import Segment
 from lapjoint.problem import FloatArray, Problem
 
@@ -139,23 +140,19 @@ class SegmentWatch:
     def deviated(self, deviations: FloatArray) -> Deviated:
         """See `Watch`."""
         count, places, (segments, terms, n) = deviations.shape[1], self._first.size, self._rows.shape
-        parts = (self._rows.reshape(segments * terms, n) @ deviations).reshape(segments, terms, count)
-        d = self._real @ parts.real - self._imaginary @ parts.imag
-        misses = self._misses @ np.abs(parts)
+        parts = np.asarray(self._rows.reshape(segments * terms, n) @ deviations, dtype=complex)
+        parts = parts.reshape(segments, terms, count)
         values = self._at_switches @ parts[self._turned]
         at_switches, rates = values.real[:, 0], values.real[:, 1]
+        drift: FloatArray = np.zeros((0, 0, 2, count))
         if self._drift is not None:
             drift = (self._drift.reshape(segments * places * 2, n) @ deviations).reshape(segments, places, 2, count)
-            d += (drift[:, :, None, 0] + drift[:, :, None, 1] * self._tau[:, None, :, None]).reshape(d.shape)
             own = drift[self._turned, self._place[self.switches.stop]]
             at_switches = at_switches + own[:, 0] + own[:, 1] * self._spans[self._turned, None]
             rates = rates + own[:, 1]
-        np.abs(d, out=d)
-        points = self._tau.shape[1]
-        d, misses = d.reshape(segments, places, points, count), misses.reshape(segments, places, points - 1, count)
-        misses += np.maximum(d[:, :, :-1], d[:, :, 1:])
-        inside = misses.transpose(1, 0, 2, 3).reshape(places, segments * (points - 1), count)[:, self._inside]
-        return Deviated(inside[self._place].reshape(self.intervals.stop.size, count), at_switches, rates)
+        cut = self._real, self._imaginary, self._misses
+        largest = largest_motion(*cut, parts, drift, self._tau, self._counts, self._place)
+        return Deviated(largest.reshape(self.intervals.stop.size, count), at_switches, rates)
 
     def _first_points(self, width: float) -> tuple[IndexArray, FloatArray]:
         """Segments and times from their starts, s, of the ends of all intervals, shape ``(points,)`` each."""
@@ -176,19 +173,18 @@ class SegmentWatch:
         A stop that truncation leaves beyond its gap at a switch switches again when it comes back to where it was left.
         """
         it = self._stack
-        waves = it.amplitudes[segment] * np.exp(it.rates[segment] * tau[:, None])
-        powers = tau[:, None] ** np.arange(3.0)
-        weights = it.weights[:, self._first][segment]
-        z = (weights @ waves[:, :, None])[:, self._place, 0].real + (it.polynomial[segment] @ powers[:, :, None])[
-            :, :, 0
-        ]
-        h = it.orientation[segment] * (self._sign * z - self._gap)
-        first = np.searchsorted(segment, np.arange(len(self._segments)))
-        distance = (np.maximum(h[first], 0.0)[segment] - h).T
-        size = np.abs(waves) * np.abs(it.rates[segment]) ** 2
-        bend = (np.abs(weights) @ size[:, :, None])[:, self._place, 0] + 2 * np.abs(it.polynomial[segment][:, :, 2])
-        nearer = np.maximum(np.minimum(distance[:, :-1], distance[:, 1:]), 0.0)
-        return nearer, bend[:-1].T * (np.diff(tau) ** 2 / 8)
+        return orbit_distances(
+            segment,
+            tau,
+            it.rates,
+            it.amplitudes,
+            it.weights[:, self._first],
+            it.polynomial[:, self._first],
+            it.orientation,
+            self._sign,
+            self._gap,
+            self._place,
+        )
 
     def _cut(self, segment: IndexArray, tau: FloatArray) -> None:
         """Set up the terms of deviations at the ends of all intervals, segments padded to the same number of them."""
@@ -197,7 +193,7 @@ class SegmentWatch:
         most = int(np.diff(first).max())
         column = np.minimum(first[:-1, None] + np.arange(most), first[1:, None] - 1)
         self._tau = tau[column]
-        self._inside = (np.arange(most - 1) < np.diff(first)[:, None] - 1).ravel()
+        self._counts = np.diff(first) - 1
         self._spans = np.array([one.end - one.start for one in segments])
         terms, n = max(one.deviations.shape[0] for one in segments), segments[0].deviations.shape[1]
         self._rows = np.zeros((len(segments), terms, n), dtype=complex)
@@ -210,12 +206,11 @@ class SegmentWatch:
         drifts = any(one.drift.any() for one in segments)
         self._drift = np.array([one.drift[self._first] for one in segments]) if drifts else None
         waves = np.exp(rates[:, None] * self._tau[:, :, None])
-        rows = len(segments), self._first.size
-        phases = (weights[:, :, None] * waves[:, None]).reshape(rows[0], rows[1] * most, terms)
+        phases = weights[:, :, None] * waves[:, None]
         self._real, self._imaginary = np.ascontiguousarray(phases.real), np.ascontiguousarray(phases.imag)
         bends = (rates.real**2 + rates.imag**2)[:, None] * (np.diff(self._tau) ** 2 / 8)[:, :, None]
         miss = np.minimum(bends, 2.0) * np.abs(waves[:, :-1])
-        self._misses = (np.abs(weights)[:, :, None] * miss[:, None]).reshape(rows[0], rows[1] * (most - 1), terms)
+        self._misses = np.abs(weights)[:, :, None] * miss[:, None]
         self._turned = np.array([i for i, one in enumerate(segments) if one.switched >= 0], dtype=np.intp)
         own = (
             weights[self._turned, self._place[self.switches.stop]] * np.exp(rates * self._spans[:, None])[self._turned]
