@@ -30,7 +30,7 @@ _BEYOND = 10.0
 _FARTHEST = 3e-2
 """Longest push over the size of the motion: after a longer one the march would begin anew."""
 _DISTURBANCE = 1e-3
-"""Length of a disturbance of a chaotic march over its size: far more than rounding, too little to leave chaos for good."""
+"""Length of a disturbance of a chaotic march over its size: far more than rounding, too little to end chaos."""
 _GROWS = 1e-6
 """Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
 
