@@ -187,7 +187,7 @@ def leave(
         return False
     wait = min(shortest, end - t) - s
     if which != NO_SWITCH and wait > 0:
-        turn_exactly(tables, slot, wait, work.term, work.theta)
+        turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], wait, work.term, work.theta)
         s += wait
     state_from_terms(tables, slot, work.theta, s, work.term, work.poly, motion.q, motion.v)
     motion.time[0], motion.time[1] = end if which == NO_SWITCH else t + s, rate

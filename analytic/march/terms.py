@@ -26,7 +26,7 @@ import numpy as np
 from numba import njit
 
 from analytic.march.oscillator import OSCILLATING, SPLIT
-from analytic.march.tables import Tables
+from analytic.march.tables import PARTS, Tables
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
@@ -34,7 +34,6 @@ SERIES = 0.25
 """|lambda tau| up to which exp is summed as a series: thirteen products of real numbers cost less than one exp."""
 _ROUNDING = 1e-17  # of 1: what is smaller changes no bit of a sum near 1
 _RECIPROCALS = 1.0 / np.maximum(np.arange(14), 1)  # 0.25^13 / 13! is below `_ROUNDING`
-_BITS = 3  # of a step that are kept when it is rounded down to tabulated ones: it loses an eighth at most
 
 
 @njit(cache=True)
@@ -102,53 +101,72 @@ def state_from_terms(
 
 
 @njit(cache=True)
-def turn_by_table(tables: Tables, slot: int, tau: float, term: ComplexArray, theta: ComplexArray) -> float:
-    """Turn terms and phases by `tau`, s, rounded down to three binary digits; returns the step made, s."""
-    turned, terms = 0.0, tables.terms[slot]
-    step, bits = tables.longest, 0
-    for j in range(tables.turn.shape[1]):
-        if turned + step <= tau:
-            for t in range(terms):
-                term[t] *= tables.turn[slot, j, t]
-            for h in range(theta.size):
-                theta[h] *= tables.harmonic_turn[j, h]
-            turned += step
-            bits += 1
-        elif bits > 0:
-            bits += 1
-        if bits == _BITS:
-            break
-        step *= 0.5
-    return turned
+def tabulated(tau: float, step: FloatArray) -> int:
+    """Index of the longest tabulated step of `step`, s, shape ``(J,)``, up to `tau`, s, which is no shorter than all.
+
+    See `analytic.march.tables.OCTAVES`: it loses a fifth of `tau` at most.
+    """
+    fraction, exponent = math.frexp(tau / step[0])  # tau = fraction 2^exponent of the first, fraction in [1/2, 1)
+    if exponent > 1:
+        return PARTS - 1
+    j = (1 - exponent) * PARTS + int(2 * PARTS * fraction) - PARTS
+    return min(j, step.size - 1)
 
 
 @njit(cache=True)
-def turn_by_series(
-    tables: Tables, slot: int, tau: float, fastest: float, term: ComplexArray, theta: ComplexArray
+def turn_by(
+    turn: ComplexArray, harmonic_turn: ComplexArray, terms: int, term: ComplexArray, theta: ComplexArray
 ) -> None:
-    """Turn terms and phases by a `tau`, s, so short that exp is a short series; `fastest` is max |lambda|, 1/s."""
+    """Turn terms and phases by a tabulated step: `turn`, shape ``(T,)``, and `harmonic_turn`, ``(H,)``."""
+    for t in range(terms):
+        term[t] *= turn[t]
+    for h in range(theta.size):
+        theta[h] *= harmonic_turn[h]
+
+
+@njit(cache=True)
+def turn_briefly(
+    root: ComplexArray,
+    omega: FloatArray,
+    terms: int,
+    fastest: float,
+    tau: float,
+    term: ComplexArray,
+    theta: ComplexArray,
+) -> None:
+    """Turn terms and phases by a `tau`, s, by a short series if it is short enough; `fastest` is max |lambda|, 1/s.
+
+    `root`, 1/s, and `omega`, rad/s, are those of the `terms` terms and of the phases.
+    """
+    if fastest * tau > SERIES:
+        turn_exactly(root, omega, terms, tau, term, theta)
+        return
     order, left = 1, fastest * tau
     while left > _ROUNDING and order < _RECIPROCALS.size - 1:
         order += 1
         left *= fastest * tau * _RECIPROCALS[order]
-    for t in range(tables.terms[slot]):
-        a, b = tables.root[slot, t].real * tau, tables.root[slot, t].imag * tau
+    for t in range(terms):
+        a, b = root[t].real * tau, root[t].imag * tau
         x, y = 1.0, 0.0
         for n in range(order, 0, -1):
             r = _RECIPROCALS[n]
             x, y = 1.0 + r * (x * a - y * b), r * (x * b + y * a)
         term[t] *= complex(x, y)
     for h in range(theta.size):
-        theta[h] *= complex(math.cos(tables.omega[h] * tau), math.sin(tables.omega[h] * tau))
+        theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
 
 @njit(cache=True)
-def turn_exactly(tables: Tables, slot: int, tau: float, term: ComplexArray, theta: ComplexArray) -> None:
-    """Turn terms and phases by any `tau`, s."""
-    for t in range(tables.terms[slot]):
-        term[t] *= np.exp(tables.root[slot, t] * tau)
+def turn_exactly(
+    root: ComplexArray, omega: FloatArray, terms: int, tau: float, term: ComplexArray, theta: ComplexArray
+) -> None:
+    """Turn terms and phases by any `tau`, s; `root`, 1/s, and `omega`, rad/s, are as in `turn_briefly`."""
+    for t in range(terms):
+        a, b = root[t].real * tau, root[t].imag * tau
+        size = math.exp(a)
+        term[t] *= complex(size * math.cos(b), size * math.sin(b))
     for h in range(theta.size):
-        theta[h] *= complex(math.cos(tables.omega[h] * tau), math.sin(tables.omega[h] * tau))
+        theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
 
 @njit(cache=True)
