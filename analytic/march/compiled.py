@@ -144,7 +144,7 @@ def new_work(tables: Tables) -> Work:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> bool:
     """Let the pending stop switch, if there is one; False if the tables do not know that switch.
 
@@ -165,7 +165,7 @@ def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> 
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def leave(
     tables: Tables, frozen: Frozen | None, motion: Motion, work: Work, end: float, shortest: float, depth: bool
 ) -> bool:

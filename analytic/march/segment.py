@@ -273,7 +273,7 @@ def _bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: Float
             tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _first_look(
     tables: Tables,
     slot: int,
@@ -300,7 +300,7 @@ def _first_look(
             shift[k] += threshold
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _areas(
     tables: Tables,
     slot: int,

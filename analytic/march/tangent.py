@@ -92,7 +92,7 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
             now[n + i, j] = C1 * x + S1 * y
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
     """d(q, v)/dt in one state, shape ``(2 N,)``; `theta`, ``(H,)``, holds exp(i theta_h)."""
     n = tables.modes[slot]

@@ -36,7 +36,7 @@ _ROUNDING = 1e-17  # of 1: what is smaller changes no bit of a sum near 1
 _RECIPROCALS = 1.0 / np.maximum(np.arange(14), 1)  # 0.25^13 / 13! is below `_ROUNDING`
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
     """Write exp(i theta_h) at the time `t`, s."""
     for h in range(theta.size):
@@ -44,7 +44,7 @@ def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
         theta[h] = complex(math.cos(angle), math.sin(angle))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def start_terms(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, term: ComplexArray, poly: FloatArray
 ) -> None:
@@ -74,7 +74,7 @@ def start_terms(
             poly[i, 1] += y
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def state_from_terms(
     tables: Tables,
     slot: int,
@@ -169,7 +169,7 @@ def turn_exactly(
         theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
     """Write the coefficients of 1, s, s^2 of z at the positions of the stops, m, shape ``(U, 3)``, to `drift`."""
     for u in range(drift.shape[0]):
