@@ -19,7 +19,7 @@ cannot move h by more than sum |c_t|, and with that added to h the cubic of the 
 terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
 switch, and the end of the march, take a power series or exponentials.
 
-With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most `RESOLUTION` after the step, the switch is
+With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most 1e-15 s after the step, the switch is
 between: nothing is left to look for.
 
 Arguments are named as in `analytic.march.terms`; besides, `drift`, shape ``(U, 3)``, holds the coefficients of 1, s,

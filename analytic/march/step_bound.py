@@ -9,9 +9,11 @@ from numba import njit
 RESOLUTION = 1e-12
 """s: a switch that is certified to lie within this time is there.  It is a hundred times what a double holds of a time
 of 100 s, and at 100 m/s, faster than any tip here, 1e-10 m."""
-_NEAR = 1e-7
+_SHARP = 1e-15
+"""s: how sharply the last step before a switch locates it; `RESOLUTION` is for gap functions that nearly graze."""
+_NEAR = 1e-9
 """Relative distance, without unit, at which Newton's method is as good as at the root.  A step stays that far below
-the root, 1e9 roundings, so that the sign of the cubic there is certain."""
+the root, 1e7 roundings, so that the sign of the cubic there is certain."""
 
 
 @njit(cache=True)
@@ -66,11 +68,11 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
 
 @njit(cache=True)
 def crosses(h: float, h1: float, h2: float, b3: float, tau: float) -> bool:
-    """Whether a gap function is above 0 at most `RESOLUTION` after `tau`, s, whatever its third derivative within b3.
+    """Whether a gap function is above 0 within `_SHARP` after `tau`, s, whatever its third derivative within b3.
 
     The other arguments are as in `first_root_of_bound`.
     """
-    x = tau + RESOLUTION
+    x = tau + _SHARP
     return h + x * (h1 + x * (h2 / 2 - x * b3 / 6)) > 0
 
 

@@ -34,6 +34,8 @@ SERIES = 0.25
 """|lambda tau| up to which exp is summed as a series: thirteen products of real numbers cost less than one exp."""
 _ROUNDING = 1e-17  # of 1: what is smaller changes no bit of a sum near 1
 _RECIPROCALS = 1.0 / np.maximum(np.arange(14), 1)  # 0.25^13 / 13! is below `_ROUNDING`
+_OF_COSH = _RECIPROCALS[0::2] * np.append(1.0, _RECIPROCALS[1:-1:2])  # 1 / (2 n (2 n - 1))
+_OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
 
 
 @njit(cache=True, inline="always")
@@ -147,11 +149,14 @@ def turn_briefly(
         left *= fastest * tau * _RECIPROCALS[order]
     for t in range(terms):
         a, b = root[t].real * tau, root[t].imag * tau
-        x, y = 1.0, 0.0
-        for n in range(order, 0, -1):
-            r = _RECIPROCALS[n]
-            x, y = 1.0 + r * (x * a - y * b), r * (x * b + y * a)
-        term[t] *= complex(x, y)
+        a2, b2 = a * a - b * b, 2 * a * b
+        # cosh z and sinh z / z side by side, in powers of z^2: a processor works on both at a time
+        c, d, x, y = 1.0, 0.0, 1.0, 0.0
+        for n in range(order // 2, 0, -1):
+            r, o = _OF_COSH[n], _OF_SINH[n]
+            c, d = 1.0 + r * (c * a2 - d * b2), r * (c * b2 + d * a2)
+            x, y = 1.0 + o * (x * a2 - y * b2), o * (x * b2 + y * a2)
+        term[t] *= complex(c + x * a - y * b, d + x * b + y * a)
     for h in range(theta.size):
         theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
