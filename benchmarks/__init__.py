@@ -1,0 +1,1 @@
+"""What things cost, and what the same would cost by other means."""

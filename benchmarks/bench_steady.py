@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from analytic.tangent import monodromy
 
 import analytic
-from analytic.march import Coordinates, Joint, march
+from analytic.march import Coordinates, Joint, march, monodromy
 from lapjoint import FREE, paper_joint
 
 

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from analytic.kernel import start_terms, state_from_terms, switch
+from analytic.march.switching import switch
+from analytic.march.terms import start_terms, state_from_terms
 
 SAMPLES = 20  # per period of the fastest mode
 
@@ -22,9 +23,10 @@ SAMPLES = 20  # per period of the fastest mode
 def _gap(tables: Any, slot: int, k: int, t0: float, s: float, term: Any, poly: Any) -> float:
     u, closed = tables.position[k], tables.closed[slot, k]
     z = tables.constant[slot, u]
+    for i in range(tables.terms[slot]):
+        z += tables.weight[slot, u, i] * (term[i] * np.exp(tables.root[slot, i] * s)).real
     for i in range(tables.modes[slot]):
-        wave = term[i] * np.exp(tables.root[slot, i] * s)
-        z += tables.weight[slot, u, i] * (wave.real + poly[i, 0])
+        z += tables.weight[slot, u, i] * (poly[i, 0] + s * (poly[i, 1] + s * poly[i, 2]))
     for h in range(tables.omega.size):
         angle = tables.omega[h] * (t0 + s) + tables.phase[h]
         z += (tables.forced[slot, u, h] * complex(math.cos(angle), math.sin(angle))).imag
@@ -64,8 +66,10 @@ def naive_march(tables: Any, slot: int, t: float, end: float, q: Any, v: Any) ->
         theta *= np.exp(1j * tables.omega * lo)
         state_from_terms(tables, slot, theta, lo, term, poly, q, v)
         t += lo
-        if tables.next_slot[slot, which] < 0:
+        target = tables.next_slot[slot, which]
+        if target < 0:
             return slot, t, -1
-        slot = switch(tables, slot, which, theta, q, v)
+        switch(tables, slot, which, theta, q, v)
+        slot = target
         last = which
         switches += 1

@@ -1,4 +1,8 @@
-"""The shared ground: what is solved, what an answer is, and all that needs only answers.  Knows neither solver."""
+"""The shared ground: what is solved, what an answer is, and all that needs only answers.  Knows neither solver.
+
+The names here are those that a user types; whoever writes a solver finds the others in `lapjoint.problem`,
+`lapjoint.answers` and `lapjoint.orbits`.
+"""
 
 from __future__ import annotations
 
@@ -8,20 +12,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from lapjoint.answers import (
         FREE,
-        Contact,
         ContactState,
-        Exponent,
         History,
-        Modes,
         Outcome,
-        SectionPoint,
         SteadyState,
         contact_states,
         paper_state_number,
     )
-    from lapjoint.errors import InputError
+    from lapjoint.campaigns import FREQUENCY, Axis, sweep
+    from lapjoint.errors import InputError, SolverError
     from lapjoint.problem import (
-        AtRest,
         BaseMotion,
         Beam,
         Circle,
@@ -44,29 +44,28 @@ if TYPE_CHECKING:
         sdnl104,
         write_problem,
     )
+    from lapjoint.solver import make_solver, solver_names
 
 __all__ = [
     "FREE",
-    "AtRest",
+    "FREQUENCY",
+    "Axis",
     "BaseMotion",
     "Beam",
     "Circle",
-    "Contact",
     "ContactState",
-    "Exponent",
     "History",
     "InputError",
     "Material",
     "ModalDamping",
-    "Modes",
     "NoDamping",
     "Outcome",
     "PolynomialShape",
     "Problem",
     "Rectangle",
     "SampledShape",
-    "SectionPoint",
     "SineLoad",
+    "SolverError",
     "SteadyState",
     "StepLoad",
     "Stop",
@@ -75,13 +74,16 @@ __all__ = [
     "ViscousDamping",
     "contact_states",
     "initial_from_functions",
+    "make_solver",
     "paper_joint",
     "paper_state_number",
     "read_problem",
     "sdnl104",
+    "solver_names",
+    "sweep",
     "write_problem",
 ]
-_HOMES = ("lapjoint.errors", "lapjoint.answers", "lapjoint.problem")
+_HOMES = ("lapjoint.errors", "lapjoint.answers", "lapjoint.problem", "lapjoint.solver", "lapjoint.campaigns")
 """Where the names above are defined, in the order in which they are looked for."""
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS, swinging
 
-from lapjoint import FREE, Beam, Contact, ContactState, History, Problem, Stop
+from lapjoint import FREE, Beam, ContactState, History, Problem, Stop
+from lapjoint.answers import Contact
 
 
 @pytest.fixture

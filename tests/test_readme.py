@@ -64,3 +64,12 @@ def test_every_dependency_is_explained() -> None:
     for requirement in project["dependencies"]:
         name = re.split(r"[<>=]", requirement)[0]
         assert name in table, f"{name} is not explained in the README"
+
+
+def test_its_map_names_every_folder_two_levels_deep() -> None:
+    table = README.split("## How it is laid out")[1].split("\n## ")[0]
+    named = {path.rstrip("/") for path in re.findall(r"`([\w/]+/)`", table)}
+    tops = {path.split("/")[0] for path in named}
+    assert {"lapjoint", "analytic", "fe_lapjoint", "validation", "tests", "benchmarks", "docs"} == tops
+    inner = {path for top in tops for path in (ROOT / top).iterdir() if any(path.rglob("*.py"))}
+    assert named == tops | {path.relative_to(ROOT).as_posix() for path in inner}

@@ -1,7 +1,6 @@
 """Many answers: steady states over a grid of problems, by many workers, kept in a journal and given as a dataset.
 
->>> from lapjoint import paper_joint
->>> from lapjoint.campaigns import Axis, FREQUENCY, sweep
+>>> from lapjoint import FREQUENCY, Axis, paper_joint, sweep
 >>> curve = sweep(paper_joint(), [Axis(FREQUENCY, range(400, 600, 10))], workers=2, out="curve.nc")  # doctest: +SKIP
 >>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
 """

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lapjoint import History, Modes, Problem, SteadyState
+from lapjoint import History, Problem, SteadyState
+from lapjoint.answers import Modes
 from lapjoint.answers.contact_state import state_label
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.figures.text import apart, cut_to

@@ -15,17 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lapjoint import (
-    FREE,
-    Contact,
-    ContactState,
-    History,
-    Modes,
-    Outcome,
-    Problem,
-    SectionPoint,
-    SteadyState,
-)
+from lapjoint import FREE, ContactState, History, Outcome, Problem, SteadyState
+from lapjoint.answers import Contact, Modes, SectionPoint
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.errors import InputError, SolverError
 from lapjoint.solver import Progress

@@ -23,19 +23,17 @@ from scipy.optimize import brentq
 from lapjoint import (
     BaseMotion,
     Beam,
-    Contact,
     ContactState,
     History,
     InputError,
     ModalDamping,
-    Modes,
     Problem,
-    SectionPoint,
     SteadyState,
     Stop,
     Support,
     ViscousDamping,
 )
+from lapjoint.answers import Contact, Modes, SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits import Effort, Passage, find_steady_state
 from lapjoint.problem import FloatArray

@@ -9,7 +9,8 @@ import pytest
 
 import analytic
 import fe_lapjoint
-from lapjoint import FREE, Contact, Exponent, History, InputError, Outcome, Problem, paper_joint
+from lapjoint import FREE, History, InputError, Outcome, Problem, paper_joint
+from lapjoint.answers import Contact, Exponent
 from lapjoint.answers.steady_state import chatters, impulses_per_period, periodic_outcome
 from lapjoint.solver import Solver
 

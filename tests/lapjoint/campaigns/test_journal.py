@@ -19,7 +19,8 @@ from counting_solver import asked, installed
 
 import lapjoint.campaigns.batch
 import lapjoint.campaigns.dataset
-from lapjoint import ContactState, SectionPoint, paper_joint
+from lapjoint import ContactState, paper_joint
+from lapjoint.answers import SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, run
 from lapjoint.campaigns.grid import Grid
 from lapjoint.campaigns.journal import Journal, journal_path

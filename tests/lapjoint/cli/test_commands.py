@@ -15,7 +15,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Exponent, Outcome, Problem, SteadyState, paper_joint, read_problem
+from lapjoint import FREE, ContactState, Outcome, Problem, SteadyState, paper_joint, read_problem
+from lapjoint.answers import Exponent
 from lapjoint.cli.main import main
 from lapjoint.cli.options import DRAWINGS
 from lapjoint.cli.progress import duration_text, lines_of_progress, lines_with_time_left

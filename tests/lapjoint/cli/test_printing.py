@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lapjoint import FREE, History, Outcome, SectionPoint
+from lapjoint import FREE, History, Outcome
+from lapjoint.answers import SectionPoint
 from lapjoint.answers.steady_state import Acceptance, SteadyState
 from lapjoint.cli.printing import NAME_SHOWN, print_history, print_steady_state
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import analytic
-from lapjoint import FREE, Beam, ContactState, History, InputError, Modes, Problem, Stop, contact_states, paper_joint
+from lapjoint import FREE, Beam, ContactState, History, InputError, Problem, Stop, contact_states, paper_joint
+from lapjoint.answers import Modes
 from lapjoint.figures import new_panels, plot_mode_shapes, plot_motion, plot_state_shapes
 from lapjoint.figures.mode_shapes import state_groups
 

@@ -16,7 +16,8 @@ from matplotlib.text import Text
 from written_history import OMEGA
 
 import analytic
-from lapjoint import FREE, BaseMotion, Contact, ContactState, History, Problem, Stop, paper_joint
+from lapjoint import FREE, BaseMotion, ContactState, History, Problem, Stop, paper_joint
+from lapjoint.answers import Contact
 from lapjoint.campaigns.dataset import dataset_of
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan

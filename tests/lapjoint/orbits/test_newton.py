@@ -13,7 +13,8 @@ from toy import Bar, bar
 
 import analytic
 import fe_lapjoint
-from lapjoint import FREE, ModalDamping, Problem, SectionPoint, ViscousDamping, paper_joint
+from lapjoint import FREE, ModalDamping, Problem, ViscousDamping, paper_joint
+from lapjoint.answers import SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits import Linearised, PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods, Return

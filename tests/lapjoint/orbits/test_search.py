@@ -12,7 +12,8 @@ from toy import Bar, bar
 
 import analytic
 import fe_lapjoint
-from lapjoint import Outcome, Problem, SectionPoint, paper_joint
+from lapjoint import Outcome, Problem, paper_joint
+from lapjoint.answers import SectionPoint
 from lapjoint.answers.steady_state import Exponent
 from lapjoint.orbits import Effort, Passage, PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods

@@ -19,12 +19,12 @@ from lapjoint import (
     ModalDamping,
     Outcome,
     Problem,
-    SectionPoint,
     SteadyState,
     Stop,
     Support,
     paper_joint,
 )
+from lapjoint.answers import SectionPoint
 from lapjoint.orbits import Effort, PeriodMap, find_steady_state
 from lapjoint.orbits.half_periods import HalfPeriods
 

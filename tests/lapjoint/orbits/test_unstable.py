@@ -7,7 +7,8 @@ import pytest
 from loose_pins import bar
 
 import analytic
-from lapjoint import FREE, SectionPoint, paper_joint
+from lapjoint import FREE, paper_joint
+from lapjoint.answers import SectionPoint
 from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_off

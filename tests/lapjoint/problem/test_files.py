@@ -11,7 +11,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from lapjoint import (
-    AtRest,
     BaseMotion,
     Beam,
     Circle,
@@ -32,6 +31,7 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
+from lapjoint.problem import AtRest
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
 

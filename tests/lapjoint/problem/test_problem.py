@@ -11,7 +11,6 @@ import pytest
 from pydantic import ValidationError
 
 from lapjoint import (
-    AtRest,
     BaseMotion,
     Beam,
     Circle,
@@ -31,6 +30,7 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
+from lapjoint.problem import AtRest
 
 BEAM = Beam(length=2.0, bending_stiffness=3.0, mass_per_length=5.0)
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)

@@ -10,7 +10,8 @@ import meshio
 import numpy as np
 import pytest
 
-from lapjoint import FREE, Circle, ContactState, History, InputError, Material, Modes, Rectangle, Tube, paper_joint
+from lapjoint import FREE, Circle, ContactState, History, InputError, Material, Rectangle, Tube, paper_joint
+from lapjoint.answers import Modes
 from lapjoint.problem.beam import Beam, Section
 from lapjoint.scene import export_modes, export_motion
 from lapjoint.scene.scene import Scene, motion_scene

@@ -13,7 +13,8 @@ import pytest
 from PIL import Image
 
 import analytic
-from lapjoint import FREE, Contact, History, InputError, Material, Rectangle, paper_joint
+from lapjoint import FREE, History, InputError, Material, Rectangle, paper_joint
+from lapjoint.answers import Contact
 from lapjoint.errors import OutputError
 from lapjoint.problem.beam import Beam
 from lapjoint.scene import Look, check_can_show, pictures, render_process, save_film, save_picture, show_window
