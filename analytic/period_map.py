@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from analytic.march import Coordinates, Joint, March, carried, gap_view, march, march_periods, measure_growth
+from analytic.march import Coordinates, Joint, March, gap_view, march, march_linearised, march_periods, measure_growth
 from analytic.march.field import history_of
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.march import joined
@@ -120,13 +120,13 @@ class PeriodMap:
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along."""
-        motion = march(self.joint, _coordinates(start), 0.0, half_periods * self.period / 2)
-        matrix = carried(motion, np.eye(start.coordinates.size))
-        if motion.end.state != start.state:
+        begin, duration = _coordinates(start), half_periods * self.period / 2
+        end, matrix = march_linearised(self.joint, begin, duration, np.eye(start.coordinates.size))
+        if end.state != start.state:
             n = matrix.shape[0] // 2
-            back = self.joint.passage(motion.end.state, start.state).S
+            back = self.joint.passage(end.state, start.state).S
             matrix = np.concatenate([back @ matrix[:n], back @ matrix[n:]])
-        return Linearised(_section_point(motion.end), matrix, lambda: _segments(motion))
+        return Linearised(_section_point(end), matrix, lambda: _segments(march(self.joint, begin, 0.0, duration)))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along."""

@@ -1,4 +1,4 @@
-"""The one kind of error that a user's input may raise."""
+"""The errors that are raised on purpose; each has a message that a user can act on."""
 
 
 class InputError(ValueError):

@@ -9,8 +9,8 @@ import numpy as np
 from lapjoint.problem.schema import FloatArray
 
 ROUNDING = 1e-12
-"""Relative errors up to this are taken for rounding, and say nothing about convergence: some 5000 units of the last
-place of a number, more than the sums in an answer lose."""
+"""Relative errors up to this are taken for rounding, and say nothing about convergence: it is some 5000 units in the
+last place of a number, more than the sums in an answer lose."""
 
 
 def fitted_order(resolutions: FloatArray, error: FloatArray, floor: float = ROUNDING) -> float:
@@ -18,12 +18,12 @@ def fitted_order(resolutions: FloatArray, error: FloatArray, floor: float = ROUN
 
     Parameters
     ----------
-    resolutions : ndarray, shape (n,)
+    resolutions : FloatArray, shape (n,)
         Numbers N of elements or modes.
-    error : ndarray, shape (n,)
+    error : FloatArray, shape (n,)
         Size of the relative error at each.
     floor : float
-        Errors up to this are left out.
+        Relative errors up to this are left out.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """Files that are replaced whole or not at all.
 
-What is written goes to a temporary file in the folder of its target, with a name that nobody can foretell, and takes
-the target's name when it is complete and on the disk.  After Ctrl-C, an error or a full disk the target is what it was
+What is written goes to a temporary file in the folder of its target, with a random name, and takes the target's name
+when it is complete and on the disk.  After Ctrl-C, an error or a full disk the target is what it was
 before, and the temporary file is gone; several processes may write one target at once, and the last to finish wins.
 """
 
@@ -20,9 +20,11 @@ from pathlib import Path
 from lapjoint.errors import InputError, OutputError
 
 _NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
+"""Errors of a disk that is full or fails, rather than of a path that is wrong."""
 _LONGEST_STEM = 40
-"""Characters of the target's name in that of its temporary file; names may have 255 bytes in all."""
+"""Most characters of the target's name in that of its temporary file; names may have 255 bytes in all."""
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
+"""Flags that open a file only if nothing has its name, not even a link."""
 
 
 def write_file(path: str | Path, content: str | bytes | memoryview) -> None:
@@ -52,11 +54,21 @@ def write_file(path: str | Path, content: str | bytes | memoryview) -> None:
 
 @contextmanager
 def completed(path: str | Path) -> Iterator[Path]:
-    """Give the path of an empty temporary file, with the ending of `path`, to write to; then it takes the name `path`.
+    """Give an empty temporary file, with the ending of its target, to write to; then it takes the target's name.
 
     A target that is a link is replaced where the link points to; a device or a pipe is written to when all is there.
     The temporary file is made without following a link.  A new file has the rights that the system gives to new files;
     one that is replaced keeps its own.
+
+    Parameters
+    ----------
+    path : path
+        The target.
+
+    Yields
+    ------
+    Path
+        The temporary file, in the folder of the target.
 
     Raises
     ------
@@ -95,7 +107,17 @@ def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iter
     folder : Path
         Where the files go.  What is in a subfolder moves first, so that an index beside it never lists what is missing.
     remove_earlier : callable
-        Removes the files of an earlier series; called when the new one is complete.
+        Takes nothing, and removes the files of an earlier series; called when the new one is complete.
+
+    Yields
+    ------
+    Path
+        The temporary folder.
+
+    Raises
+    ------
+    OSError
+        If the files cannot be written; `unwritable` says so in words.
     """
     with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as name:
         draft = Path(name)
@@ -108,7 +130,20 @@ def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iter
 
 
 def unwritable(path: str | Path, error: OSError | ValueError) -> InputError | OutputError:
-    """The error to raise where `path` cannot be written: of the output where the disk is full, else of the input."""
+    """The error to raise where a file cannot be written.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    error : OSError or ValueError
+        What the system raised.
+
+    Returns
+    -------
+    InputError or OutputError
+        An OutputError where the disk is full or fails, else an InputError, as the path is wrong.
+    """
     if not isinstance(error, OSError):
         return InputError(f"{path}: cannot be written: {error}")
     kind = OutputError if error.errno in _NO_ROOM else InputError
@@ -125,7 +160,7 @@ def _mode_of(path: str | Path) -> int | None:
 
 @contextmanager
 def _sent_to(path: str | Path) -> Iterator[Path]:
-    """What is no file cannot be replaced: its content is collected first, and then sent there."""
+    """A device or a pipe cannot be replaced: its content is collected first, and then sent there."""
     if Path(path).is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     with tempfile.TemporaryDirectory(prefix="lapjoint-") as folder:

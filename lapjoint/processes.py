@@ -17,14 +17,24 @@ from contextlib import contextmanager
 from lapjoint.errors import SolverError
 
 MOST_STARTS = 3
-"""A pool whose processes died so many times before they did anything is given up."""
+"""Number of times that a pool is started, if its processes die before they do anything; one death may be chance."""
 
 
 @contextmanager
 def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool of `workers` processes for the time of a block.
+    """A pool of processes for the time of a block.
 
     If the block raises, as at Ctrl-C, its processes end at once, whatever they are doing.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes, at least 1.
+
+    Yields
+    ------
+    ProcessPoolExecutor
+        A pool whose processes are known to start.
 
     Raises
     ------
@@ -41,10 +51,20 @@ def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 def new_pool(workers: int) -> ProcessPoolExecutor:
     """A pool whose processes are known to start; `end_pool` ends it.
 
+    Parameters
+    ----------
+    workers : int
+        Number of processes, at least 1.
+
+    Returns
+    -------
+    ProcessPoolExecutor
+        They start anew, without the memory of this process, and leave Ctrl-C to it.
+
     Raises
     ------
     SolverError
-        If they do not.
+        If the processes do not start.
     """
     for _ in range(MOST_STARTS):
         pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
@@ -66,7 +86,13 @@ def new_pool(workers: int) -> ProcessPoolExecutor:
 
 
 def end_pool(pool: ProcessPoolExecutor) -> None:
-    """End the processes of a pool at once, whatever they are doing."""
+    """End the processes of a pool at once, whatever they are doing.
+
+    Parameters
+    ----------
+    pool : ProcessPoolExecutor
+        A pool from `new_pool`; it cannot be used afterwards.
+    """
     for process in list((pool._processes or {}).values()):
         process.terminate()
     pool.shutdown(wait=True, cancel_futures=True)
@@ -96,4 +122,4 @@ def _begin() -> None:
 
 
 def _ready() -> None:
-    """Nothing: to see whether a process starts."""
+    """Do nothing: a process that comes to this has started."""

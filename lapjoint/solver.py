@@ -14,6 +14,7 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
+"""Packages register their solvers under this name."""
 Progress = Callable[[float, float], None]
 """Called now and then with (done, total), in the same unit."""
 
@@ -27,10 +28,52 @@ class Solver(Protocol):
         """Name and options in a line, for tables and files."""
 
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
-        """The lowest `count` modes of a contact state."""
+        """The lowest modes of a contact state.
+
+        Parameters
+        ----------
+        problem : Problem
+            The joint.
+        state : ContactState
+            The stops that are closed.
+        count : int
+            Number of modes, at least 1.
+
+        Returns
+        -------
+        Modes
+            Natural frequencies, rad/s, ascending, and mass-normalised shapes, kg^-1/2.
+
+        Raises
+        ------
+        InputError
+            If the solver cannot give so many modes.
+        """
 
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
-        """The motion from the initial state, over `duration` seconds."""
+        """The motion from the problem's initial state.
+
+        Parameters
+        ----------
+        problem : Problem
+            The joint, its excitation and its initial state.
+        duration : float
+            Length of the motion, s.
+        progress : callable, optional
+            Called now and then with the time marched and the duration, s.
+
+        Returns
+        -------
+        History
+            From 0 to `duration`.
+
+        Raises
+        ------
+        InputError
+            If the solver cannot treat such a problem.
+        SolverError
+            If the march cannot go on.
+        """
 
     def steady_state(
         self,
@@ -40,15 +83,47 @@ class Solver(Protocol):
         sensitivity: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
-        """The motion that remains when a march from the initial state, or from `start`, has settled.
+        """The motion that remains when a march has settled.
 
-        `start` is the section point of a steady state of this or a neighbouring problem, found by the same solver.
-        `sensitivity` asks for `Acceptance.growth`, how much deviations grew on the way, which may take as long again;
-        a solver that does not measure it takes no notice.
+        Parameters
+        ----------
+        problem : Problem
+            The joint; its excitation has one frequency.
+        start : SectionPoint, optional
+            Where the march begins instead of at the problem's initial state: the section point of a steady state of
+            this or a neighbouring problem, found by the same solver.
+        sensitivity : bool
+            Whether to measure `Acceptance.growth`, how much deviations grew on the way, which may take as long again;
+            a solver that does not measure it takes no notice.
+        progress : callable, optional
+            Called now and then with the periods marched, and the most allowed.
+
+        Returns
+        -------
+        SteadyState
+            The motion, and how it was established.
+
+        Raises
+        ------
+        InputError
+            If the problem has not one excitation frequency, or `start` is no section point of such a problem.
+        SolverError
+            If the march cannot go on.
         """
 
     def refined(self, factor: float) -> Solver:
-        """The same solver with its resolution (modes, elements) multiplied by `factor`."""
+        """The same solver with another resolution.
+
+        Parameters
+        ----------
+        factor : float
+            By which the number of modes or elements is multiplied.
+
+        Returns
+        -------
+        Solver
+            A new solver; all its other options are the same.
+        """
 
 
 def solver_names() -> tuple[str, ...]:
@@ -58,6 +133,18 @@ def solver_names() -> tuple[str, ...]:
 
 def make_solver(name: str, **options: Any) -> Solver:
     """A solver by its entry-point name, with its numerical options.
+
+    Parameters
+    ----------
+    name : str
+        One of `solver_names`.
+    **options : object
+        Numerical options by name, as ``modes=20``.
+
+    Returns
+    -------
+    Solver
+        A solver with these options, and the default of all others.
 
     Raises
     ------

@@ -9,7 +9,7 @@ points.
 
 from analytic.march.coordinates import Coordinates
 from analytic.march.gap_view import GapSegment, gap_view
-from analytic.march.growth import Growth, measure_growth
+from analytic.march.growth import Growth, march_linearised, measure_growth
 from analytic.march.joint import Joint
 from analytic.march.march import March, Segment, march
 from analytic.march.periods import Periods, march_periods
@@ -26,6 +26,7 @@ __all__ = [
     "carried",
     "gap_view",
     "march",
+    "march_linearised",
     "march_periods",
     "measure_growth",
     "monodromy",

@@ -144,7 +144,7 @@ def new_work(tables: Tables) -> Work:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> bool:
     """Let the pending stop switch, if there is one; False if the tables do not know that switch.
 
@@ -165,7 +165,7 @@ def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> 
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def leave(
     tables: Tables, frozen: Frozen | None, motion: Motion, work: Work, end: float, shortest: float, depth: bool
 ) -> bool:
@@ -187,7 +187,7 @@ def leave(
         return False
     wait = min(shortest, end - t) - s
     if which != NO_SWITCH and wait > 0:
-        turn_exactly(tables, slot, wait, work.term, work.theta)
+        turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], wait, work.term, work.theta)
         s += wait
     state_from_terms(tables, slot, work.theta, s, work.term, work.poly, motion.q, motion.v)
     motion.time[0], motion.time[1] = end if which == NO_SWITCH else t + s, rate

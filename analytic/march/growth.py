@@ -1,4 +1,5 @@
-"""The growth of one small deviation along a motion over many periods, for Lyapunov exponents, in one compiled call."""
+"""Deviations carried along with a march in one compiled call: over one, for Newton's method; over many periods, one
+deviation and its growth, for Lyapunov exponents."""
 
 from __future__ import annotations
 
@@ -18,6 +19,7 @@ from analytic.march.compiled import (
     SWITCHES,
     TOO_MANY,
     Motion,
+    Work,
     enter,
     leave,
     new_work,
@@ -55,6 +57,30 @@ def size_of(deviation: FloatArray, period: float) -> float:
 
 
 @njit(cache=True)
+def _carry_to(
+    tables: Tables, motion: Motion, work: Work, end: float, now: FloatArray, most: int
+) -> tuple[int, FloatArray]:
+    """March to the time `end`, s, with deviations `now`, columns ``(2 N, m)`` at the time of `motion`, in place.
+
+    Gives why it came back, see `analytic.march.compiled.DONE`, and the deviations then, before a pending switch.
+    """
+    while True:
+        slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
+        q_old, v_old = motion.q.copy(), motion.v.copy()
+        if not enter(tables, None, motion, work):
+            return MISSING_SWITCH, now
+        if stop >= 0:
+            now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
+        if not leave(tables, None, motion, work, end, 0.0, False):
+            return STUCK, now
+        flow(tables, motion.counts[SLOT], motion.time[0] - t, now)
+        if motion.counts[PENDING] == NO_SWITCH:
+            return DONE, now
+        if motion.counts[SWITCHES] > most:
+            return TOO_MANY, now
+
+
+@njit(cache=True)
 def _grow(
     tables: Tables,
     motion: Motion,
@@ -74,25 +100,42 @@ def _grow(
     """
     work = new_work(tables)
     while motion.counts[PERIODS] < sizes.size:
-        slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
-        q_old, v_old = motion.q.copy(), motion.v.copy()
-        if not enter(tables, None, motion, work):
-            return MISSING_SWITCH, now
-        if stop >= 0:
-            now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
-        if not leave(tables, None, motion, work, period, 0.0, False):
-            return STUCK, now
-        flow(tables, motion.counts[SLOT], motion.time[0] - t, now)
-        if motion.counts[PENDING] == NO_SWITCH:
+        status, now = _carry_to(tables, motion, work, period, now, most)
+        if status == DONE:
             done = motion.counts[PERIODS]
             slots[done] = motion.counts[SLOT]
             sections[done, 0], sections[done, 1] = motion.q, motion.v
             sizes[done] = size_of(now[:, 0], period)
             now /= sizes[done]
             next_period(motion, penetration)
-        elif motion.counts[SWITCHES] > most:
-            return TOO_MANY, now
+        else:
+            return status, now
     return DONE, now
+
+
+@njit(cache=True)
+def _carry(tables: Tables, motion: Motion, end: float, now: FloatArray, most: int) -> tuple[int, FloatArray]:
+    """As `_carry_to`, with scratch arrays of its own."""
+    return _carry_to(tables, motion, new_work(tables), end, now, most)
+
+
+def march_linearised(
+    joint: Joint, begin: Coordinates, end: float, deviations: FloatArray
+) -> tuple[Coordinates, FloatArray]:
+    """March from the time 0 to `end`, s, and carry deviations, columns ``(2 N_start, m)``, along: ``(2 N_end, m)``.
+
+    As `march` and `analytic.march.tangent.carried` do one after the other, to the bit, but without a log.
+
+    Raises
+    ------
+    SolverError
+        If `MOST_SWITCHES` switches do not suffice, or the march makes no progress.
+    """
+    motion, now, status = begun(joint, begin, 0.0), deviations.copy(), MISSING_SWITCH
+    while status != DONE:
+        status, now = _carry(joint.tables, motion, end, now, MOST_SWITCHES)
+        settle_status(joint, motion, status, MOST_SWITCHES)
+    return ended(joint, motion), now
 
 
 def measure_growth(

@@ -16,8 +16,11 @@ impact, rebound or graze can be stepped over.
 
 Two things make it fast, and change nothing of this.  Far from a switch the high modes need not be summed: they
 cannot move h by more than sum |c_t|, and with that added to h the cubic of the low modes alone is a bound.  And the
-terms are turned from step to step by products with tabulated exp(lambda tau), tau = longest / 2^j; only the last,
-shortest steps before a switch, and the end of the march, take a power series or exponentials.
+terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
+switch, and the end of the march, take a power series or exponentials.
+
+With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most 1e-15 s after the step, the switch is
+between: nothing is left to look for.
 
 Arguments are named as in `analytic.march.terms`; besides, `drift`, shape ``(U, 3)``, holds the coefficients of 1, s,
 s^2 of z at the positions of the stops, m, and `out`, shape ``(U, 4)``, takes z, z', z'' and the bound on |z'''| there.
@@ -30,18 +33,15 @@ import math
 import numpy as np
 from numba import njit
 
-from analytic.march.step_bound import first_root_of_bound
+from analytic.march.step_bound import RESOLUTION, crosses, first_root_of_bound
 from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
-from analytic.march.terms import SERIES, drift_at_stops, turn_by_series, turn_by_table, turn_exactly
+from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
 NO_SWITCH = -1  # in place of a stop: none switches before the end
 NO_PROGRESS = -2  # in place of a stop: the steps ran out
-_RESOLUTION = 1e-12
-"""s: a switch that is certified to lie within this time is there.  It is a hundred times what a double holds of a time
-of 100 s, and at 100 m/s, faster than any tip here, 1e-10 m."""
 _CLOSE = 1e-9
 """s: after a step shorter than this all modes are summed at the next look.  So close to a switch, the bound on what
 the high modes may do would be what makes the steps short, and not the motion."""
@@ -72,34 +72,27 @@ def _add_terms(
 
 
 @njit(cache=True)
-def _at_position(
-    tables: Tables, slot: int, u: int, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
+def _at_positions(
+    forced: ComplexArray, omega: FloatArray, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
 ) -> None:
-    """Write what does not depend on the modal terms, at the position `u` and the time `s`, to `out`."""
-    out[u, 0] = drift[u, 0] + s * (drift[u, 1] + s * drift[u, 2])
-    out[u, 1] = drift[u, 1] + 2 * s * drift[u, 2]
-    out[u, 2] = 2 * drift[u, 2]
-    out[u, 3] = 0.0
-    for h in range(theta.size):
-        wave, omega = tables.forced[slot, u, h] * theta[h], tables.omega[h]
-        out[u, 0] += wave.imag
-        out[u, 1] += omega * wave.real
-        out[u, 2] -= omega * omega * wave.imag
-        out[u, 3] += omega**3 * abs(wave)
+    """Write what does not depend on the modal terms, at the time `s`, s, to `out`.
 
-
-@njit(cache=True)
-def _sum_all(
-    tables: Tables, slot: int, s: float, theta: ComplexArray, term: ComplexArray, drift: FloatArray, out: FloatArray
-) -> None:
-    """Write all of z, z', z'' and the bound at the time `s` to `out`."""
+    `forced`, m, shape ``(U, H)``, holds the amplitudes of the forced motion, and `omega`, rad/s, its frequencies.
+    """
     for u in range(out.shape[0]):
-        _at_position(tables, slot, u, s, theta, drift, out)
-        z, z1, z2, b3 = _add_terms(tables.weight[slot, u], term, tables.root[slot], 0, tables.terms[slot])
-        out[u, 0] += z
-        out[u, 1] += z1
-        out[u, 2] += z2
-        out[u, 3] += b3
+        z, z1, z2 = (
+            drift[u, 0] + s * (drift[u, 1] + s * drift[u, 2]),
+            drift[u, 1] + 2 * s * drift[u, 2],
+            2 * drift[u, 2],
+        )
+        b3 = 0.0
+        for h in range(theta.size):
+            wave, w = forced[u, h] * theta[h], omega[h]
+            z += wave.imag
+            z1 += w * wave.real
+            z2 -= w * w * wave.imag
+            b3 += w * w * w * math.sqrt(wave.real * wave.real + wave.imag * wave.imag)
+        out[u, 0], out[u, 1], out[u, 2], out[u, 3] = z, z1, z2, b3
 
 
 @njit(cache=True)
@@ -123,10 +116,11 @@ def _lowest_between(
     for _ in range(60):
         work_theta[:] = start_theta
         work_term[:] = start_term
-        turn_exactly(tables, slot, s, work_term, work_theta)
-        _sum_all(tables, slot, s, work_theta, work_term, drift, out)
-        h = orientation * out[u, 0] + tables.gap[k]
-        h1, h2 = orientation * out[u, 1], orientation * out[u, 2]
+        turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], s, work_term, work_theta)
+        _at_positions(tables.forced[slot], tables.omega, s, work_theta, drift, out)
+        z, z1, z2, _ = _add_terms(tables.weight[slot, u], work_term, tables.root[slot], 0, tables.terms[slot])
+        h = orientation * (out[u, 0] + z) + tables.gap[k]
+        h1, h2 = orientation * (out[u, 1] + z1), orientation * (out[u, 2] + z2)
         if h1 < 0:
             lo = s
         else:
@@ -183,26 +177,21 @@ def follow(
         steps.
     """
     stops, positions = tables.sign.size, tables.forced.shape[1]
-    terms = tables.terms[slot]
-    root, weight = tables.root[slot], tables.weight[slot]
-    drift = np.zeros((positions, 3))
-    tail = np.zeros((positions, terms + 1))
-    drift_at_stops(tables, slot, poly, drift)
-    for t in range(terms - 1, -1, -1):
-        size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
-        for u in range(positions):
-            tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
-    start_theta, start_term = theta.copy(), term.copy()
-    fastest = tables.fastest[slot]
-    deepest[:] = 0.0
+    terms, fastest = tables.terms[slot], tables.fastest[slot]
+    omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
+    root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
+    drift, tail, out = np.zeros((positions, 3)), np.zeros((positions, terms + 1)), np.zeros((positions, 4))
     shift, previous = np.zeros(stops), np.zeros(stops)
-    out = np.zeros((positions, 4))
-    s, s_previous, which, rate, step, close = 0.0, 0.0, NO_SWITCH, 0.0, 0, False
+    start_theta, start_term = theta.copy(), term[:terms].copy()
+    drift_at_stops(tables, slot, poly, drift)
+    _bound_tails(weight, term, terms, tail)
+    deepest[:] = 0.0
+    s, s_previous, which, rate, looks, close = 0.0, 0.0, NO_SWITCH, 0.0, 0, False
+    first = 0
     while True:
         # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
-        for u in range(positions):
-            _at_position(tables, slot, u, s, theta, drift, out)
-        summed, want = 0, terms if step == 0 or depth or close else min(_FIRST_MODES, terms)
+        _at_positions(forced, omega, s, theta, drift, out)
+        summed, want = 0, terms if looks == 0 or depth or close else min(_FIRST_MODES, terms)
         while True:
             far = True
             for u in range(positions):
@@ -223,51 +212,68 @@ def follow(
             if far:
                 break
             want = min(2 * summed, terms)
-        if stops > 0 and step == 0:
+        if stops > 0 and looks == 0:
             _first_look(tables, slot, fresh, out, tail, theta, shift)
-        tau, which = horizon - s, NO_SWITCH
-        for k in range(stops):
+        tau, which, there = horizon - s, NO_SWITCH, False
+        for i in range(stops):
+            # The stop that was the nearest goes first: for the others a glance is enough.
+            k = first if i == 0 else (i - 1 if i <= first else i)
             u, closed = tables.position[k], tables.closed[slot, k]
             orientation = -tables.sign[k] if closed else tables.sign[k]
             h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
-            h1, h2 = orientation * out[u, 1], orientation * out[u, 2]
+            h1, h2, b3 = orientation * out[u, 1], orientation * out[u, 2], out[u, 3] + _TINY
             if depth and closed:
                 deepest[k] = max(deepest[k], -h)
-                if step > 0 and previous[k] < 0 <= h1:
+                if looks > 0 and previous[k] < 0 <= h1:
                     low = _lowest_between(tables, slot, k, s_previous, s, start_theta, start_term, drift)
                     deepest[k] = max(deepest[k], -low)
                 previous[k] = h1
             value = min(h - shift[k] + tail[u, summed], 0.0)
-            bound = first_root_of_bound(value, h1, h2, out[u, 3] + _TINY, tau)
+            bound = first_root_of_bound(value, h1, h2, b3, tau)
             if bound < tau:
                 tau, which, rate = bound, k, h1
+                there = summed == terms and (tau < RESOLUTION or (not depth and crosses(value, h1, h2, b3, tau)))
         if tau <= 0 and which == NO_SWITCH:
             break
         s_previous = s
-        step += 1
+        looks += 1
         close = tau < _CLOSE
         if which == NO_SWITCH:
-            turn_exactly(tables, slot, tau, term, theta)
+            turn_exactly(root, omega, terms, tau, term, theta)
             s = horizon
             if not depth:
                 break
-        elif tau < _RESOLUTION and summed == terms:
-            turn_by_series(tables, slot, tau, fastest, term, theta)
+        elif tau * fastest <= SERIES or there or tau < step[-1]:
+            turn_briefly(root, omega, terms, fastest, tau, term, theta)
             s += tau
-            break
-        elif tau * fastest <= SERIES:
-            turn_by_series(tables, slot, tau, fastest, term, theta)
-            s += tau
+            if there:
+                k, u = which, tables.position[which]
+                orientation = -tables.sign[k] if tables.closed[slot, k] else tables.sign[k]
+                _at_positions(forced, omega, s, theta, drift, out)
+                rate = orientation * (out[u, 1] + _add_terms(weight[u], term, root, 0, terms)[1])
+                break
         else:
-            s += turn_by_table(tables, slot, tau, term, theta)
-        if step >= _MAX_STEPS:
+            j = tabulated(tau, step)
+            turn_by(turn[j], harmonic_turn[j], terms, term, theta)
+            s += step[j]
+        first = max(which, 0)
+        if looks >= _MAX_STEPS:
             which = NO_PROGRESS
             break
     _areas(tables, slot, s, start_theta, start_term, theta, term, drift, area)
-    return s, which, rate, step
+    return s, which, rate, looks
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=SUM)
+def _bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatArray) -> None:
+    """Write what the terms from each on may sum to at each position, m, shape ``(U, T + 1)``."""
+    for t in range(terms - 1, -1, -1):
+        size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
+        for u in range(tail.shape[0]):
+            tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
+
+
+@njit(cache=True, inline="always")
 def _first_look(
     tables: Tables,
     slot: int,
@@ -294,7 +300,7 @@ def _first_look(
             shift[k] += threshold
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _areas(
     tables: Tables,
     slot: int,
@@ -316,10 +322,11 @@ def _areas(
         if not tables.closed[slot, k]:
             continue
         u = tables.position[k]
+        weight, inverse, forced = tables.weight[slot, u], tables.inverse[slot], tables.forced[slot, u]
         z = s * (drift[u, 0] + s * (drift[u, 1] / 2 + s * drift[u, 2] / 3))
         for t in range(tables.terms[slot]):
-            change, over = term[t] - term0[t], tables.inverse[slot, t]
-            z += tables.weight[slot, u, t] * (change.real * over.real - change.imag * over.imag)
+            change, over = term[t] - term0[t], inverse[t]
+            z += weight[t] * (change.real * over.real - change.imag * over.imag)
         for h in range(theta.size):
-            z += (tables.forced[slot, u, h] * (theta[h] - theta0[h]) / (1j * tables.omega[h])).imag
+            z -= (forced[h] * (theta[h] - theta0[h])).real / tables.omega[h]
         area[k] = max(tables.sign[k] * z - tables.gap[k] * s, 0.0)

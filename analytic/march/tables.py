@@ -28,9 +28,9 @@ from lapjoint.problem import FloatArray, Problem
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-HALVINGS = 40
-"""Tabulated steps, each half the one before: from the longest, a period of a slow mode, down to 1e-12 of it."""
-_HALVES = 0.5 ** np.arange(HALVINGS)
+OCTAVES, PARTS = 16, 4
+"""Tabulated steps: a period of a slow mode, 5/4, 6/4 and 7/4 of it, the halves of these, and so on down to 1e-5."""
+_FRACTIONS = (0.5 ** np.arange(OCTAVES)[:, None] * (1 + np.arange(PARTS) / PARTS)).ravel()
 _UNIT_TABLES = 32  # kept: a few for each family, as more states become known; about 1 MB each with 20 modes
 _FLAT_STATES = 256  # kept, as in `analytic.march.modal_state`; about 60 kB each with 20 modes
 
@@ -53,7 +53,7 @@ class FlatState(NamedTuple):
     fastest: float
     """Largest modulus of the lambdas, 1/s."""
     turn: ComplexArray
-    """exp(lambda tau) of the tabulated steps, shape ``(HALVINGS, T)``."""
+    """exp(lambda tau) of the tabulated steps, shape ``(J, T)``."""
     static: FloatArray
     """Coefficients of 1, t, t^2 of the answer to the constant loads, shape ``(N, 3)``."""
     force: FloatArray
@@ -84,7 +84,7 @@ class Tables(NamedTuple):
     fastest: FloatArray
     """Largest modulus of the lambdas, 1/s, shape ``(S,)``."""
     turn: ComplexArray
-    """exp(lambda tau) for tau = longest / 2^j, shape ``(S, HALVINGS, T)``."""
+    """exp(lambda tau) of the tabulated steps, shape ``(S, J, T)``."""
     static: FloatArray
     """Coefficients of 1, t, t^2 of the answer to the constant loads, shape ``(S, N, 3)``."""
     harmonic: ComplexArray
@@ -110,24 +110,24 @@ class Tables(NamedTuple):
     phase: FloatArray
     """Their phases, rad, shape ``(H,)``."""
     harmonic_turn: ComplexArray
-    """exp(i Omega tau), shape ``(HALVINGS, H)``."""
+    """exp(i Omega tau) of the tabulated steps, shape ``(J, H)``."""
     position: IntArray
     """Index of the position of each stop, shape ``(P,)``."""
     sign: FloatArray
     """+1 for a top stop, -1 for a bottom stop, shape ``(P,)``."""
     gap: FloatArray
     """Gap of each stop, m, shape ``(P,)``."""
-    longest: float
-    """The longest tabulated step, s."""
+    step: FloatArray
+    """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
 
 
 _PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
-    """The tabulated steps, s, shape ``(HALVINGS,)``."""
+    """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
     beam = problem.beam
-    return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * _HALVES)
+    return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * _FRACTIONS)
 
 
 @lru_cache(maxsize=_FLAT_STATES)
@@ -232,7 +232,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) 
         root=np.zeros((S, T), dtype=complex),
         inverse=np.zeros((S, T), dtype=complex),
         fastest=np.zeros(S),
-        turn=np.zeros((S, HALVINGS, T), dtype=complex),
+        turn=np.zeros((S, steps.size, T), dtype=complex),
         static=np.zeros((S, N, 3)),
         harmonic=np.zeros((S, H, N), dtype=complex),
         force=np.zeros((S, 1 + H, N)),
@@ -249,7 +249,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) 
         position=position,
         sign=np.array([stop.sign for stop in problem.stops], dtype=float),
         gap=np.array([stop.gap for stop in problem.stops], dtype=float),
-        longest=float(steps[0]),
+        step=steps,
     )
 
 
@@ -310,12 +310,12 @@ def _move(tables: Tables, slot: int, i: int, omega: FloatArray, decay: FloatArra
     """Give an undamped mode another frequency, rad/s, shape ``(1,)``, as `away_from_resonance` has it."""
     root = roots_of(omega, decay)[0, 0]
     tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
-    tables.turn[slot, :, i] = np.exp(tables.longest * _HALVES * root)
+    tables.turn[slot, :, i] = np.exp(tables.step * root)
     tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2
 
 
 def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
     """A joint's own copy of the known states, with its harmonics."""
     own = Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in unit.tables)
-    turn = np.exp(1j * (unit.tables.longest * _HALVES[:, None] * harmonics.omega))
+    turn = np.exp(1j * np.outer(unit.tables.step, harmonics.omega))
     return own._replace(omega=harmonics.omega, phase=harmonics.phase, harmonic_turn=turn)

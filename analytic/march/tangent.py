@@ -19,6 +19,7 @@ from numba import njit
 from analytic.march.compiled import Log
 from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
+from analytic.march.switching import SUM
 from analytic.march.tables import Tables
 from analytic.march.terms import set_phases
 from analytic.modes.beam_functions import ComplexArray
@@ -91,7 +92,7 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
             now[n + i, j] = C1 * x + S1 * y
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
     """d(q, v)/dt in one state, shape ``(2 N,)``; `theta`, ``(H,)``, holds exp(i theta_h)."""
     n = tables.modes[slot]
@@ -112,7 +113,7 @@ def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: Flo
     return rates
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=SUM)
 def saltation(
     tables: Tables,
     old: int,
@@ -145,27 +146,51 @@ def saltation(
     ndarray, shape (2 N_new, m)
     """
     new = tables.next_slot[old, k]
-    n_old, n_new = tables.modes[old], tables.modes[new]
-    S = np.ascontiguousarray(tables.carry[old, k, :n_new, :n_old])
+    n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
+    S, onto, mode = tables.carry[old, k], tables.carry_residual[old, k], tables.weight[old, tables.position[k]]
     theta = np.zeros(tables.omega.size, dtype=np.complex128)
     set_phases(tables, t, theta)
     before = _rates(tables, old, theta, q_old, v_old)
     after = _rates(tables, new, theta, q_new, v_new)
-    jump = np.empty(2 * n_new)
-    jump[:n_new] = np.dot(S, before[:n_old]) - after[:n_new]
-    jump[n_new:] = np.dot(S, before[n_old:]) - after[n_new:]
-    for h in range(theta.size):
-        for j in range(n_new):
-            onto = tables.carry_residual[old, k, 1 + h, j]
-            jump[j] += onto * tables.omega[h] * theta[h].real
-            jump[n_new + j] -= onto * tables.omega[h] ** 2 * theta[h].imag
-    orientation = -tables.sign[k] if tables.closed[old, k] else tables.sign[k]
-    mode = np.ascontiguousarray(tables.weight[old, tables.position[k], :n_old])
-    delay = np.dot(mode, now[:n_old]) * (-orientation / rate)
-    result = np.empty((2 * n_new, now.shape[1]))
-    result[:n_new] = np.dot(S, now[:n_old])
-    result[n_new:] = np.dot(S, now[n_old:])
-    for j in range(2 * n_new):
-        for m in range(now.shape[1]):
-            result[j, m] += jump[j] * delay[m]
+    delay = np.zeros(m)
+    late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
+    for i in range(n_old):
+        for c in range(m):
+            delay[c] += late * mode[i] * now[i, c]
+    # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
+    moved, result = np.empty((2 * n_old, m)), np.empty((2 * n_new, m))
+    for i in range(2 * n_old):
+        for c in range(m):
+            moved[i, c] = now[i, c] + before[i] * delay[c]
+    for j in range(n_new):
+        x, y = -after[j], -after[n_new + j]
+        for h in range(theta.size):
+            x += onto[1 + h, j] * tables.omega[h] * theta[h].real
+            y -= onto[1 + h, j] * tables.omega[h] ** 2 * theta[h].imag
+        for c in range(m):
+            result[j, c], result[n_new + j, c] = x * delay[c], y * delay[c]
+    _project(S, n_new, n_old, moved, result)
     return result
+
+
+@njit(cache=True, fastmath=SUM)
+def _project(S: FloatArray, n_new: int, n_old: int, now: FloatArray, result: FloatArray) -> None:
+    """Add S dq and S dv of deviations `now`, ``(2 n_old, m)``, to `result`, ``(2 n_new, m)``; `S` has that much.
+
+    Loops over so few modes take less time than a call of a matrix product.
+    """
+    m = now.shape[1]
+    for j in range(n_new):
+        if m == 1:
+            x, y = 0.0, 0.0
+            for i in range(n_old):
+                x += S[j, i] * now[i, 0]
+                y += S[j, i] * now[n_old + i, 0]
+            result[j, 0] += x
+            result[n_new + j, 0] += y
+            continue
+        for i in range(n_old):
+            factor = S[j, i]
+            for c in range(m):
+                result[j, c] += factor * now[i, c]
+                result[n_new + j, c] += factor * now[n_old + i, c]

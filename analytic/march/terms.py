@@ -26,7 +26,7 @@ import numpy as np
 from numba import njit
 
 from analytic.march.oscillator import OSCILLATING, SPLIT
-from analytic.march.tables import Tables
+from analytic.march.tables import PARTS, Tables
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
@@ -34,10 +34,11 @@ SERIES = 0.25
 """|lambda tau| up to which exp is summed as a series: thirteen products of real numbers cost less than one exp."""
 _ROUNDING = 1e-17  # of 1: what is smaller changes no bit of a sum near 1
 _RECIPROCALS = 1.0 / np.maximum(np.arange(14), 1)  # 0.25^13 / 13! is below `_ROUNDING`
-_BITS = 3  # of a step that are kept when it is rounded down to tabulated ones: it loses an eighth at most
+_OF_COSH = _RECIPROCALS[0::2] * np.append(1.0, _RECIPROCALS[1:-1:2])  # 1 / (2 n (2 n - 1))
+_OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
     """Write exp(i theta_h) at the time `t`, s."""
     for h in range(theta.size):
@@ -45,7 +46,7 @@ def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
         theta[h] = complex(math.cos(angle), math.sin(angle))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def start_terms(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, term: ComplexArray, poly: FloatArray
 ) -> None:
@@ -75,7 +76,7 @@ def start_terms(
             poly[i, 1] += y
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def state_from_terms(
     tables: Tables,
     slot: int,
@@ -102,56 +103,78 @@ def state_from_terms(
 
 
 @njit(cache=True)
-def turn_by_table(tables: Tables, slot: int, tau: float, term: ComplexArray, theta: ComplexArray) -> float:
-    """Turn terms and phases by `tau`, s, rounded down to three binary digits; returns the step made, s."""
-    turned, terms = 0.0, tables.terms[slot]
-    step, bits = tables.longest, 0
-    for j in range(tables.turn.shape[1]):
-        if turned + step <= tau:
-            for t in range(terms):
-                term[t] *= tables.turn[slot, j, t]
-            for h in range(theta.size):
-                theta[h] *= tables.harmonic_turn[j, h]
-            turned += step
-            bits += 1
-        elif bits > 0:
-            bits += 1
-        if bits == _BITS:
-            break
-        step *= 0.5
-    return turned
+def tabulated(tau: float, step: FloatArray) -> int:
+    """Index of the longest tabulated step of `step`, s, shape ``(J,)``, up to `tau`, s, which is no shorter than all.
+
+    See `analytic.march.tables.OCTAVES`: it loses a fifth of `tau` at most.
+    """
+    fraction, exponent = math.frexp(tau / step[0])  # tau = fraction 2^exponent of the first, fraction in [1/2, 1)
+    if exponent > 1:
+        return PARTS - 1
+    j = (1 - exponent) * PARTS + int(2 * PARTS * fraction) - PARTS
+    return min(j, step.size - 1)
 
 
 @njit(cache=True)
-def turn_by_series(
-    tables: Tables, slot: int, tau: float, fastest: float, term: ComplexArray, theta: ComplexArray
+def turn_by(
+    turn: ComplexArray, harmonic_turn: ComplexArray, terms: int, term: ComplexArray, theta: ComplexArray
 ) -> None:
-    """Turn terms and phases by a `tau`, s, so short that exp is a short series; `fastest` is max |lambda|, 1/s."""
+    """Turn terms and phases by a tabulated step: `turn`, shape ``(T,)``, and `harmonic_turn`, ``(H,)``."""
+    for t in range(terms):
+        term[t] *= turn[t]
+    for h in range(theta.size):
+        theta[h] *= harmonic_turn[h]
+
+
+@njit(cache=True)
+def turn_briefly(
+    root: ComplexArray,
+    omega: FloatArray,
+    terms: int,
+    fastest: float,
+    tau: float,
+    term: ComplexArray,
+    theta: ComplexArray,
+) -> None:
+    """Turn terms and phases by a `tau`, s, by a short series if it is short enough; `fastest` is max |lambda|, 1/s.
+
+    `root`, 1/s, and `omega`, rad/s, are those of the `terms` terms and of the phases.
+    """
+    if fastest * tau > SERIES:
+        turn_exactly(root, omega, terms, tau, term, theta)
+        return
     order, left = 1, fastest * tau
     while left > _ROUNDING and order < _RECIPROCALS.size - 1:
         order += 1
         left *= fastest * tau * _RECIPROCALS[order]
-    for t in range(tables.terms[slot]):
-        a, b = tables.root[slot, t].real * tau, tables.root[slot, t].imag * tau
-        x, y = 1.0, 0.0
-        for n in range(order, 0, -1):
-            r = _RECIPROCALS[n]
-            x, y = 1.0 + r * (x * a - y * b), r * (x * b + y * a)
-        term[t] *= complex(x, y)
+    for t in range(terms):
+        a, b = root[t].real * tau, root[t].imag * tau
+        a2, b2 = a * a - b * b, 2 * a * b
+        # cosh z and sinh z / z side by side, in powers of z^2: a processor works on both at a time
+        c, d, x, y = 1.0, 0.0, 1.0, 0.0
+        for n in range(order // 2, 0, -1):
+            r, o = _OF_COSH[n], _OF_SINH[n]
+            c, d = 1.0 + r * (c * a2 - d * b2), r * (c * b2 + d * a2)
+            x, y = 1.0 + o * (x * a2 - y * b2), o * (x * b2 + y * a2)
+        term[t] *= complex(c + x * a - y * b, d + x * b + y * a)
     for h in range(theta.size):
-        theta[h] *= complex(math.cos(tables.omega[h] * tau), math.sin(tables.omega[h] * tau))
+        theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
 
 @njit(cache=True)
-def turn_exactly(tables: Tables, slot: int, tau: float, term: ComplexArray, theta: ComplexArray) -> None:
-    """Turn terms and phases by any `tau`, s."""
-    for t in range(tables.terms[slot]):
-        term[t] *= np.exp(tables.root[slot, t] * tau)
+def turn_exactly(
+    root: ComplexArray, omega: FloatArray, terms: int, tau: float, term: ComplexArray, theta: ComplexArray
+) -> None:
+    """Turn terms and phases by any `tau`, s; `root`, 1/s, and `omega`, rad/s, are as in `turn_briefly`."""
+    for t in range(terms):
+        a, b = root[t].real * tau, root[t].imag * tau
+        size = math.exp(a)
+        term[t] *= complex(size * math.cos(b), size * math.sin(b))
     for h in range(theta.size):
-        theta[h] *= complex(math.cos(tables.omega[h] * tau), math.sin(tables.omega[h] * tau))
+        theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
     """Write the coefficients of 1, s, s^2 of z at the positions of the stops, m, shape ``(U, 3)``, to `drift`."""
     for u in range(drift.shape[0]):

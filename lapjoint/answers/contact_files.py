@@ -32,6 +32,13 @@ def write_contacts(history: History, path: str | Path) -> None:
     The columns are `CONTACT_COLUMNS`; times in s, impulses in N s (top positive), forces in N.  The JSON file
     also holds the problem, the solver, the first and last time, and the total impulse of each stop.
 
+    Parameters
+    ----------
+    history : History
+        The motion whose contacts are written.
+    path : path
+        The file, ``.csv`` or ``.json``.
+
     Raises
     ------
     InputError
@@ -62,7 +69,18 @@ def write_contacts(history: History, path: str | Path) -> None:
 
 
 def contact_rows(history: History) -> list[dict[str, Any]]:
-    """The contacts of a history as rows with the keys `CONTACT_COLUMNS`."""
+    """The contacts of a history as rows of a table.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+
+    Returns
+    -------
+    list of dict
+        One row a contact, by start time, with the keys `CONTACT_COLUMNS`; units are in the keys.
+    """
     stops, names = history.problem.stops, history.problem.stop_names
     return [
         dict(

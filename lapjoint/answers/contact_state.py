@@ -23,23 +23,55 @@ class ContactState:
         return stop in self.closed
 
     def toggled(self, stop: int) -> ContactState:
-        """The state after `stop` has opened or closed."""
+        """The state after a stop has opened or closed.
+
+        Parameters
+        ----------
+        stop : int
+            Index into ``problem.stops``.
+
+        Returns
+        -------
+        ContactState
+            This state without the stop if it is closed, else with it.
+        """
         return ContactState(tuple(set(self.closed) ^ {stop}))
 
     def name(self, problem: Problem) -> str:
-        """The names of the closed stops, or ``free``."""
+        """The names of the closed stops, or ``free``.
+
+        Parameters
+        ----------
+        problem : Problem
+            The problem whose stops these are.
+
+        Returns
+        -------
+        str
+            As ``P2 + P3``.
+        """
         return " + ".join(problem.stop_names[i] for i in self.closed) or "free"
 
 
 FREE = ContactState()
 MOST_STATES = 4096
-"""More contact states than this are not listed."""
+"""More contact states than this are not listed: twelve stops at different positions have so many."""
 
 
 def contact_states(problem: Problem) -> tuple[ContactState, ...]:
     """Every set of stops that can be closed together, fewest first.
 
     Stops at one position can be closed together only if they are on the same side.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem whose stops these are.
+
+    Returns
+    -------
+    tuple of ContactState
+        States with equally many closed stops are sorted by the stops' indices.
 
     Raises
     ------
@@ -78,14 +110,32 @@ _PAPER_STATES = {
 
 
 def is_paper_joint(problem: Problem) -> bool:
-    """Whether the stops are laid out as the paper's: one on each side at mid-span and at the tip."""
+    """Whether the stops are laid out as the paper's: one on each side at mid-span and at the tip.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem; the gaps and stiffnesses of its stops do not matter.
+    """
     L = problem.beam.length
     places = sorted((stop.x, stop.side) for stop in problem.stops)
     return places == [(L / 2, "bottom"), (L / 2, "top"), (L, "bottom"), (L, "top")]
 
 
 def paper_state_number(problem: Problem, state: ContactState) -> int:
-    """The paper's number, 1 to 9, of a contact state of its joint.
+    """The paper's number of a contact state of its joint.
+
+    Parameters
+    ----------
+    problem : Problem
+        A problem with the paper's stops.
+    state : ContactState
+        One that `contact_states` lists.
+
+    Returns
+    -------
+    int
+        1 to 9, by the paper's Tables 1 and 4.
 
     Raises
     ------
@@ -101,11 +151,37 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
 
 
 def state_label(problem: Problem, state: ContactState) -> str:
-    """The name of a state, after the paper's number where it has one."""
+    """The name of a state, after the paper's number where it has one.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem whose stops these are.
+    state : ContactState
+        The closed stops.
+
+    Returns
+    -------
+    str
+        As ``6  P2 + P3``, or ``P2 + P3`` where states have no number.
+    """
     number = f"{paper_state_number(problem, state)}  " if is_paper_joint(problem) else ""
     return number + state.name(problem)
 
 
 def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
-    """What to sort states by: the paper's number where there is one, else fewest closed stops first."""
+    """What to sort states by: the paper's number where there is one, else fewest closed stops first.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem whose stops these are.
+    state : ContactState
+        The closed stops.
+
+    Returns
+    -------
+    tuple of int and tuple of int
+        The paper's number or the number of closed stops, and the indices of the closed stops.
+    """
     return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed

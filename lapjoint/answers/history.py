@@ -40,11 +40,26 @@ class Field(Protocol):
     """The motion z(x, t) and its derivatives."""
 
     def __call__(self, x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
-        """The `dx`-th x-derivative (0 to 3) of the `dt`-th t-derivative (0 to 2) of z.
+        """A derivative of z.
 
-        ``x`` has shape ``(n,)`` and ``t`` shape ``(m,)`` in any order; returns ``(n, m)``.  At a switch the later
-        state is used.  Where a concentrated force makes the third x-derivative jump, the value is the one to
-        the left (to the right at x = 0).
+        At a switch the later state is used.  Where a concentrated force makes the third x-derivative jump, the value
+        is the one to the left (to the right at x = 0).
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+        dx : int
+            Order of the x-derivative, 0 to 3.
+        dt : int
+            Order of the t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            The derivative, m^(1 - dx) s^-dt.
         """
 
 
@@ -69,27 +84,108 @@ class History:
     """z(x, t), m, and its derivatives."""
 
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """z(x, t) relative to the base, m, shape ``(n, m)`` for ``n`` positions and ``m`` times."""
+        """z(x, t), the displacement relative to the base.
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            z, m, positive upwards; n = 1 or m = 1 for a single number.
+        """
         return self.evaluate(x, t)
 
     def velocity(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """z_t(x, t) relative to the base, m/s, shape ``(n, m)``."""
+        """z_t(x, t), the velocity relative to the base.
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            z_t, m/s; n = 1 or m = 1 for a single number.
+        """
         return self.evaluate(x, t, dt=1)
 
     def slope(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """z_x(x, t), rad, shape ``(n, m)``."""
+        """z_x(x, t), the slope.
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            z_x, rad; n = 1 or m = 1 for a single number.
+        """
         return self.evaluate(x, t, dx=1)
 
     def moment(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """Bending moment EI z_xx (14a), N m, shape ``(n, m)``."""
+        """EI z_xx, the bending moment (14a).
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            EI z_xx, N m; n = 1 or m = 1 for a single number.
+        """
         return self.problem.beam.EI * self.evaluate(x, t, dx=2)
 
     def shear(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """Shear force EI z_xxx (14b), N, shape ``(n, m)``."""
+        """EI z_xxx, the shear force (14b).
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            EI z_xxx, N; n = 1 or m = 1 for a single number.
+        """
         return self.problem.beam.EI * self.evaluate(x, t, dx=3)
 
     def evaluate(self, x: FloatArray | float, t: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:
-        """Any x- and t-derivative of z, shape ``(n, m)``; see `Field`.
+        """Any derivative of z; `Field` says what it is where it jumps.
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+        dx : int
+            Order of the x-derivative, 0 to 3.
+        dt : int
+            Order of the t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            The derivative, m^(1 - dx) s^-dt; n = 1 or m = 1 for a single number.
 
         Raises
         ------
@@ -106,11 +202,33 @@ class History:
         return self.field(x_, t_, dx, dt)
 
     def state_at(self, t: float) -> ContactState:
-        """The contact state at time `t`; at a switch the later one."""
+        """The contact state at a time; at a switch the later one.
+
+        Parameters
+        ----------
+        t : float
+            Time, s, within the history.
+
+        Returns
+        -------
+        ContactState
+            The stops that are closed then.
+        """
         return self.states[int(np.searchsorted(self.switch_times, t, side="right"))]
 
     def contact_force(self, t: FloatArray | float) -> FloatArray:
-        """Force of each stop on the beam, N, positive upwards, shape ``(stops, m)``, from the force law."""
+        """Force of each stop on the beam, by the force law from the displacement there.
+
+        Parameters
+        ----------
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            Forces, N, positive upwards; zero where a stop is open.
+        """
         stops = self.problem.stops
         t_ = np.atleast_1d(np.asarray(t, dtype=float))
         if not stops:
@@ -123,7 +241,20 @@ class History:
         return force
 
     def impulses(self, start: float | None = None, end: float | None = None) -> FloatArray:
-        """Impulse of each stop summed over the contacts that start in ``[start, end)``, N s, ``(stops,)``."""
+        """Impulse of each stop, summed over the contacts that start in ``[start, end)``.
+
+        Parameters
+        ----------
+        start : float, optional
+            Earliest start of a contact, s; the start of the history if not given.
+        end : float, optional
+            Time before which contacts start, s; no contact is left out at the end if not given.
+
+        Returns
+        -------
+        FloatArray, shape (stops,)
+            Impulses, N s, positive at the top, negative at the bottom.
+        """
         lo = self.start if start is None else start
         hi = np.inf if end is None else end
         total = np.zeros(len(self.problem.stops))

@@ -13,9 +13,21 @@ class ModeShapes(Protocol):
     """Mass-normalised mode shapes as a function of position."""
 
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """Shapes or their x-derivative (0 to 3) at ``x``, shape ``(n,)``; returns ``(modes, n)``.
+        """Mode shapes, or a derivative of them in x.
 
         Where a spring makes the third derivative jump, the value is the one to the left (to the right at x = 0).
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        derivative : int
+            Order of the x-derivative, 0 to 3.
+
+        Returns
+        -------
+        FloatArray, shape (modes, n)
+            kg^-1/2 m^-derivative.
         """
 
 

@@ -16,11 +16,20 @@ from lapjoint.problem import FloatArray, Problem
 
 ComplexArray = npt.NDArray[np.complex128]
 
-CERTAIN = 4.0  # standard errors: the error is itself an estimate from few stretches, and looked at more than once
-LEAST_GROWTH = 10.0  # logarithm: on a torus a deviation grows and shrinks by less, over however long a time
-ALIKE = 0.1  # of the value: halves that differ by less agree, even if the growth hardly scatters
-SMALL = 0.1  # of the slowest decay: nearby motions would take ten times as long to part as free vibration to die away
-SENSITIVE = 1e8  # rounding, 1e-16 of the motion, then is as large as what tells two motions apart
+CERTAIN = 4.0
+"""Standard errors by which an exponent must differ from zero; not two, because the error is itself an estimate from few
+blocks, and because the search looks at several measurements."""
+LEAST_GROWTH = 10.0
+"""Logarithm of the least growth of a deviation over a measurement that shows chaos (and of the least shrinkage that
+shows a stable motion): on a torus a deviation grows and shrinks by less, over however long a time."""
+ALIKE = 0.1
+"""Relative difference up to which the exponents of both halves agree, even if the growth hardly scatters."""
+SMALL = 0.1
+"""Largest exponent that counts as zero, over the lowest decay rate of free vibration: nearby motions would take ten
+times as long to part as free vibration takes to die away."""
+SENSITIVE = 1e8
+"""Growth of a deviation from which rounding may decide which motion is reached: rounding, 1e-16 of the motion, is then
+1e-8 of it, as large as what tells two motions apart."""
 
 
 class Outcome(Enum):
@@ -78,9 +87,13 @@ class Exponent:
         return max(self.halves) < -self._margin and self._steady and self.value * self.time < -LEAST_GROWTH
 
     def vanishes(self, rate: float) -> bool:
-        """Whether it is certainly zero: in every quarter within `SMALL` of `rate`, the slowest decay by damping, 1/s.
+        """Whether it is certainly zero: in every quarter at most `SMALL` times a rate of decay.
 
-        Without damping, `rate` zero or infinite, there is nothing that it could be small against.
+        Parameters
+        ----------
+        rate : float
+            Lowest rate at which free vibration decays by damping, 1/s.  Without damping, where it is zero or infinite,
+            there is nothing that the exponent could be small against.
         """
         if self.positive or self.negative or not 0 < rate < math.inf:
             return False
@@ -154,7 +167,18 @@ class SteadyState:
 
 
 def periodic_outcome(history: History) -> Outcome:
-    """Which of the periodic outcomes a motion of one period is."""
+    """Which of the periodic outcomes a periodic motion is.
+
+    Parameters
+    ----------
+    history : History
+        One period of the motion.
+
+    Returns
+    -------
+    Outcome
+        `NO_CONTACT`, `PERIODIC` or `CHATTERING`.
+    """
     if not history.contacts:
         return Outcome.NO_CONTACT
     return (
@@ -163,21 +187,28 @@ def periodic_outcome(history: History) -> Outcome:
 
 
 def chatters(history: History, stop: int) -> bool:
-    """Whether a stop chatters: at least three flights in a row each shorter than the last, then a lasting contact.
+    """Whether a stop chatters: three or more flights in a row, each shorter than the last, then a lasting contact.
 
-    The contact that ends the chatter must last longer than the one before it and than its last flight: without
-    the bounces, a stop that is struck and then leaned on.  The history is read as one period of a motion.
+    The contact that ends the chatter must last longer than the contact and the flight before it: the beam bounces, and
+    then leans on the stop.
+
+    Parameters
+    ----------
+    history : History
+        One period of a periodic motion.
+    stop : int
+        Index into ``problem.stops``.
     """
     mine = [contact for contact in history.contacts if contact.stop == stop]
-    if mine and mine[0].open_start and mine[-1].open_end:  # one contact, cut by the section
+    if mine and mine[0].open_start and mine[-1].open_end:  # one contact, cut in two by the section point
         mine = [replace(mine[-1], end=mine[0].end + history.end - history.start), *mine[1:-1]]
         mine.sort(key=lambda contact: contact.start)
     if len(mine) < 4:
         return False
-    turn = [
+    next_period = [
         replace(c, start=c.start + history.end - history.start, end=c.end + history.end - history.start) for c in mine
     ]
-    both = mine + turn
+    both = mine + next_period
     flights = [after.start - before.end for before, after in pairwise(both)]
     return any(
         flights[i] > flights[i + 1] > flights[i + 2]
@@ -187,7 +218,20 @@ def chatters(history: History, stop: int) -> bool:
 
 
 def impulses_per_period(history: History, period_multiple: int) -> FloatArray:
-    """Mean impulse of each stop over one excitation period, N s, from a history of some periods, ``(stops,)``."""
+    """Mean impulse of each stop over one excitation period.
+
+    Parameters
+    ----------
+    history : History
+        The motion over some excitation periods.
+    period_multiple : int
+        How many these are.
+
+    Returns
+    -------
+    FloatArray, shape (stops,)
+        Impulses, N s, positive at the top, negative at the bottom.
+    """
     total = np.zeros(len(history.problem.stops))
     for contact in history.contacts:
         total[contact.stop] += contact.impulse

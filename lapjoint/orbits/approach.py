@@ -27,16 +27,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.orbits.compiled_watch import all_within
 from lapjoint.orbits.watch import Deviated, Watch
 from lapjoint.problem import FloatArray
 
-LINEAR = 0.9  # of a distance: what a deviation may take of it where the map is linear
-CURVED = 0.5  # and where it is not
-_SHIFTS = 3.0  # times the shift of a switch: so near to it a stop is in contact or not as the shift has it
-_RATE = 0.5  # of the rate at a switch: what a deviation may change it by
-_FIRST, _MOST = 16, 1024  # deviations looked at together
-_NOTHING = 1e-13  # of the size of the orbit: rounding
-_DECAYED = 1e-12  # of the size of the orbit: what is left out of the slow eigenvectors
+LINEAR = 0.9
+"""Share c of the distance to a stop that a deviation may take where the orbit has no switch.  The map is exactly linear
+there; a smaller share would leave lightly damped motions undecided for longer."""
+CURVED = 0.5
+"""Share c where the orbit has switches: half of the distance is left for what the linearised map misses."""
+_SHIFTS = 3.0
+"""Number of shifts |X e_k| / r of a switch: nearer to it than this, in time, whether the stop is closed depends on the
+shift, so the distance is not looked at.  Two shifts make orbits marginal, and cost twice as much marching."""
+_RATE = 0.5
+"""Share of the rate at a switch that a deviation may change: so the switch keeps its direction."""
+_FIRST, _MOST = 16, 1024
+"""Numbers of deviations that are looked at together, at first and at most: blocks make use of fast matrix products."""
+_NOTHING = 1e-13
+"""Size of a deviation over that of the orbit up to which it is rounding."""
+_DECAYED = 1e-12
+"""Size of the part of a deviation along an eigenvector, over the size of the orbit, up to which it is left out."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +54,9 @@ class Forecast:
     """What becomes of a deviation."""
 
     fails: int
-    """Periods of the orbit to wait before looking again: after these the conditions hold for a while at least.
+    """Number of the orbit's periods to march before looking again; after these the conditions hold for some time.
 
-    0: they hold for ever, from the start.
+    It is 0 if the conditions hold from the start and for all time.
     """
 
     @property
@@ -69,16 +79,21 @@ def forecast(
     ----------
     watch : Watch
         The orbit's distances from its stops.
-    matrix : FloatArray
-        Derivative M of its map, shape ``(n, n)``.
-    vectors : ComplexArray
-        Its eigenvectors as columns, shape ``(n, n)``; all its eigenvalues lie within the unit circle.
-    deviation : FloatArray
-        The deviation e at the start of the orbit, shape ``(n,)``.
+    matrix : FloatArray, shape (n, n)
+        Derivative M of its map, in the solver's own coordinates.
+    vectors : ComplexArray, shape (n, n)
+        Eigenvectors of M as columns; all its eigenvalues lie within the unit circle.
+    deviation : FloatArray, shape (n,)
+        The deviation e at the start of the orbit, in the same coordinates.
     size : float
-        Euclidean size of the orbit's section point, in the same coordinates.
+        Euclidean norm of the orbit's section point, in the same coordinates.
     most : int
-        Periods of the orbit looked at one by one, at most.
+        Largest number of the orbit's periods that are looked at one by one.
+
+    Returns
+    -------
+    Forecast
+        Whether the march is bound for the orbit, and if not, how long to march before looking again.
     """
     share = CURVED if watch.switches.time.size else LINEAR
     power, count, done, fails = matrix, 1, 0, 0
@@ -106,20 +121,24 @@ def forecast(
 def _sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
     """Whether each deviation meets all conditions, shape ``(K,)``."""
     switches, intervals = watch.switches, watch.intervals
-    near = deviated.largest <= share * intervals.distance[:, None]
-    if not switches.time.size:
-        return np.asarray(near.all(axis=0))
     rate = switches.rate[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         shift = np.where(deviated.at_switches == 0, 0.0, np.abs(deviated.at_switches) / rate)
-    # Index -1, of a stop without switches, reads the last row, but its distance in time is infinite.
-    exempt = (intervals.since[:, None] <= _SHIFTS * shift[intervals.before]) | (
-        intervals.until[:, None] <= _SHIFTS * shift[intervals.after]
+    sound = all_within(
+        deviated.largest,
+        intervals.distance,
+        shift,
+        intervals.before,
+        intervals.since,
+        intervals.after,
+        intervals.until,
+        share,
+        _SHIFTS,
     )
-    sound = (near | exempt).all(axis=0)
-    sound &= (shift <= switches.spacing[:, None] / 3).all(axis=0)
-    sound &= (3 * shift * switches.curvature[:, None] <= rate).all(axis=0)
-    sound &= (np.abs(deviated.rates) <= _RATE * rate).all(axis=0)
+    if switches.time.size:
+        sound &= (shift <= switches.spacing[:, None] / 3).all(axis=0)
+        sound &= (3 * shift * switches.curvature[:, None] <= rate).all(axis=0)
+        sound &= (np.abs(deviated.rates) <= _RATE * rate).all(axis=0)
     return np.asarray(sound)
 
 
@@ -143,14 +162,10 @@ def _decays(
     if not slow.any():
         return True
     columns = vectors[:, slow] * parts[slow]
-    real, imaginary = watch.deviated(np.real(columns)), watch.deviated(np.imag(columns))
+    both = watch.deviated(np.concatenate([np.real(columns), np.imag(columns)], axis=1))
 
-    def bound(one: FloatArray, other: FloatArray) -> FloatArray:
-        return np.asarray(np.hypot(one, other).sum(axis=1, keepdims=True))
+    def bound(values: FloatArray) -> FloatArray:
+        return np.asarray(np.hypot(*np.split(values, 2, axis=1)).sum(axis=1, keepdims=True))
 
-    worst = Deviated(
-        bound(real.largest, imaginary.largest),
-        bound(real.at_switches, imaginary.at_switches),
-        bound(real.rates, imaginary.rates),
-    )
+    worst = Deviated(bound(both.largest), bound(both.at_switches), bound(both.rates))
     return bool(_sound(watch, worst, share)[0])

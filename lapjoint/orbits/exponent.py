@@ -23,7 +23,9 @@ import numpy as np
 from lapjoint.answers.steady_state import Exponent
 from lapjoint.problem import FloatArray
 
-_BLOCKS = 16  # so few leave Student's t with 15 degrees of freedom: two standard errors are missed in 6 % of cases
+_BLOCKS = 16
+"""Number of the longest blocks: their mean follows Student's t with 15 degrees of freedom, and is wrong by more than
+two standard errors in 6 % of cases."""
 
 
 def exponent_of(growth: FloatArray, period: float) -> Exponent:
@@ -31,10 +33,15 @@ def exponent_of(growth: FloatArray, period: float) -> Exponent:
 
     Parameters
     ----------
-    growth : FloatArray
-        Logarithm of a deviation's growth in each period, shape ``(n,)``, n at least 64.
+    growth : FloatArray, shape (n,)
+        Natural logarithm of a deviation's growth in each period, n at least 64.
     period : float
         Excitation period, s.
+
+    Returns
+    -------
+    Exponent
+        The mean rate of growth, 1/s, with its standard error, and its means over parts of the measurement.
     """
     rates = growth / period
     first, second = np.array_split(rates, 2)
@@ -49,19 +56,52 @@ def exponent_of(growth: FloatArray, period: float) -> Exponent:
 
 
 def standard_error(series: FloatArray) -> float:
-    """Standard error of the mean of a correlated series of shape ``(n,)``, n at least 64, by blocking."""
+    """Standard error of the mean of a correlated series, by blocking.
+
+    Parameters
+    ----------
+    series : FloatArray, shape (n,)
+        Values in the order of time, n at least 64.
+
+    Returns
+    -------
+    float
+        In the unit of the series.
+    """
     short, long = _blocked(series, 4 * _BLOCKS), _blocked(series, _BLOCKS)
     return long * float(np.clip(long / short, 1.0, 2.0)) if short > 0 else long
 
 
 def weighted_mean(series: FloatArray) -> float:
-    """Weighted Birkhoff average of a series of shape ``(n,)``."""
+    """Weighted Birkhoff average of a series.
+
+    Parameters
+    ----------
+    series : FloatArray, shape (n,)
+        Values in the order of time, n at least 1.
+
+    Returns
+    -------
+    float
+        In the unit of the series.
+    """
     t = (np.arange(series.size) + 0.5) / series.size
     return float(np.average(series, weights=np.exp(-1 / (t * (1 - t)))))
 
 
 def largest_growth(growth: FloatArray) -> float:
-    """Largest factor between any moment and a later one, from the logarithm of the growth in each period, ``(n,)``."""
+    """Largest factor by which a deviation grows from any section point to any later one.
+
+    Parameters
+    ----------
+    growth : FloatArray, shape (n,)
+        Natural logarithm of the deviation's growth in each period.
+
+    Returns
+    -------
+    float
+        The factor, at least 1; above 1e304 it is given as that.
+    """
     size = np.concatenate([[0.0], np.cumsum(growth)])
     rise = float(np.max(size - np.minimum.accumulate(size)))
     return float(np.exp(min(rise, 700.0)))

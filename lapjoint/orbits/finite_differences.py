@@ -12,9 +12,14 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.period_map import Followed, Linearised, PeriodMap, Segment
 from lapjoint.problem import FloatArray
 
-_STEP = 1e-6  # of the size of the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten digits
-_SMALL = 1e-7  # of the size of the motion: how far a march that is followed is beside the other
-_PER_HALF_PERIOD = 64  # samples of the motion in half a period
+_STEP = 1e-6
+"""Step of the differences over the size of the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten
+digits."""
+_SMALL = 1e-7
+"""Distance between two marches that are followed together, over the size of the motion: small enough to be linear, and
+large enough for rounding, 1e-16, to leave nine digits."""
+_PER_HALF_PERIOD = 64
+"""Least number of samples of the motion in half a period: the parabolas between them then follow the low modes."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +29,10 @@ class FiniteDifferences:
     map: PeriodMap
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on from a section point, and from its neighbours in all directions, two each."""
+        """March on from a section point, and from its neighbours in all directions, two each.
+
+        See `lapjoint.orbits.Tangent.linearised`.
+        """
         end = self.map.march(start, half_periods).end
         periods, until = math.ceil(half_periods / 2), half_periods * self.map.period / 2
         history = self.map.history(start, periods)
@@ -45,7 +53,10 @@ class FiniteDifferences:
         return Linearised(end, matrix, lambda: _segments(history, times, switched, moves))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on over whole periods beside another march, which is brought back to the same distance after each."""
+        """March on over whole periods, together with a march beside it that is moved back to the same distance in each.
+
+        See `lapjoint.orbits.Follows.followed`.
+        """
         now, points, growth = start, [], np.zeros(periods)
         impulses, switches = np.zeros(len(self.map.problem.stops)), 0
         for i in range(periods):
@@ -64,7 +75,10 @@ class FiniteDifferences:
 
 
 def _samples(history: History, until: float) -> tuple[FloatArray, FloatArray]:
-    """Times of samples from 0 to `until`, s, with the switches among them; and the stop that switches then, or -1."""
+    """Times of samples from 0 to `until`, s, with the switches among them, and the stop that switches then, or -1.
+
+    Both have the shape ``(m,)``.
+    """
     stops = {float(time): stop for time, stop in _switches(history) if 0 < time <= until}
     count = max(8, math.ceil(_PER_HALF_PERIOD * until / (history.end - history.start)))
     times = np.unique(np.concatenate([np.linspace(0.0, until, 2 * count + 1), list(stops)]))
@@ -72,14 +86,14 @@ def _samples(history: History, until: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _switches(history: History) -> list[tuple[float, int]]:
-    """Times from the start of a history, s, and stops."""
+    """Times of switches from the start of a history, s, and the stops that switch, by time."""
     starts = [(contact.start, contact.stop) for contact in history.contacts if not contact.open_start]
     ends = [(contact.end, contact.stop) for contact in history.contacts if not contact.open_end]
     return sorted((time - history.start, stop) for time, stop in starts + ends)
 
 
 def _at_stops(history: History, times: FloatArray) -> FloatArray:
-    """Displacements at the stops at times from the start, m, shape ``(P, m)``."""
+    """Displacements at the P stops, m, shape ``(P, m)``, at times from the start of a history, s, shape ``(m,)``."""
     stops = history.problem.stops
     if not stops:
         return np.zeros((0, times.size))
@@ -87,9 +101,10 @@ def _at_stops(history: History, times: FloatArray) -> FloatArray:
 
 
 def _segments(history: History, times: FloatArray, switched: FloatArray, moves: FloatArray) -> tuple[Segment, ...]:
-    """Stretches between samples, in which the motion is a parabola and deviations change linearly.
+    """Segments between samples: the motion is taken for a parabola there, and deviations change linearly with time.
 
-    ``moves`` are the displacements at the stops by the deviations, shape ``(P, m, n)``.
+    `times`, s, and `switched`, the stop that switches or -1, have the shape ``(m,)``; `moves` holds the displacement at
+    each stop and time by each deviation, m, shape ``(P, m, n)``.
     """
     stops = history.problem.stops
     z = _at_stops(history, times)

@@ -20,11 +20,15 @@ class Return:
     """A march over some half periods with its derivative, mirrored if their number is odd."""
 
     end: SectionPoint
+    """Where it ends."""
     matrix: FloatArray
     """Derivative of the end by the start, in the coordinates that belong to the start, shape ``(n, n)``."""
     half_periods: HalfPeriods
+    """The map that was marched."""
     linearised: Linearised
+    """The march before it is mirrored."""
     count: int
+    """Number of half periods."""
 
     @cached_property
     def watch(self) -> Watch:
@@ -55,21 +59,71 @@ class HalfPeriods:
         return 2 if self.twins is None else 1
 
     def marched(self, point: SectionPoint, count: int) -> SectionPoint:
-        """March over some half periods."""
+        """March over some half periods.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            Where the march begins.
+        count : int
+            Number of half periods; a multiple of `least`.
+
+        Returns
+        -------
+        SectionPoint
+            The end of the march, mirrored if `count` is odd.
+        """
         end = self.map.march(point, count).end
         return self.map.mirrored(end) if count % 2 else end
 
     def linearised(self, point: SectionPoint, count: int) -> Return:
-        """March over some half periods with the derivative."""
+        """March over some half periods, with the derivative.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            Where the march begins.
+        count : int
+            Number of half periods; a multiple of `least`.
+
+        Returns
+        -------
+        Return
+            The end of the march and its derivative, mirrored if `count` is odd.
+        """
         found = self.tangent.linearised(point, count)
         if count % 2:
             return Return(self.map.mirrored(found.end), -found.matrix, self, found, count)
         return Return(found.end, found.matrix, self, found, count)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
-        """Size of a deviation over that of a section point."""
+        """Size of a deviation over that of a section point.
+
+        Parameters
+        ----------
+        deviation : FloatArray, shape (n,)
+            In the coordinates that belong to the point.
+        point : SectionPoint
+            What the deviation is compared with.
+
+        Returns
+        -------
+        float
+            Dimensionless.
+        """
         return self.map.norm(deviation) / max(self.map.size(point), float(np.finfo(float).tiny))
 
     def apart(self, point: SectionPoint, origin: SectionPoint) -> float:
-        """Distance of two section points over the size of the second."""
+        """Distance of two section points over the size of the second.
+
+        Parameters
+        ----------
+        point, origin : SectionPoint
+            The two, of this map.
+
+        Returns
+        -------
+        float
+            Dimensionless.
+        """
         return self.relative(self.map.difference(point, origin), origin)

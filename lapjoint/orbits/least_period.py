@@ -1,8 +1,8 @@
 """The least period of an orbit: one that was found over some half periods may repeat after a part of them.
 
 Where truncated modes make the map jump, they keep Newton's method from a stable motion and part it into several,
-less than c / (1 - |mu|) apart for a jump of size c and a multiplier mu, and a march visits them in turn.  No motion of
-a joint is parted in this way, and `_parted` tells it from a true motion of several periods.
+less than c / (1 - |mu|) apart for a jump of size c and a multiplier mu, and a march visits them one after the other.
+No motion of a joint is parted in this way, and `_parted` tells it from a true motion of several periods.
 """
 
 from __future__ import annotations
@@ -10,13 +10,30 @@ from __future__ import annotations
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import Orbit, find_orbit
 
-_PARTED = 1e-3  # of the size of the motion: beyond, what bends and what jumps cannot be told apart
-_JUMP = 0.05  # of a step: what the linearised map may miss the next one by; and more for longer steps:
-_BENDS = 500.0  # by so many times their length, over the size of the motion, a smooth map may bend
+_PARTED = 1e-3
+"""Longest step between the parts of a motion, over its size: of longer steps it cannot be told whether the map bends or
+jumps there."""
+_JUMP = 0.05
+"""Share of a step by which the linearised map may miss the next one where the map is smooth, however short the step."""
+_BENDS = 500.0
+"""Times the length of a step over the size of the motion: that share of a step may be missed too, for a map bends."""
 
 
 def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
-    """The same motion over the fewest half periods after which it repeats."""
+    """The same motion over the fewest half periods after which it repeats.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    orbit : Orbit
+        A stable orbit of the map.
+
+    Returns
+    -------
+    Orbit
+        The motion over its least period; `orbit` itself if that is the least.
+    """
     for count in range(half_periods.least, orbit.half_periods, half_periods.least):
         if orbit.half_periods % count:
             continue

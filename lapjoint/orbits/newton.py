@@ -14,13 +14,23 @@ from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.watch import Watch
 from lapjoint.problem import FloatArray
 
-RESIDUAL = 1e-9  # of the size of the motion: within it an orbit closes; the last step of Newton's squares it once more
-FAR = 2.0  # of the size: residuals of one period from which Newton's method is tried at all
-_STEPS = 14  # far from an orbit it wanders for some steps, near it two or three do
-_PATIENCE = 5  # steps within which the residual must halve
-_SPIRALS = 1e-6  # of a multiplier's modulus: an imaginary part above says that it is one of a complex pair
-_GROWS = 1e-6  # a multiplier outside the unit circle by more than this is no rounding of one on it
-_MARGINAL = 1e-9  # and one nearer to it than this from within cannot be told from one outside
+RESIDUAL = 1e-9
+"""Distance between start and end, over the size of the motion, within which an orbit closes; the step that Newton's
+method makes after that leaves its square."""
+FAR = 2.0
+"""Largest residual over one period, over the size of the motion, from which Newton's method is tried at all; 2 is that
+of a march that ends opposite to its start."""
+_STEPS = 14
+"""Most steps of Newton's method: far from an orbit some are lost, near it two or three are enough."""
+_PATIENCE = 5
+"""Number of steps within which the residual must halve."""
+_SPIRALS = 1e-6
+"""Imaginary part of a multiplier over its modulus, above which it is one of a complex pair and not a rounded double
+one."""
+_GROWS = 1e-6
+"""Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
+_MARGINAL = 1e-9
+"""Distance within the unit circle up to which a multiplier cannot be told from one on the circle."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +38,9 @@ class Orbit:
     """A fixed point of the map over some half periods."""
 
     half_periods: int
+    """Number of half periods after which the motion repeats; mirrored, if it is odd."""
     point: SectionPoint
+    """Where the motion begins."""
     residual: float
     """Distance between start and end, over the size of the motion."""
     last: Return
@@ -83,13 +95,26 @@ class Orbit:
         return self.last.watch
 
     def forecast(self, deviation: FloatArray, most: int) -> Forecast:
-        """What becomes of a deviation from it; in periods of `half_periods`, of which `most` are looked at."""
+        """What becomes of a deviation from it.
+
+        Parameters
+        ----------
+        deviation : FloatArray, shape (n,)
+            In the coordinates that belong to `point`.
+        most : int
+            Largest number of the orbit's periods, of `half_periods` each, that are looked at one by one.
+
+        Returns
+        -------
+        Forecast
+            Counts in the same periods.
+        """
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
 
 
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
-    """A fixed point of the map over `count` half periods; None if Newton's method finds none from the guess.
+    """A fixed point of the map over some half periods; None if Newton's method finds none from the guess.
 
     Parameters
     ----------
@@ -98,9 +123,14 @@ def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farth
     guess : SectionPoint
         Where to begin.
     count : int
-        Half periods; an odd number for a symmetric motion.
+        Number of half periods; an odd number for a symmetric motion.
     farthest : float
-        Residual beyond which it is not tried.
+        Residual of the guess, over the size of the motion, beyond which Newton's method is not tried.
+
+    Returns
+    -------
+    Orbit, or None
+        It closes within `RESIDUAL`, and may be stable or unstable.
     """
     point, allowed, residuals = guess, farthest, [np.inf] * _PATIENCE
     for _ in range(_STEPS):

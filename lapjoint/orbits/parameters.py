@@ -12,7 +12,8 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.problem import FloatArray
 
-_STEP = 1e-5  # of the parameter: rounding, 1e-16 / 1e-5, and curvature, 1e-10, leave ten digits
+_STEP = 1e-5
+"""Step of the differences over the value: rounding, 1e-16 / 1e-5, and curvature, 1e-10, leave ten digits."""
 
 
 @runtime_checkable
@@ -20,7 +21,22 @@ class FieldDerivatives(Protocol):
     """A period map that knows its derivatives by fields of its problem."""
 
     def derivative_by(self, field: str, start: SectionPoint, half_periods: int) -> FloatArray:
-        """Derivative of the end of a march by a field, ``stops.0.gap``, in the coordinates of the end, ``(n,)``."""
+        """Derivative of the end of a march by a number of the problem, while the start stays where it is.
+
+        Parameters
+        ----------
+        field : str
+            Path of the number, as ``stops.0.gap``.
+        start : SectionPoint
+            Where the march begins.
+        half_periods : int
+            Its length, in half periods of the problem's own excitation.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            In the coordinates that belong to the end of the march, over the SI unit of the field.
+        """
 
 
 def derivative_by_field(
@@ -31,21 +47,21 @@ def derivative_by_field(
     Parameters
     ----------
     period_map_at : callable
-        The period map of the problem with a value of the field.
+        Takes a value of the field, and returns the period map of the problem with it.
     field : str
-        Path of the number, ``base_motion.angular_frequency``.
+        Path of the number, as ``base_motion.angular_frequency``.
     value : float
         Its value, not 0; SI units.
     start : SectionPoint
         Where the march begins.
     half_periods : int
-        How far it goes, in half periods of the problem's own excitation.
+        Its length, in half periods of the problem's own excitation.
 
     Returns
     -------
-    FloatArray
-        In the coordinates that belong to the end of the march at `value`, over the unit of the field, shape ``(n,)``.
-        By the solver itself where it can, else by central differences.
+    FloatArray, shape (n,)
+        In the coordinates that belong to the end of the march at `value`, over the SI unit of the field.  The solver
+        gives it where it can; else it comes from central differences.
     """
     here = period_map_at(value)
     if isinstance(here, FieldDerivatives):

@@ -30,6 +30,7 @@ class Passage:
     """What a march over some half periods comes to."""
 
     end: SectionPoint
+    """Where it ends."""
     impulses: FloatArray
     """Impulse of each stop over the march, N s, top positive, bottom negative, shape ``(stops,)``."""
     switches: int
@@ -49,7 +50,7 @@ class PeriodMap(Protocol):
 
     @property
     def slowest_decay(self) -> float:
-        """Least rate at which a mode of the joint without contact dies away by damping, 1/s; 0 without damping."""
+        """Lowest decay rate zeta_i omega_i of the damped modes of the joint without contact, 1/s; 0 without damping."""
 
     def initial(self) -> SectionPoint:
         """The section point of the problem's initial state."""
@@ -60,6 +61,18 @@ class PeriodMap(Protocol):
         Whole periods marched at once end at the same bits as one after the other.  After an odd number of half
         periods the end is a section point only once it is `mirrored`.
 
+        Parameters
+        ----------
+        start : SectionPoint
+            Where the march begins.
+        half_periods : int
+            Its length, in half periods of the excitation, at least 1.
+
+        Returns
+        -------
+        Passage
+            The end, the impulses and the number of switches.
+
         Raises
         ------
         SolverError
@@ -67,30 +80,114 @@ class PeriodMap(Protocol):
         """
 
     def history(self, start: SectionPoint, periods: int) -> History:
-        """The same march with everything that a `History` holds."""
+        """The same march with everything that a `History` holds.
+
+        Parameters
+        ----------
+        start : SectionPoint
+            Where the march begins.
+        periods : int
+            Its length, in periods of the excitation, at least 1.
+
+        Returns
+        -------
+        History
+            It starts at a multiple of the period.
+
+        Raises
+        ------
+        SolverError
+            If the march cannot go on.
+        """
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
-        """The deviation of a point from `origin`, in the coordinates that belong to `origin`, shape ``(n,)``."""
+        """The deviation of one section point from another.
+
+        Parameters
+        ----------
+        point, origin : SectionPoint
+            The two, of this map; their contact states may differ.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            In the coordinates that belong to `origin`.
+        """
 
     def norm(self, deviation: FloatArray) -> float:
-        """Size of a deviation: of displacements, and of velocities over the excitation frequency, alike."""
+        """Size of a deviation: of displacements, and of velocities over the excitation frequency, alike.
+
+        Parameters
+        ----------
+        deviation : FloatArray, shape (n,)
+            In the solver's own coordinates.
+
+        Returns
+        -------
+        float
+            In the unit of the solver's own displacement coordinates.
+        """
 
     def size(self, point: SectionPoint) -> float:
-        """Size of a section point, in the norm of deviations."""
+        """Size of a section point: that of its deviation from rest.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            A point of this map.
+
+        Returns
+        -------
+        float
+            In the unit of `norm`.
+        """
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
-        """`origin` moved by a deviation of shape ``(n,)``; stops are then open or closed as the gaps have it."""
+        """A section point moved by a deviation; the gaps then decide which stops are open or closed.
+
+        Parameters
+        ----------
+        origin : SectionPoint
+            A point of this map.
+        deviation : FloatArray, shape (n,)
+            In the coordinates that belong to `origin`.
+
+        Returns
+        -------
+        SectionPoint
+            The moved point; its contact state, and so its coordinates, may be of another kind.
+        """
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
         """The mirror image, z -> -z; asked for only if the problem is its own.
 
         Deviations of mirrored points differ from those of the points in their sign only.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            The end of a march over an odd number of half periods.
+
+        Returns
+        -------
+        SectionPoint
+            A point of this map.
         """
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point of a neighbouring problem, or of another resolution of the same solver, on this map.
 
-        Stops are open or closed as this problem's gaps have it.
+        This problem's gaps decide which stops are open or closed.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            A point of another map of the same solver.
+
+        Returns
+        -------
+        SectionPoint
+            A point of this map.
 
         Raises
         ------
@@ -101,33 +198,34 @@ class PeriodMap(Protocol):
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of an orbit between two switches, and how deviations from the orbit travel along it.
+    """The part of an orbit between two switches, and how deviations from the orbit travel along it.
 
     With tau = t - start, and e a deviation at the start of the whole march, of shape ``(n,)``,
 
         z_s(t)       = Re sum_k weights[s, k] amplitudes[k] exp(rates[k] tau) + sum_p polynomial[s, p] tau^p
         delta z_s(t) = Re sum_k weights[s, k] (deviations[k] . e) exp(rates[k] tau) + sum_p (drift[s, p] . e) tau^p
 
-    at the places of the P stops.  Deviations have the first K' of the K terms.
+    at the positions of the P stops.  Deviations have the first K' of the K terms.
     """
 
     start: float
-    """s from the start of the march."""
+    """Time of its start, s from the start of the march."""
     end: float
+    """Time of its end, s from the start of the march."""
     closed: npt.NDArray[np.bool_]
     """Whether each stop is closed, shape ``(P,)``."""
     rates: ComplexArray
-    """1/s, shape ``(K,)``."""
+    """Exponents of the terms, 1/s, shape ``(K,)``; their real parts are not positive."""
     weights: ComplexArray
-    """Shape ``(P, K)``."""
+    """Displacement at each stop by each term, m over the unit of the amplitudes, shape ``(P, K)``."""
     amplitudes: ComplexArray
-    """Shape ``(K,)``."""
+    """Amplitudes of the orbit's terms at the start of the segment, in the solver's own unit, shape ``(K,)``."""
     polynomial: FloatArray
-    """m, m/s, m/s2, shape ``(P, 3)``."""
+    """Coefficients of the orbit's polynomial at each stop, m, m/s and m/s2, shape ``(P, 3)``."""
     deviations: ComplexArray
-    """Shape ``(K', n)``."""
+    """Rows that give the amplitudes of a deviation's terms from e, shape ``(K', n)``."""
     drift: FloatArray
-    """Shape ``(P, 2, n)``."""
+    """Rows that give a deviation's polynomial at each stop from e, m and m/s, shape ``(P, 2, n)``."""
     switched: int
     """The stop that switches at the end; -1 if none does."""
 
@@ -137,6 +235,7 @@ class Linearised:
     """A march over some half periods with its derivative."""
 
     end: SectionPoint
+    """Where it ends; not mirrored."""
     matrix: FloatArray
     """Derivative of the end by the start, both in the coordinates that belong to the start, shape ``(n, n)``."""
     trace: Callable[[], tuple[Segment, ...]] = field(repr=False)
@@ -153,7 +252,25 @@ class Tangent(Protocol):
     """A period map that knows its own derivative."""
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on from a section point and carry all deviations along; the end is not mirrored."""
+        """March on from a section point and carry all deviations along; the end is not mirrored.
+
+        Parameters
+        ----------
+        start : SectionPoint
+            Where the march begins.
+        half_periods : int
+            Its length, in half periods of the excitation, at least 1.
+
+        Returns
+        -------
+        Linearised
+            The end, and its derivative by the start.
+
+        Raises
+        ------
+        SolverError
+            If the march cannot go on.
+        """
 
 
 @dataclass(frozen=True)
@@ -161,14 +278,15 @@ class Followed:
     """A march over some periods, and what became of one deviation."""
 
     points: tuple[SectionPoint, ...]
-    """After each period, shape ``(periods,)``."""
+    """The section point after each period, as many as periods."""
     impulses: FloatArray
-    """Of each stop over the whole march, N s, shape ``(stops,)``."""
+    """Impulse of each stop over the whole march, N s, top positive, bottom negative, shape ``(stops,)``."""
     switches: int
+    """How often a stop opened or closed."""
     growth: FloatArray
-    """Logarithm of the deviation's growth in each period, shape ``(periods,)``."""
+    """Natural logarithm of the deviation's growth in each period, shape ``(periods,)``."""
     deviation: FloatArray
-    """At the end, of unit size, in the coordinates that belong to the last point, shape ``(n,)``."""
+    """The deviation at the end, of unit size, in the coordinates that belong to the last point, shape ``(n,)``."""
 
 
 @runtime_checkable
@@ -176,4 +294,24 @@ class Follows(Protocol):
     """A period map that carries one deviation along a long march by itself."""
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on over whole periods, to the bits of `PeriodMap.march`, and carry a deviation of unit size."""
+        """March on over whole periods, to the bits of `PeriodMap.march`, and carry one deviation along.
+
+        Parameters
+        ----------
+        start : SectionPoint
+            Where the march begins.
+        deviation : FloatArray, shape (n,)
+            Of unit size in `PeriodMap.norm`, in the coordinates that belong to `start`.
+        periods : int
+            Length of the march, in periods of the excitation, at least 1.
+
+        Returns
+        -------
+        Followed
+            The section points on the way, and the growth of the deviation from each to the next.
+
+        Raises
+        ------
+        SolverError
+            If the march cannot go on.
+        """

@@ -6,13 +6,13 @@ the steady state only if the march is bound for it for all time to come (`lapjoi
 says how long to march before it is worth looking at the same orbit again, and if the march meanwhile leaves the course
 that the linearised map predicts, the orbit is dropped.
 
-A march that is held at an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  One that has not settled for
-long is followed together with a deviation, and the exponent is measured over stretches ever longer.  It is believed
-when two stretches in a row show the same, the second longer than the first: a long transient, or chaos that pauses,
-deceives one of them more easily than both.  The second must last for twenty decay times of the slowest free vibration,
-and for a hundred if a stable orbit is known, or found where the march nearly comes back; all within the effort allowed.
-It is then the march that anyone can repeat: the motion counts as accepted at its start.  A march that all but comes
-back is not called quasi-periodic.
+A march that cannot leave an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  One that has not settled
+for long is followed together with a deviation, and the Lyapunov exponent is measured over stretches ever longer.  It is
+believed when two stretches in a row show the same, the second longer than the first: a long transient, or chaos that
+pauses, deceives one of them more easily than both.  The second must last for twenty decay times of the slowest free
+vibration, and for a hundred if a stable orbit is known, or found where the march nearly comes back; all within the
+effort allowed.  Anyone can repeat that second march, so the motion counts as accepted at its start.  A march that all
+but comes back is not called quasi-periodic.
 
 All effort is counted in periods and switches, so that no outcome depends on the speed of the machine.
 """
@@ -37,24 +37,46 @@ from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_r
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-FIRST_LOOK = 8  # periods: most of what starts from rest is then near enough for Newton's method
-FIRST_LOOK_NEAR = 4  # if the start is likely to be near the motion
-TRANSIENT = 256  # periods before an exponent is measured
-STRETCH = 512  # least periods over which it is
-_NEARLY_BACK = 0.05  # of the size of the motion: returns after several periods that Newton's method is tried for
-_RETURNS = 3  # of them, the closest ones
-_NEAR = 0.2  # of the size: the residual from which it is tried for them
-_COURSE = 0.25  # of the step that the linearised map makes: what the march may miss it by
-_SLOWER = 0.5  # of what the slowest multiplier takes off the distance: and by this, or it circles the orbit
-_STEPS_ALIKE = 1  # steps of the map that must go as the linearised one says
-_THERE = 1e-8  # of the size of the motion: so near, rounding says how a step goes
-MULTIPLES_AT_A_LOOK = 8  # periods that a march goes on at each look, to see after how many it comes back
-DECAY_TIMES = 20.0  # of the slowest free vibration that a march must keep from repeating: 2e-9 of a transient is left
-SUSPECT = 5  # times as long where there is a stable orbit, and chaos may be a long transient
-_WATCHED = 192  # last points of a stretch among which nearly closed orbits are looked for
-_FEW = 3  # periods of those orbits, at most
-_TRIED = 4  # of them, the most nearly closed ones
-_LOCKED = 1e-3  # of how far it wanders: a march that comes back so closely after any number of periods may be locked
+FIRST_LOOK = 8
+"""Periods after which Newton's method is first tried: most motions from rest are then near enough for it."""
+FIRST_LOOK_NEAR = 4
+"""The same where the search starts from a known section point, which is likely to be near the motion."""
+TRANSIENT = 256
+"""Periods marched before an exponent is measured, so that the transient does not count."""
+STRETCH = 512
+"""Least number of periods over which an exponent is measured."""
+_NEARLY_BACK = 0.05
+"""Distance from an earlier section point, over the size of the motion, up to which Newton's method is tried for an
+orbit of as many periods."""
+_RETURNS = 3
+"""Number of such earlier points, the nearest, for which it is tried."""
+_NEAR = 0.2
+"""Largest residual over several periods, over the size of the motion, from which it is tried."""
+_COURSE = 0.25
+"""Share of the step that the linearised map makes, by which the march may miss it."""
+_SLOWER = 0.5
+"""Share of what the slowest multiplier takes off the distance, by which the march may miss the linearised map; if it
+misses it by more, it may go around the orbit for ever."""
+_STEPS_ALIKE = 1
+"""Number of steps of the map that must go as the linearised map says."""
+_THERE = 1e-8
+"""Distance from an orbit, over the size of the motion, up to which rounding decides how a step goes."""
+MULTIPLES_AT_A_LOOK = 8
+"""Periods that a march goes on each time Newton's method is tried, to see after how many it comes back."""
+DECAY_TIMES = 20.0
+"""Decay times of the slowest free vibration for which a march must not repeat: exp(-20) = 2e-9 of a transient is
+left."""
+SUSPECT = 5
+"""Times as long as that for which it must not repeat where a stable orbit is known: chaos may be a long transient."""
+_WATCHED = 192
+"""Number of the last points of a stretch among which nearly closed orbits are looked for."""
+_FEW = 3
+"""Largest number of periods of those orbits."""
+_TRIED = 4
+"""Number of those orbits for which Newton's method is tried, the most nearly closed."""
+_LOCKED = 1e-3
+"""Distance from an earlier section point, over how far the march wanders, up to which the motion may be locked to some
+multiple of the period, and is not called quasi-periodic."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +98,9 @@ class Found:
     """What a search ended with: an orbit, or a march that was not found to repeat."""
 
     motion: Orbit | Wandering
+    """What the march does."""
     acceptance: Acceptance
+    """From where, and how late, the motion was accepted."""
 
 
 class Search:
@@ -104,9 +128,24 @@ class Search:
         self._closest = (np.inf, 2)  # how closely the march came back at the last look, and after how many half periods
 
     def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> Found:
-        """March from `start` until a motion is certified, or the effort allowed is spent.
+        """March until a motion is certified, or the effort allowed is spent.
 
-        `first_look` is the number of periods after which Newton's method is first tried.
+        Parameters
+        ----------
+        start : SectionPoint
+            Where the march begins; a point of the period map.
+        first_look : int
+            Number of periods after which Newton's method is first tried.
+
+        Returns
+        -------
+        Found
+            An orbit that the march is bound for, or a stretch of the march that was not found to repeat.
+
+        Raises
+        ------
+        SolverError
+            If the march cannot go on.
         """
         self._point, look = start, first_look
         while self._marched < TRANSIENT and not self._spent:
@@ -119,7 +158,7 @@ class Search:
         return self._wander()
 
     def _wander(self) -> Found:
-        """Go on with a march that has not settled, and measure over stretches ever longer."""
+        """Go on with a march that has not settled, and measure its exponent over stretches ever longer."""
         before: Wandering | None = None
         stretch = STRETCH
         while True:
@@ -141,7 +180,7 @@ class Search:
 
     @property
     def _enough(self) -> int:
-        """Periods that a march must keep from repeating: what decays has decayed then."""
+        """Number of periods for which a march must not repeat: free vibration has decayed by then."""
         if not self._map.slowest_decay:
             return 0
         return math.ceil(DECAY_TIMES / (self._map.slowest_decay * self._map.period))
@@ -159,13 +198,13 @@ class Search:
         return self._marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
 
     def _found(self, motion: Orbit | Wandering, at: Acceptance | None = None) -> Found:
-        """What ends the search: accepted here and now, or at the start of the last stretch that was measured."""
+        """What ends the search: a motion accepted here, or at the start of the last stretch that was measured."""
         growth = largest_growth(np.concatenate(self._growth)) if self._effort.growth and self._growth else None
         at = at or Acceptance(self._point, self._marched)
         return Found(motion, replace(at, pushes=self._pushes, growth=growth))
 
     def _advance(self, periods: int) -> None:
-        """March on."""
+        """March on over some periods."""
         if self._effort.growth:
             self._follow(periods)
         elif periods > 0:
@@ -174,7 +213,7 @@ class Search:
             self._count(periods, passage.switches)
 
     def _follow(self, periods: int) -> Followed | None:
-        """March on together with a deviation."""
+        """March on over some periods, together with a deviation."""
         if periods <= 0:
             return None
         found = self._follows.followed(self._point, self._unit_deviation(), periods)
@@ -290,7 +329,7 @@ class Search:
         return done >= steps
 
     def _push_off(self) -> bool:
-        """Push the march off the unstable motion that it is held at; whether it was."""
+        """Push the march off the unstable motion that it cannot leave; whether there is one."""
         closest, count = self._closest
         if closest > REPEATS:
             return False
@@ -306,9 +345,9 @@ class Search:
         if not now.exponent.positive:
             return False
         self._point = disturbed(self._half_periods, self._point, now.breadth, self._unit_deviation(), self._pushes)
-        held = now.breadth <= NARROW and self._pushes < PUSHES
-        self._pushes += held
-        return held
+        pushed = now.breadth <= NARROW and self._pushes < PUSHES
+        self._pushes += pushed
+        return pushed
 
     def _come_back(self, points: Sequence[SectionPoint]) -> Orbit | None:
         """The orbit of many periods that the march is bound for, from how nearly its last points come back."""
@@ -345,7 +384,7 @@ class Search:
         return self._stable_known
 
     def _measured(self, periods: int) -> tuple[Wandering, Sequence[SectionPoint]]:
-        """March on over a stretch of periods, and measure the largest Lyapunov exponent."""
+        """March on over a stretch of periods, and measure the largest Lyapunov exponent; with its section points."""
         found = self._follow(periods)
         assert found is not None
         exponent = exponent_of(found.growth, self._map.period)

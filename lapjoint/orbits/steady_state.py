@@ -37,6 +37,11 @@ def find_steady_state(
     progress : callable, optional
         Called with the periods marched, and the most allowed.
 
+    Returns
+    -------
+    SteadyState
+        Its outcome says whether the motion is periodic, aperiodic or undecided.
+
     Raises
     ------
     InputError

@@ -1,10 +1,10 @@
-"""A march that is held at an unstable motion, and how it is made to leave it.
+"""A march that stays at an unstable motion, and how it is made to leave it.
 
 Deviations from an unstable motion grow, but a march need not have any.  One from rest stays in the subspace of a
 symmetry of the problem, of left and right for instance, though the motion there may be unstable to everything outside.
-And truncation holds a march that has left it: where two stops switch together, the order in which they do decides
-what the modes of the state between them lose.  The map jumps there by some c, and where the jump points back, a
-deviation d grows only if (mu - 1) |d| > c, mu being the multiplier.  No motion of a joint is held in either way.
+And truncation keeps a march near it that has left it: where two stops switch together, the order in which they do
+decides what the modes of the state between them lose.  The map jumps there by some c, and where the jump points back, a
+deviation d grows only if (mu - 1) |d| > c, mu being the multiplier.  No motion of a real joint stays for such reasons.
 
 So a march that repeats, but whose deviations grow, is pushed off in the direction in which they grow most, to the
 side on which it is already, well beyond what it has been seen to wander by.  One that is leaving anyway is hastened.
@@ -18,17 +18,25 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray
 
-REPEATS = 1e-4  # of the size of the motion: what comes back so closely repeats, to the jumps of ten or more modes
-NARROW = 1e-2  # of the size: so far a march may be held away from the motion at which it is held
-PUSHES = 3  # each ten times as far as the one before: from 1e-4 of the size to 1e-2
-_BEYOND = 10.0  # times what a march wanders by: how far it is pushed, and how much farther each time
-_FARTHEST = 3e-2  # of the size of the motion: farther off the march would begin anew
-_DISTURBANCE = 1e-3  # of the size: moves a march that is chaotic well beyond its rounding, and not out of it
-_GROWS = 1e-6  # a multiplier above 1 by this is more than rounding
+REPEATS = 1e-4
+"""Distance, over the size of the motion, within which a march that comes back repeats: the map of ten or more modes
+jumps by as much."""
+NARROW = 1e-2
+"""Farthest distance from an unstable motion, over its size, at which truncation may keep a march."""
+PUSHES = 3
+"""Most pushes of one march, each ten times as far as the one before: from 1e-4 of the size of the motion to 1e-2."""
+_BEYOND = 10.0
+"""Length of the first push over the distance by which the march wanders, and of each later one over the one before."""
+_FARTHEST = 3e-2
+"""Longest push over the size of the motion: after a longer one the march would begin anew."""
+_DISTURBANCE = 1e-3
+"""Length of a disturbance of a chaotic march over its size: far more than rounding, too little to end chaos."""
+_GROWS = 1e-6
+"""Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
 
 
 def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: int) -> SectionPoint | None:
-    """The march pushed off the unstable motion at which it is held; None if it is not held at one.
+    """The march pushed off the unstable motion that it cannot leave; None if there is no such motion.
 
     Parameters
     ----------
@@ -40,6 +48,11 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
         The number of half periods after which it comes back most closely.
     times : int
         How often it has been pushed before.
+
+    Returns
+    -------
+    SectionPoint, or None
+        Where the march goes on.
     """
     if times >= PUSHES:
         return None
@@ -55,7 +68,7 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
 def disturbed(
     half_periods: HalfPeriods, now: SectionPoint, wander: float, deviation: FloatArray, times: int
 ) -> SectionPoint:
-    """An aperiodic march, moved along a deviation that has grown with it: what is chaos must remain so after.
+    """An aperiodic march, moved along a deviation that has grown with it: chaos must go on after that.
 
     Parameters
     ----------
@@ -64,23 +77,29 @@ def disturbed(
     now : SectionPoint
         Where the march is.
     wander : float
-        How far it wanders from repeating.  If it is narrow it may be held, and is pushed as far as one that is.
-    deviation : FloatArray
-        Of unit size.
+        How far it wanders from repeating, over its size.  Up to `NARROW` it may be unable to leave an unstable motion,
+        and is pushed as far as a march that is.
+    deviation : FloatArray, shape (n,)
+        Of unit size, in the coordinates that belong to `now`.
     times : int
         How often it has been pushed before.
+
+    Returns
+    -------
+    SectionPoint
+        Where the march goes on.
     """
     length = _length(wander, times) if wander <= NARROW else _DISTURBANCE
     return _moved(half_periods, now, length * deviation)
 
 
 def _length(wander: float, times: int) -> float:
-    """How far to push a march that wanders so far, of its size."""
+    """Length of a push of a march that wanders so far; both over its size."""
     return min(max(REPEATS, _BEYOND * wander) * _BEYOND**times, _FARTHEST)
 
 
 def _moved(half_periods: HalfPeriods, now: SectionPoint, part: FloatArray) -> SectionPoint:
-    """A section point moved by some `part` of its size."""
+    """A section point moved by a deviation that is given over the point's size, shape ``(n,)``."""
     return half_periods.map.moved(now, half_periods.map.size(now) * part)
 
 

@@ -10,7 +10,8 @@ from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS
 from lapjoint.problem import FloatArray
 
-_WATCHED = 64  # periods over which it is looked how far a march wanders
+_WATCHED = 64
+"""Number of the last periods of a march over which it is measured how far it wanders."""
 
 
 @dataclass(frozen=True)
@@ -20,12 +21,13 @@ class Wandering:
     outcome: Outcome
     """What it shows: aperiodic, quasi-periodic, or undecided."""
     exponent: Exponent
+    """The largest Lyapunov exponent over the stretch."""
     point: SectionPoint
     """Where the stretch ends."""
     breadth: float
-    """How far it wanders from repeating, relative to its size: the farthest of all returns, at the best multiple."""
+    """How far it wanders from repeating, over its size: the farthest of all returns, at the best period multiple."""
     residual: float
-    """How closely its last points repeat, at the best multiple, relative to their size."""
+    """How closely its last points repeat, over their size, at the best period multiple."""
     impulses: FloatArray
     """Mean impulse of each stop over one excitation period, N s, shape ``(stops,)``."""
 
@@ -33,6 +35,11 @@ class Wandering:
         """Whether this shows what the stretch before it showed, so that more would tell nothing new.
 
         If deviations died out in both, the motion repeats, after more periods than were looked for.
+
+        Parameters
+        ----------
+        before : Wandering
+            The stretch of the same march that ends where this one begins.
         """
         if self.outcome is Outcome.UNDECIDED:
             return before.exponent.negative and self.exponent.negative
@@ -42,21 +49,27 @@ class Wandering:
 def shown(exponent: Exponent, slowest_decay: float, breadth: float, *, spirals: bool, pushes: int) -> Outcome:
     """What one measurement establishes of a march.
 
-    The exponent says nothing of a march that repeats, nor of one that is so narrow that it may be held and has not
-    been pushed off for certain: at an unstable motion it is the growth of deviations that the march does not make.
+    The exponent says nothing of a march that repeats, nor of one that is so narrow that it may be unable to leave an
+    unstable motion and has not been pushed off for certain: there it is the growth of deviations that the march does
+    not make.
 
     Parameters
     ----------
     exponent : Exponent
         As measured.
     slowest_decay : float
-        Least rate at which free vibration dies away by damping, 1/s; 0 without damping.
+        Lowest rate at which free vibration decays by damping, 1/s; 0 without damping.
     breadth : float
-        How far the march wanders from repeating, relative to its size.
+        How far the march wanders from repeating, over its size.
     spirals : bool
         Whether an unstable periodic motion that nearby motions leave in spirals is known.
     pushes : int
         How often the march has been pushed off an unstable motion.
+
+    Returns
+    -------
+    Outcome
+        `APERIODIC`, `QUASIPERIODIC` or `UNDECIDED`.
     """
     if breadth <= REPEATS:
         return Outcome.UNDECIDED
@@ -66,9 +79,22 @@ def shown(exponent: Exponent, slowest_decay: float, breadth: float, *, spirals: 
 
 
 def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoint], most: int) -> tuple[float, float]:
-    """How far the last points of a march, a period apart, are from repeating after 1 ... `most` periods.
+    """How far the last points of a march are from repeating after some periods.
 
-    The farthest of all returns, and the last one, each at the multiple that is best for it and over the motion's size.
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    points : sequence of SectionPoint
+        Points of the march, one a period, at least two.
+    most : int
+        Largest period multiple that is tried, at least 1.
+
+    Returns
+    -------
+    tuple of float
+        The farthest of all returns, and the last one, each over the size of the motion and at the period multiple that
+        makes it least.
     """
     last = points[-_WATCHED - 1 :]
     map_ = half_periods.map
@@ -82,6 +108,19 @@ def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoin
 
 
 def nearest_return(half_periods: HalfPeriods, points: Sequence[SectionPoint]) -> float:
-    """How closely the last point comes back to one of the later half of the points, over its size."""
+    """How closely the last point of a march comes back to one in the later half of its points.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    points : sequence of SectionPoint
+        Points of the march, one a period.
+
+    Returns
+    -------
+    float
+        The least distance over the size of the motion; inf if there is no other point.
+    """
     later = points[len(points) // 2 : -1]
     return min((half_periods.apart(point, points[-1]) for point in later), default=float("inf"))

@@ -19,19 +19,27 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from lapjoint.orbits.compiled_watch import largest_motion, orbit_distances
 from lapjoint.orbits.period_map import Segment
 from lapjoint.problem import FloatArray, Problem
 
 IndexArray = npt.NDArray[np.intp]
 BoolArray = npt.NDArray[np.bool_]
 
-_PER_HALF_PERIOD = 16  # intervals of equal width in half a period, to begin with
-_LEAST = 4  # and in a segment
-_HALVINGS = 5  # of the first and the last of them, towards a switch
-_PARTS = 8  # into which an interval is divided at once, where the distance to a stop is not known well enough
-_ROUNDS = 6  # of dividing: to a 260 000th of the width
-_NEGLIGIBLE = 1e-9  # of the largest distance of a stop: not looked into any further
-_TIGHT = 0.5  # of the distance at the ends of an interval that must be certain within it
+_PER_HALF_PERIOD = 16
+"""Least number of intervals of equal width in half a period, to begin with."""
+_LEAST = 4
+"""Least number of intervals in a segment, to begin with."""
+_HALVINGS = 5
+"""How often the first and the last interval of a segment are halved, towards the switch at its end."""
+_PARTS = 8
+"""Most parts that an interval is divided into at once, where the distance to a stop is not known well enough."""
+_ROUNDS = 6
+"""How often, at most, intervals are so divided: to a 260 000th of their width."""
+_NEGLIGIBLE = 1e-9
+"""Distance to a stop over its largest, up to which no interval is divided."""
+_TIGHT = 0.5
+"""Share of the distance at the ends of an interval that must be certain within it, or else it is divided."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +47,9 @@ class Switches:
     """The ``J`` switches of an orbit, by time."""
 
     time: FloatArray
-    """s from the start, shape ``(J,)``."""
+    """Times, s from the start of the orbit, shape ``(J,)``."""
     stop: IndexArray
+    """The stops that switch, shape ``(J,)``."""
     rate: FloatArray
     """|h'| before the switch, m/s, shape ``(J,)``."""
     curvature: FloatArray
@@ -54,16 +63,17 @@ class Intervals:
     """``m`` pairs of a stop and an interval of time."""
 
     stop: IndexArray
+    """The stops, shape ``(m,)``."""
     distance: FloatArray
     """Least distance of the stop from its gap, m, shape ``(m,)``."""
     before: IndexArray
-    """The last switch of the same stop, as an index into `Switches`; -1 if it has none."""
+    """The last switch of the same stop, as an index into `Switches`, shape ``(m,)``; -1 if there is none."""
     since: FloatArray
-    """Time since then at the start of the interval, s."""
+    """Time from that switch to the start of the interval, s, shape ``(m,)``; inf if there is none."""
     after: IndexArray
-    """The next switch of the same stop."""
+    """The next switch of the same stop, as an index into `Switches`, shape ``(m,)``; -1 if there is none."""
     until: FloatArray
-    """Time until then at the end of the interval, s."""
+    """Time from the end of the interval to that switch, s, shape ``(m,)``; inf if there is none."""
 
 
 @dataclass(frozen=True)
@@ -87,10 +97,21 @@ class Watch(Protocol):
 
     @property
     def intervals(self) -> Intervals:
-        """Its intervals, those of all stops."""
+        """Pairs of a stop and an interval, for all stops and all its intervals."""
 
     def deviated(self, deviations: FloatArray) -> Deviated:
-        """What deviations at the start, as columns ``(n, K)``, come to."""
+        """What deviations come to along the orbit.
+
+        Parameters
+        ----------
+        deviations : FloatArray, shape (n, K)
+            Deviations at the start of the orbit as columns, in the coordinates that belong to its section point.
+
+        Returns
+        -------
+        Deviated
+            Their motion at the stops, in all intervals and at all switches.
+        """
 
 
 class SegmentWatch:
@@ -99,10 +120,10 @@ class SegmentWatch:
     Parameters
     ----------
     problem : Problem
-        Its stops.
+        The problem whose stops are watched.
     segments : tuple of Segment
         The orbit.
-    twins : tuple of int, optional
+    twins : tuple of int, or None
         The twin of each stop on the other side, if the orbit goes on mirrored after the last segment.
     """
 
@@ -139,33 +160,29 @@ class SegmentWatch:
     def deviated(self, deviations: FloatArray) -> Deviated:
         """See `Watch`."""
         count, places, (segments, terms, n) = deviations.shape[1], self._first.size, self._rows.shape
-        parts = (self._rows.reshape(segments * terms, n) @ deviations).reshape(segments, terms, count)
-        d = self._real @ parts.real - self._imaginary @ parts.imag
-        misses = self._misses @ np.abs(parts)
-        values = self._at_switches @ parts[self._turned]
+        parts = np.asarray(self._rows.reshape(segments * terms, n) @ deviations, dtype=complex)
+        parts = parts.reshape(segments, terms, count)
+        values = self._at_switches @ parts[self._switching]
         at_switches, rates = values.real[:, 0], values.real[:, 1]
+        drift: FloatArray = np.zeros((0, 0, 2, count))
         if self._drift is not None:
             drift = (self._drift.reshape(segments * places * 2, n) @ deviations).reshape(segments, places, 2, count)
-            d += (drift[:, :, None, 0] + drift[:, :, None, 1] * self._tau[:, None, :, None]).reshape(d.shape)
-            own = drift[self._turned, self._place[self.switches.stop]]
-            at_switches = at_switches + own[:, 0] + own[:, 1] * self._spans[self._turned, None]
+            own = drift[self._switching, self._place[self.switches.stop]]
+            at_switches = at_switches + own[:, 0] + own[:, 1] * self._durations[self._switching, None]
             rates = rates + own[:, 1]
-        np.abs(d, out=d)
-        points = self._tau.shape[1]
-        d, misses = d.reshape(segments, places, points, count), misses.reshape(segments, places, points - 1, count)
-        misses += np.maximum(d[:, :, :-1], d[:, :, 1:])
-        inside = misses.transpose(1, 0, 2, 3).reshape(places, segments * (points - 1), count)[:, self._inside]
-        return Deviated(inside[self._place].reshape(self.intervals.stop.size, count), at_switches, rates)
+        cut = self._real, self._imaginary, self._misses
+        largest = largest_motion(*cut, parts, drift, self._tau, self._counts, self._place)
+        return Deviated(largest.reshape(self.intervals.stop.size, count), at_switches, rates)
 
     def _first_points(self, width: float) -> tuple[IndexArray, FloatArray]:
         """Segments and times from their starts, s, of the ends of all intervals, shape ``(points,)`` each."""
         which, times = [], []
         for i, segment in enumerate(self._segments):
-            span = segment.end - segment.start
-            count = max(_LEAST, math.ceil(span / width))
-            grid = span / count * np.arange(count + 1.0)
+            duration = segment.end - segment.start
+            count = max(_LEAST, math.ceil(duration / width))
+            grid = duration / count * np.arange(count + 1.0)
             ends = grid[1] * 0.5 ** np.arange(_HALVINGS, 0, -1.0)
-            grid = np.concatenate([grid[:1], ends, grid[1:-1], (span - ends)[::-1], [span]])
+            grid = np.concatenate([grid[:1], ends, grid[1:-1], (duration - ends)[::-1], [duration]])
             which.append(np.full(grid.size, i, dtype=np.intp))
             times.append(grid)
         return np.concatenate(which), np.concatenate(times)
@@ -176,29 +193,28 @@ class SegmentWatch:
         A stop that truncation leaves beyond its gap at a switch switches again when it comes back to where it was left.
         """
         it = self._stack
-        waves = it.amplitudes[segment] * np.exp(it.rates[segment] * tau[:, None])
-        powers = tau[:, None] ** np.arange(3.0)
-        weights = it.weights[:, self._first][segment]
-        z = (weights @ waves[:, :, None])[:, self._place, 0].real + (it.polynomial[segment] @ powers[:, :, None])[
-            :, :, 0
-        ]
-        h = it.orientation[segment] * (self._sign * z - self._gap)
-        first = np.searchsorted(segment, np.arange(len(self._segments)))
-        distance = (np.maximum(h[first], 0.0)[segment] - h).T
-        size = np.abs(waves) * np.abs(it.rates[segment]) ** 2
-        bend = (np.abs(weights) @ size[:, :, None])[:, self._place, 0] + 2 * np.abs(it.polynomial[segment][:, :, 2])
-        nearer = np.maximum(np.minimum(distance[:, :-1], distance[:, 1:]), 0.0)
-        return nearer, bend[:-1].T * (np.diff(tau) ** 2 / 8)
+        return orbit_distances(
+            segment,
+            tau,
+            it.rates,
+            it.amplitudes,
+            it.weights[:, self._first],
+            it.polynomial[:, self._first],
+            it.orientation,
+            self._sign,
+            self._gap,
+            self._place,
+        )
 
     def _cut(self, segment: IndexArray, tau: FloatArray) -> None:
-        """Set up the terms of deviations at the ends of all intervals, segments padded to the same number of them."""
+        """Set up the terms of deviations at the ends of all intervals; all segments get equally many intervals."""
         segments = self._segments
         first = np.searchsorted(segment, np.arange(len(segments) + 1))
         most = int(np.diff(first).max())
         column = np.minimum(first[:-1, None] + np.arange(most), first[1:, None] - 1)
         self._tau = tau[column]
-        self._inside = (np.arange(most - 1) < np.diff(first)[:, None] - 1).ravel()
-        self._spans = np.array([one.end - one.start for one in segments])
+        self._counts = np.diff(first) - 1
+        self._durations = np.array([one.end - one.start for one in segments])
         terms, n = max(one.deviations.shape[0] for one in segments), segments[0].deviations.shape[1]
         self._rows = np.zeros((len(segments), terms, n), dtype=complex)
         rates = np.zeros((len(segments), terms), dtype=complex)
@@ -210,17 +226,17 @@ class SegmentWatch:
         drifts = any(one.drift.any() for one in segments)
         self._drift = np.array([one.drift[self._first] for one in segments]) if drifts else None
         waves = np.exp(rates[:, None] * self._tau[:, :, None])
-        rows = len(segments), self._first.size
-        phases = (weights[:, :, None] * waves[:, None]).reshape(rows[0], rows[1] * most, terms)
+        phases = weights[:, :, None] * waves[:, None]
         self._real, self._imaginary = np.ascontiguousarray(phases.real), np.ascontiguousarray(phases.imag)
         bends = (rates.real**2 + rates.imag**2)[:, None] * (np.diff(self._tau) ** 2 / 8)[:, :, None]
         miss = np.minimum(bends, 2.0) * np.abs(waves[:, :-1])
-        self._misses = (np.abs(weights)[:, :, None] * miss[:, None]).reshape(rows[0], rows[1] * (most - 1), terms)
-        self._turned = np.array([i for i, one in enumerate(segments) if one.switched >= 0], dtype=np.intp)
+        self._misses = np.abs(weights)[:, :, None] * miss[:, None]
+        self._switching = np.array([i for i, one in enumerate(segments) if one.switched >= 0], dtype=np.intp)
         own = (
-            weights[self._turned, self._place[self.switches.stop]] * np.exp(rates * self._spans[:, None])[self._turned]
+            weights[self._switching, self._place[self.switches.stop]]
+            * np.exp(rates * self._durations[:, None])[self._switching]
         )
-        self._at_switches = np.stack([own, own * rates[self._turned]], axis=1)
+        self._at_switches = np.stack([own, own * rates[self._switching]], axis=1)
 
     def _switches(self, twins: tuple[int, ...] | None) -> Switches:
         segments, it = self._segments, self._stack
@@ -281,9 +297,29 @@ class _Stack:
 def unrolled(
     times: FloatArray, stops: IndexArray, stop: int, duration: float, twins: tuple[int, ...] | None
 ) -> tuple[FloatArray, IndexArray]:
-    """Switches of one stop in the period before, in this one, and in the one after: times, s, and indices.
+    """Switches of one stop in the period before, in this one, and in the one after.
 
-    Where the orbit goes on mirrored, its neighbours' periods hold the switches of the twin.
+    Where the orbit goes on mirrored, the periods before and after hold the switches of the twin.
+
+    Parameters
+    ----------
+    times : FloatArray, shape (J,)
+        Times of all switches of the orbit, s from its start, ascending.
+    stops : IndexArray, shape (J,)
+        The stops that switch.
+    stop : int
+        The stop whose switches are asked for.
+    duration : float
+        Length of the orbit, s.
+    twins : tuple of int, or None
+        The twin of each stop, if the orbit goes on mirrored.
+
+    Returns
+    -------
+    times : FloatArray, shape (k,)
+        Times of the switches, s from the start of the orbit, ascending.
+    indices : IndexArray, shape (k,)
+        Which of the J switches each is, or repeats.
     """
     twin = stop if twins is None else twins[stop]
     own, other = np.flatnonzero(stops == stop), np.flatnonzero(stops == twin)
@@ -294,7 +330,24 @@ def unrolled(
 
 
 def spacings(times: FloatArray, stops: IndexArray, duration: float, twins: tuple[int, ...] | None) -> FloatArray:
-    """Time from each switch to the nearest other one of the same stop, s, shape ``(J,)``."""
+    """Time from each switch to the nearest other one of the same stop, before or after.
+
+    Parameters
+    ----------
+    times : FloatArray, shape (J,)
+        Times of all switches of the orbit, s from its start, ascending.
+    stops : IndexArray, shape (J,)
+        The stops that switch.
+    duration : float
+        Length of the orbit, s.
+    twins : tuple of int, or None
+        The twin of each stop, if the orbit goes on mirrored.
+
+    Returns
+    -------
+    FloatArray, shape (J,)
+        Times, s.
+    """
     result = np.full(times.size, np.inf)
     for stop in set(stops.tolist()):
         own = np.flatnonzero(stops == stop)
@@ -313,20 +366,25 @@ def intervals_of(
     duration: float,
     twins: tuple[int, ...] | None,
 ) -> Intervals:
-    """Intervals with their place among the switches.
+    """Intervals with their position among the switches.
 
     Parameters
     ----------
     switches : Switches
-        Those of the orbit.
-    start, end : FloatArray
-        Of each interval, s from the start of the orbit, shape ``(I,)``.
-    distance : FloatArray
-        Least distance of each stop from its gap in each interval, m, shape ``(P, I)``.
+        The switches of the orbit.
+    start, end : FloatArray, shape (I,)
+        Start and end of each interval, s from the start of the orbit.
+    distance : FloatArray, shape (P, I)
+        Least distance of each stop from its gap in each interval, m.
     duration : float
         Length of the orbit, s.
-    twins : tuple of int, optional
+    twins : tuple of int, or None
         The twin of each stop, if the orbit goes on mirrored.
+
+    Returns
+    -------
+    Intervals
+        All P I pairs of a stop and an interval, stop by stop.
     """
     stops, count = distance.shape
     before, after = np.full((2, stops, count), -1, dtype=np.intp)

@@ -20,7 +20,7 @@ class Material(Part):
 
 
 class Rectangle(Part):
-    """A solid rectangular section, bending about its breadth."""
+    """A solid rectangular cross-section; it bends about the axis along its breadth."""
 
     shape: Literal["rectangle"] = "rectangle"
     breadth: Positive
@@ -45,7 +45,7 @@ class Rectangle(Part):
 
 
 class Circle(Part):
-    """A solid circular section."""
+    """A solid circular cross-section."""
 
     shape: Literal["circle"] = "circle"
     diameter: Positive
@@ -68,7 +68,7 @@ class Circle(Part):
 
 
 class Tube(Part):
-    """A circular tube."""
+    """A circular tube as cross-section."""
 
     shape: Literal["tube"] = "tube"
     outer_diameter: Positive
@@ -104,7 +104,7 @@ Section = Annotated[Rectangle | Circle | Tube, Field(discriminator="shape")]
 
 
 class Beam(Part):
-    """A uniform Euler-Bernoulli beam: its length, and either EI and m or a material and a section."""
+    """A uniform Euler-Bernoulli beam: its length, and either EI and m or a material and a cross-section."""
 
     length: Positive
     """Length L, m."""

@@ -31,7 +31,18 @@ class ModalDamping(Part):
     """One ratio for every mode, or one per mode from the lowest; the last then holds for all above."""
 
     def ratios(self, count: int) -> FloatArray:
-        """Damping ratios of the first `count` modes, shape ``(count,)``."""
+        """Damping ratios of the lowest modes.
+
+        Parameters
+        ----------
+        count : int
+            Number of modes.
+
+        Returns
+        -------
+        FloatArray, shape (count,)
+            Ratios of critical damping.
+        """
         given = np.atleast_1d(np.asarray(self.ratio, dtype=float))
         return given[np.minimum(np.arange(count), given.size - 1)]
 

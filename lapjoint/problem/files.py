@@ -26,6 +26,16 @@ _KINDS = ("kind", "shape")  # the keys that tell parts of a union apart: always 
 def read_problem(path: str | Path) -> Problem:
     """The problem in a TOML file.
 
+    Parameters
+    ----------
+    path : path
+        The file, text in UTF-8.
+
+    Returns
+    -------
+    Problem
+        It is validated.
+
     Raises
     ------
     InputError
@@ -36,6 +46,13 @@ def read_problem(path: str | Path) -> Problem:
 
 def write_problem(problem: Problem, path: str | Path) -> None:
     """Write a problem as TOML.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is written; `read_problem` gives the same back.
+    path : path
+        The file; one that is there is replaced.
 
     Raises
     ------
@@ -49,6 +66,16 @@ def write_problem(problem: Problem, path: str | Path) -> None:
 
 def read_tables(path: str | Path) -> dict[str, Any]:
     """The tables of a TOML file, not validated yet.
+
+    Parameters
+    ----------
+    path : path
+        The file, text in UTF-8.
+
+    Returns
+    -------
+    dict
+        Tables, lists, numbers and texts, nested as in the file.
 
     Raises
     ------
@@ -71,7 +98,19 @@ def read_tables(path: str | Path) -> dict[str, Any]:
 
 
 def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
-    """The tables of a TOML text, not validated yet; `source` names it in messages.
+    """The tables of a TOML text, not validated yet.
+
+    Parameters
+    ----------
+    text : str
+        What a file holds.
+    source : str
+        Name of the text; messages begin with it.
+
+    Returns
+    -------
+    dict
+        Tables, lists, numbers and texts, nested as in the text.
 
     Raises
     ------
@@ -89,7 +128,19 @@ def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
 
 
 def problem_from_tables(tables: Mapping[str, Any], source: str = "problem") -> Problem:
-    """A validated problem from tables as TOML holds them; `source` names them in messages.
+    """A validated problem from tables as TOML holds them.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables, lists, numbers and texts, nested as in a file.
+    source : str
+        Name of the tables; messages begin with it.
+
+    Returns
+    -------
+    Problem
+        What the tables leave out has the default of the schema.
 
     Raises
     ------
@@ -109,6 +160,16 @@ def problem_from_tables(tables: Mapping[str, Any], source: str = "problem") -> P
 def from_toml(text: str) -> Problem:
     """The problem in a TOML text.
 
+    Parameters
+    ----------
+    text : str
+        What a file holds.
+
+    Returns
+    -------
+    Problem
+        It is validated.
+
     Raises
     ------
     InputError
@@ -118,12 +179,34 @@ def from_toml(text: str) -> Problem:
 
 
 def to_toml(problem: Problem) -> str:
-    """A problem as TOML, without what is None or the default."""
+    """A problem as TOML, without what is None or the default.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is written.
+
+    Returns
+    -------
+    str
+        A text from which `from_toml` gives the same problem.
+    """
     return tomli_w.dumps(problem_tables(problem))
 
 
 def problem_tables(problem: Problem) -> dict[str, Any]:
-    """A problem as the tables of its TOML file, without what is None or the default."""
+    """A problem as the tables of its TOML file, without what is None or the default.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is written.
+
+    Returns
+    -------
+    dict
+        Tables, lists, numbers and texts, from which `problem_from_tables` gives the same problem.
+    """
     return _table(problem)
 
 
@@ -152,7 +235,18 @@ def json_schema() -> dict[str, Any]:
 
 
 def problem_tables_json(problem: Problem) -> dict[str, Any]:
-    """As `problem_tables`, with an infinite stiffness as the text ``inf``, which JSON has no number for."""
+    """A problem as tables for JSON, which has no infinite numbers: an infinite stiffness is the text ``inf``.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is written.
+
+    Returns
+    -------
+    dict
+        As from `problem_tables`, but for infinite numbers.
+    """
 
     def plain(value: Any) -> Any:
         if isinstance(value, dict):

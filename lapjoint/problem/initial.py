@@ -21,7 +21,20 @@ class AtRest(Part):
     kind: Literal["rest"] = "rest"
 
     def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        """z(x, 0), the initial displacement, or a derivative of it in x.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (...)
+            Positions, m, in an array of any shape.
+        derivative : int
+            Order of the x-derivative.
+
+        Returns
+        -------
+        FloatArray, shape (...)
+            m over m^derivative, in an array of the shape of `x`.
+        """
         return np.zeros_like(np.asarray(x, dtype=float))
 
     velocity_at = displacement_at
@@ -37,11 +50,37 @@ class PolynomialShape(Part):
     """z_t(x, 0) = sum of velocity[n] x^n, m/s."""
 
     def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        """z(x, 0), the initial displacement, or a derivative of it in x.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (...)
+            Positions, m, in an array of any shape.
+        derivative : int
+            Order of the x-derivative.
+
+        Returns
+        -------
+        FloatArray, shape (...)
+            m over m^derivative, in an array of the shape of `x`.
+        """
         return _polynomial(self.displacement, x, derivative)
 
     def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z_t(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        """z_t(x, 0), the initial velocity, or a derivative of it in x.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (...)
+            Positions, m, in an array of any shape.
+        derivative : int
+            Order of the x-derivative.
+
+        Returns
+        -------
+        FloatArray, shape (...)
+            m/s over m^derivative, in an array of the shape of `x`.
+        """
         return _polynomial(self.velocity, x, derivative)
 
 
@@ -67,11 +106,37 @@ class SampledShape(Part):
         return self
 
     def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        """z(x, 0), the initial displacement, or a derivative of it in x.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (...)
+            Positions, m, in an array of any shape.
+        derivative : int
+            Order of the x-derivative.
+
+        Returns
+        -------
+        FloatArray, shape (...)
+            m over m^derivative, in an array of the shape of `x`.
+        """
         return _spline(self.x, self.displacement, x, derivative)
 
     def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z_t(x, 0) or a derivative in x; ``x`` of any shape, m."""
+        """z_t(x, 0), the initial velocity, or a derivative of it in x.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (...)
+            Positions, m, in an array of any shape.
+        derivative : int
+            Order of the x-derivative.
+
+        Returns
+        -------
+        FloatArray, shape (...)
+            m/s over m^derivative, in an array of the shape of `x`.
+        """
         return _spline(self.x, self.velocity, x, derivative)
 
 
@@ -104,10 +169,26 @@ def initial_from_functions(
     velocity: ShapeFunction | None = None,
     points: int = 401,
 ) -> SampledShape:
-    """Initial state from Python callables, sampled at `points` equidistant positions over ``[0, length]``.
+    """Initial state from Python callables, sampled at equidistant positions from root to tip.
 
-    The callables take and return arrays of shape ``(points,)``.  The cubic spline through the samples is what
-    both solvers see, and what a file keeps; its error is O((length / points)^4).
+    The cubic spline through the samples is what both solvers see, and what a file keeps; its error is
+    O((length / points)^4).
+
+    Parameters
+    ----------
+    length : float
+        Length L of the beam, m.
+    displacement : callable, optional
+        Takes positions, m, shape ``(points,)``, and returns z(x, 0), m, of the same shape; zero if not given.
+    velocity : callable, optional
+        Takes positions, m, shape ``(points,)``, and returns z_t(x, 0), m/s, of the same shape; zero if not given.
+    points : int
+        Number of samples, at least 4.
+
+    Returns
+    -------
+    SampledShape
+        The samples, to be given as ``initial`` of a problem.
 
     Raises
     ------

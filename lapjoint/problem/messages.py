@@ -17,11 +17,12 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 LONGEST_VALUE = 60
+"""Characters of a value that a message shows, at most, so that it fits into a line."""
 _SEQUENCES = (list, tuple)
 
 
 def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> str:
-    """All faults that `error` found in `data`, one a line.
+    """All faults that a validation found, one a line.
 
     Parameters
     ----------
@@ -31,6 +32,11 @@ def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> str:
         The tables as read from a file.
     model : type
         The schema, for the names of the keys that are allowed.
+
+    Returns
+    -------
+    str
+        Lines without an end of line after the last; no line twice.
     """
     lines: list[str] = []
     for fault in error.errors(include_url=False):
@@ -39,7 +45,18 @@ def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value as its file would write it, shortened."""
+    """A value as its file would write it, shortened.
+
+    Parameters
+    ----------
+    value : object
+        A number, text, list or table.
+
+    Returns
+    -------
+    str
+        At most `LONGEST_VALUE` characters; of a table only the keys.
+    """
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float) and not math.isfinite(value):
@@ -57,7 +74,20 @@ def shown(value: Any) -> str:
 
 
 def closest(name: str, allowed: Sequence[str]) -> str:
-    """A hint at the allowed names: the closest one where there is one, then all."""
+    """A hint at the names that are allowed.
+
+    Parameters
+    ----------
+    name : str
+        What was given.
+    allowed : sequence of str
+        All names that are allowed.
+
+    Returns
+    -------
+    str
+        The closest name if one resembles what was given, then all.
+    """
     near = difflib.get_close_matches(name, allowed, n=1)
     return (f"did you mean {near[0]}? " if near else "") + f"allowed: {', '.join(allowed)}"
 
@@ -67,6 +97,18 @@ def field_path(loc: Sequence[int | str], data: Any) -> str:
 
     A validator's location also holds the kind of a part (``rectangle``), which is no key; what is neither a
     key of the data nor the last element is left out.
+
+    Parameters
+    ----------
+    loc : sequence of int or str
+        Location of the field, as the validator gives it.
+    data : mapping
+        What was validated.
+
+    Returns
+    -------
+    str
+        The path; empty for the whole of the data.
     """
     path, here = "", data
     for i, key in enumerate(loc):

@@ -15,6 +15,13 @@ def override(tables: dict[str, Any], assignment: str) -> None:
     An element of a list is given by number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop also by name
     (``stops.P2.gap``), and all of them by ``*``.  The value is TOML; a bare word is text.
 
+    Parameters
+    ----------
+    tables : dict
+        The tables of a problem; they are changed.
+    assignment : str
+        Path and value, ``path=value``; numbers in SI units.
+
     Raises
     ------
     InputError
@@ -27,7 +34,18 @@ def override(tables: dict[str, Any], assignment: str) -> None:
 
 
 def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
-    """Set the value at a path of a problem's tables, in place; `source` begins the messages.
+    """Set the value at a path of a problem's tables, in place.
+
+    Parameters
+    ----------
+    tables : dict
+        The tables of a problem; they are changed.
+    path : str
+        As in `override`.
+    value : object
+        As a TOML file holds it: a number, text, list or table; numbers in SI units.
+    source : str
+        What asks for this; messages begin with it.
 
     Raises
     ------
@@ -38,12 +56,34 @@ def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
 
 
 def path_keys(path: str) -> list[str]:
-    """The keys of a path, ``stops[0].gap`` as ``stops``, ``0``, ``gap``."""
+    """The keys of a path, from the outermost to the innermost.
+
+    Parameters
+    ----------
+    path : str
+        As ``stops[0].gap`` or ``stops.0.gap``.
+
+    Returns
+    -------
+    list of str
+        As ``stops``, ``0``, ``gap``.
+    """
     return [key for key in re.split(r"[.\[\]]+", path.strip()) if key]
 
 
 def toml_value(text: str) -> Any:
-    """A value given as TOML (``820``, ``[0.01, 0.02]``, ``true``); anything else is text."""
+    """A value given as TOML; what is no TOML value is text.
+
+    Parameters
+    ----------
+    text : str
+        As ``820``, ``[0.01, 0.02]``, ``true`` or ``top``.
+
+    Returns
+    -------
+    object
+        A number, truth value, text, list or table.
+    """
     try:
         tables = tomllib.loads(f"value = {text.strip()}")
     except (ValueError, RecursionError):

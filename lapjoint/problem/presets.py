@@ -15,7 +15,18 @@ TABLE_4_DENSITY = 7830.0  # kg/m3, what Table 4 was computed with: found by reco
 
 
 def clamp(x: float = 0.0) -> Support:
-    """A clamped point: both springs infinite."""
+    """A clamped point: both springs are infinite.
+
+    Parameters
+    ----------
+    x : float
+        Position, m.
+
+    Returns
+    -------
+    Support
+        It holds displacement and slope at zero.
+    """
     return Support(x=x, translational=math.inf, torsional=math.inf)
 
 
@@ -33,7 +44,7 @@ def paper_joint(
     Parameters
     ----------
     k_star : float
-        Stiffness of each stop over 3 EI / L^3.
+        Stiffness of each stop over 3 EI / L^3, dimensionless.
     angular_frequency : float
         Base excitation omega, rad/s.
     base_amplitude : float
@@ -41,9 +52,9 @@ def paper_joint(
     gap : float
         Gap of each stop, m.
     density : float
-        rho, kg/m3; Table 4 of the paper comes out with 7830, its Tables 3 and 6 say 7890.
+        Mass density rho, kg/m3; Table 4 of the paper comes out with 7830, its Tables 3 and 6 say 7890.
     damping_ratio : float
-        Modal damping ratio in every state.
+        Modal damping ratio in every contact state.
 
     Returns
     -------

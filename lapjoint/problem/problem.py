@@ -55,12 +55,17 @@ class Problem(Part):
         return found.pop() if len(found) == 1 else None
 
     def require_excitation_frequency(self, purpose: str) -> float:
-        """The one angular frequency of all periodic excitation, rad/s, for what cannot be done without.
+        """The one angular frequency of all periodic excitation, for what cannot be done without.
 
         Parameters
         ----------
         purpose : str
             What needs it, as "steady state"; the message begins with it.
+
+        Returns
+        -------
+        float
+            omega, rad/s.
 
         Raises
         ------
@@ -77,11 +82,43 @@ class Problem(Part):
         )
 
     def require_excitation_period(self, purpose: str) -> float:
-        """The period 2 pi / omega of all periodic excitation, s; as `require_excitation_frequency`."""
+        """The one period of all periodic excitation, for what cannot be done without.
+
+        Parameters
+        ----------
+        purpose : str
+            What needs it, as "steady state"; the message begins with it.
+
+        Returns
+        -------
+        float
+            T = 2 pi / omega, s.
+
+        Raises
+        ------
+        InputError
+            If there is no periodic excitation, or it has several frequencies; the message says which.
+        """
         return 2 * math.pi / self.require_excitation_frequency(purpose)
 
     def replace(self, **changes: Any) -> Problem:
-        """A validated copy with some of the top-level parts changed."""
+        """A validated copy with some of the top-level parts changed.
+
+        Parameters
+        ----------
+        **changes : object
+            New values by the names of the parts, as ``stops=()``.
+
+        Returns
+        -------
+        Problem
+            The copy; this problem stays as it is.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            If the parts do not fit together.
+        """
         return Problem.model_validate({name: getattr(self, name) for name in Problem.model_fields} | changes)
 
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 FloatArray = npt.NDArray[np.float64]
+"""Real numbers in double precision; docstrings say shape and unit."""
 
 
 def _refuse_text_and_booleans(value: object) -> object:

@@ -8,8 +8,18 @@ from lapjoint.problem import Problem, StepLoad
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     """The twin of each stop on the other side, if the problem is its own mirror image; else None.
 
-    It is if a constant force holds it to neither side, all its excitation changes sign in half a period, and the stops
-    of both sides agree in place, gap and stiffness.
+    It is if no constant force acts, all its excitation changes sign in half a period, and the stops
+    of both sides agree in position, gap and stiffness.
+
+    Parameters
+    ----------
+    problem : Problem
+        Any problem; one without a single excitation frequency has no half period, and so no mirror image.
+
+    Returns
+    -------
+    tuple of int, or None
+        For each stop the index of its twin, as indices into ``problem.stops``.
     """
     if problem.excitation_frequency is None:
         return None

@@ -52,7 +52,7 @@ def settled(map_: PeriodMap, periods: int = 40) -> Any:
 
 
 def random_orbit(rng: np.random.Generator, problem: Problem) -> tuple[Segment, ...]:
-    """Some segments of an orbit through nothing but numbers: four terms, a parabola, two stops at a place; 3 deviations."""
+    """Some segments of an orbit through nothing but numbers: four terms, a parabola; two stops at a place."""
     assert problem.excitation_frequency is not None
     period, stops, n = 2 * math.pi / problem.excitation_frequency, len(problem.stops), 3
     cuts = np.concatenate([[0.0], np.sort(rng.uniform(0, period, rng.integers(0, 4))), [period]])
@@ -69,7 +69,7 @@ def random_orbit(rng: np.random.Generator, problem: Problem) -> tuple[Segment, .
                 rates=rates,
                 weights=np.repeat(rng.standard_normal((1, 4)) + 1j * rng.standard_normal((1, 4)), stops, axis=0),
                 amplitudes=0.2 * (rng.standard_normal(4) + 1j * rng.standard_normal(4)),
-                polynomial=0.1 * rng.standard_normal((stops, 3)),
+                polynomial=np.repeat(0.1 * rng.standard_normal((1, 3)), stops, axis=0),
                 deviations=rng.standard_normal((terms, n)) + 1j * rng.standard_normal((terms, n)),
                 drift=np.repeat(rng.standard_normal((1, 2, n)), stops, axis=0) * (rng.random() < 0.5),
                 switched=int(rng.integers(0, stops)) if i + 2 < cuts.size else -1,
