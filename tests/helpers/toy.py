@@ -322,7 +322,6 @@ class Bar:
 
     max_period_multiple: int = 8
     max_periods: int = 16_000
-    growth: bool = True
 
     @property
     def name(self) -> str:
@@ -351,10 +350,15 @@ class Bar:
         return self
 
     def steady_state(
-        self, problem: Problem, *, start: SectionPoint | None = None, progress: Progress | None = None
+        self,
+        problem: Problem,
+        *,
+        start: SectionPoint | None = None,
+        sensitivity: bool = True,
+        progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that remains."""
-        effort = Effort(self.max_period_multiple, self.max_periods, growth=self.growth)
+        effort = Effort(self.max_period_multiple, self.max_periods, growth=sensitivity)
         return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
 
 

@@ -143,7 +143,7 @@ CHAOTIC = bar(2.6, (0.3, 30.0), ratio=0.02)
 
 @pytest.fixture(scope="module")
 def chaos() -> SteadyState:
-    return Bar(growth=False).steady_state(CHAOTIC)
+    return Bar().steady_state(CHAOTIC, sensitivity=False)
 
 
 def test_chaos_is_certified_by_the_exponent_of_two_marches_side_by_side(chaos: SteadyState) -> None:

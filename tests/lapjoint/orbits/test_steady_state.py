@@ -136,7 +136,7 @@ def test_a_random_bar_is_where_its_march_leads(seed: int) -> None:
     stops = [(float(gap), float(np.exp(rng.uniform(1, 5)))) for gap in gaps[: rng.integers(1, 3)]]
     problem = bar(omega, *stops, ratio=ratio)
     map_ = Bar().period_map(problem)
-    steady = Bar(max_periods=1500, growth=False).steady_state(problem)
+    steady = Bar(max_periods=1500).steady_state(problem, sensitivity=False)
     if steady.period_multiple:
         assert_is_where_the_march_leads(map_, steady)
         contacts = bool(np.any(marched_on(map_, steady)[0]))
@@ -153,7 +153,7 @@ def test_a_random_bar_is_where_its_march_leads(seed: int) -> None:
 def test_stability_is_said_of_certified_orbits_only() -> None:
     settled = Bar().steady_state(bar(0.8, (0.5, 5.0)))
     assert settled.stable is True
-    undamped = Bar(max_periods=20, growth=False).steady_state(bar(0.8, (10.0, 5.0), ratio=0.0))
+    undamped = Bar(max_periods=20).steady_state(bar(0.8, (10.0, 5.0), ratio=0.0), sensitivity=False)
     assert undamped.outcome is Outcome.UNDECIDED
     assert (undamped.stable, undamped.period_multiple, undamped.multipliers.size) == (None, 0, 0)
     assert undamped.exponent is not None
