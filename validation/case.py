@@ -61,11 +61,39 @@ class CaseResult:
 
 
 def number(value: float, digits: int = 6) -> str:
-    """A number for a table."""
+    """A number for a table.
+
+    Parameters
+    ----------
+    value : float
+        In any unit.
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+        Its shortest form with so many digits.
+    """
     return f"{value:.{digits}g}"
 
 
 def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> Table:
-    """A table from anything that can be written."""
+    """A table from anything that can be written.
+
+    Parameters
+    ----------
+    title : str
+        What stands above the table.
+    columns : sequence of str
+        Heads of the columns, units included.
+    rows : sequence of sequence
+        Cells, as many in each row as there are columns; floats are written by `number`, all else by ``str``.
+
+    Returns
+    -------
+    Table
+        The table, written.
+    """
     written = tuple(tuple(number(c) if isinstance(c, float) else str(c) for c in row) for row in rows)
     return Table(title, tuple(columns), written)

@@ -29,9 +29,9 @@ from lapjoint.answers import History, SteadyState
 from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
 from validation.verdict import Criterion
 
-_GAUSS = np.polynomial.legendre.leggauss(12)
-_PANELS_X = 24
-_MOST_HALVINGS = 8
+_GAUSS = np.polynomial.legendre.leggauss(12)  # points and weights on each panel
+_PANELS_X = 24  # along the beam, at least: two for each half wave of the twelfth mode
+_MOST_HALVINGS = 8  # of the panels in time, until an integral no longer moves
 REPEATS = 1e-6
 """Of the size of a motion: what is nearer is the same.  Orbits close to 1e-9; truncation adds jumps at switches."""
 
@@ -55,7 +55,20 @@ def _space(history: History) -> tuple[FloatArray, FloatArray]:
 
 
 def energy(history: History, t: FloatArray) -> FloatArray:
-    """Kinetic, bending and spring energy at the times ``t``, J, shape ``(m,)``."""
+    """Kinetic, bending and spring energy of a motion.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    t : FloatArray, shape (m,)
+        Times, s.
+
+    Returns
+    -------
+    FloatArray, shape (m,)
+        Energy, J.
+    """
     problem, (x, w) = history.problem, _space(history)
     beam = problem.beam
     total = beam.m / 2 * (w @ history.evaluate(x, t, dt=1) ** 2) + beam.EI / 2 * (w @ history.evaluate(x, t, dx=2) ** 2)
@@ -71,7 +84,20 @@ def energy(history: History, t: FloatArray) -> FloatArray:
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia and point loads less viscous dissipation, W, shape ``(m,)``."""
+    """Power of base inertia and point loads less viscous dissipation.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    t : FloatArray, shape (m,)
+        Times, s.
+
+    Returns
+    -------
+    FloatArray, shape (m,)
+        Power, W.
+    """
     problem, (x, w) = history.problem, _space(history)
     beam, velocity = problem.beam, history.evaluate(x, t, dt=1)
     total = np.zeros(t.size)
@@ -110,7 +136,20 @@ def _time_integral(
 
 
 def energy_balance(history: History, tolerance: float) -> Criterion:
-    """Energy left unaccounted for, over the energy that came and went."""
+    """Energy left unaccounted for, over the energy that came and went.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    tolerance : float
+        Largest value that is allowed, relative as the value is.
+
+    Returns
+    -------
+    Criterion
+        The residual of the balance; of modal damping, whose dissipation is not local, only what was created counts.
+    """
     breaks = np.unique([history.start, *history.switch_times, history.end])
     t, w = _panels(breaks, _first_panel(history))
     handled = float(w @ np.abs(power(history, t)))
@@ -125,7 +164,20 @@ def energy_balance(history: History, tolerance: float) -> Criterion:
 
 
 def gaps(history: History, tolerance: float) -> Criterion:
-    """Deepest pull of a closed stop or deepest unresisted crossing of an open one, over the size of the motion."""
+    """Deepest pull of a closed stop or deepest unresisted crossing of an open one, over the size of the motion.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    tolerance : float
+        Largest value that is allowed, relative as the value is.
+
+    Returns
+    -------
+    Criterion
+        The depth over the largest displacement at the stops.
+    """
     problem = history.problem
     if not problem.stops:
         return Criterion("gaps", "1", 0.0, 0.0, tolerance, "there are no stops")
@@ -143,7 +195,20 @@ def gaps(history: History, tolerance: float) -> Criterion:
 
 
 def stated_impulses(history: History, tolerance: float) -> Criterion:
-    """Largest difference of a stated impulse from the quadrature of the force law, over the largest impulse."""
+    """Largest difference of a stated impulse from the quadrature of the force law, over the largest impulse.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    tolerance : float
+        Largest value that is allowed, relative as the value is.
+
+    Returns
+    -------
+    Criterion
+        The largest difference over all contacts, over the largest impulse.
+    """
     worst, largest = 0.0, max((abs(c.impulse) for c in history.contacts), default=1e-300)
     for contact in history.contacts:
         if contact.end <= contact.start:
@@ -160,7 +225,20 @@ def stated_impulses(history: History, tolerance: float) -> Criterion:
 
 
 def continuity(history: History, tolerance: float) -> Criterion:
-    """Largest jump of displacement along the beam at a switch, over the size of the motion."""
+    """Largest jump of displacement along the beam at a switch, over the size of the motion.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    tolerance : float
+        Largest value that is allowed, relative as the value is.
+
+    Returns
+    -------
+    Criterion
+        The jump over the largest displacement after a switch.
+    """
     t = history.switch_times[history.switch_times > history.start]
     if not t.size:
         return Criterion("displacement jump at switches", "1", 0.0, 0.0, tolerance, "no switch")
@@ -173,7 +251,7 @@ def continuity(history: History, tolerance: float) -> Criterion:
 def _apart(history: History, sign: int, later: float) -> float:
     """Largest distance of the motion from `sign` times the motion `later` seconds on, over the size of the motion.
 
-    Displacement and velocity over the excitation frequency, at 21 places and, round the period, at 33 times.
+    Displacement and velocity over the excitation frequency, at 21 places and, over the period, at 33 times.
     """
     x, span = np.linspace(0.0, history.problem.beam.length, 21), history.end - history.start
     t = history.start + span * (np.arange(33) + 0.5) / 33
@@ -185,7 +263,21 @@ def _apart(history: History, sign: int, later: float) -> float:
 
 
 def closes(found: SteadyState, tolerance: float) -> Criterion:
-    """How far the end of the motion's period is from its start, over the size of the motion."""
+    """How far the end of the motion's period is from its start, over the size of the motion.
+
+    Parameters
+    ----------
+    found : SteadyState
+        A periodic steady state.
+    tolerance : float
+        Largest value that is allowed, relative as the value is.
+
+    Returns
+    -------
+    Criterion
+        The largest difference of displacements, and of velocities over the excitation frequency, over the largest of
+        them.
+    """
     history = found.history
     x, ends = np.linspace(0.0, history.problem.beam.length, 21), np.array([history.start, history.end])
     omega = history.problem.excitation_frequency or 1.0
@@ -195,7 +287,20 @@ def closes(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def least_period(found: SteadyState, tolerance: float) -> Criterion:
-    """How nearly the motion repeats after fewer excitation periods than it is said to, two at least, over its size."""
+    """How nearly the motion repeats after fewer excitation periods than it is said to, two at least, over its size.
+
+    Parameters
+    ----------
+    found : SteadyState
+        A steady state of two excitation periods or more.
+    tolerance : float
+        What the distance must exceed.
+
+    Returns
+    -------
+    Criterion
+        The least distance over all divisors of the period multiple.
+    """
     history, n = found.history, found.period_multiple
     parts = [k for k in range(1, n) if n % k == 0]
     period = (history.end - history.start) / max(n, 1)
@@ -204,7 +309,20 @@ def least_period(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def half_period(found: SteadyState, tolerance: float) -> Criterion:
-    """How nearly half of the motion mirrors the other half, over its size."""
+    """How nearly half of the motion mirrors the other half, over its size.
+
+    Parameters
+    ----------
+    found : SteadyState
+        A periodic steady state.
+    tolerance : float
+        What the distance must stay within if the motion is called symmetric, and exceed if it is not.
+
+    Returns
+    -------
+    Criterion
+        The distance of half of the motion from the mirror image of the other half.
+    """
     history = found.history
     asymmetry = _apart(history, -1, (history.end - history.start) / 2)
     if found.symmetric:
@@ -213,7 +331,20 @@ def half_period(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
-    """Largest difference of an impulse per excitation period from the quadrature of the force law, relative."""
+    """Largest difference of an impulse per excitation period from the quadrature of the force law, relative.
+
+    Parameters
+    ----------
+    found : SteadyState
+        A periodic steady state.
+    tolerance : float
+        Largest value that is allowed, relative as the value is.
+
+    Returns
+    -------
+    Criterion
+        The largest difference over all stops, over the largest impulse.
+    """
     history, stops = found.history, range(len(found.history.problem.stops))
     breaks = np.unique([history.start, *history.switch_times, history.end])
     largest = max(float(np.abs(found.impulses).max(initial=0.0)), 1e-300)
@@ -230,7 +361,23 @@ def impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def steady_witness(found: SteadyState, tolerance: float, label: str) -> list[Criterion]:
-    """All invariants of a periodic steady state, those of its motion included; none of period, where it has none."""
+    """All invariants of a periodic steady state, those of its motion included; none of period, where it has none.
+
+    Parameters
+    ----------
+    found : SteadyState
+        Whoever found it.
+    tolerance : float
+        That of the motion, relative to its size.  What concerns the period has `REPEATS`, or ten times the residual
+        where that is more.
+    label : str
+        What goes before each name.
+
+    Returns
+    -------
+    list of Criterion
+        Each with its verdict.
+    """
     result = witness(found.history, tolerance, label)
     if not found.period_multiple:
         return result
@@ -242,6 +389,21 @@ def steady_witness(found: SteadyState, tolerance: float, label: str) -> list[Cri
 
 
 def witness(history: History, tolerance: float, label: str) -> list[Criterion]:
-    """All invariants of a motion, with one tolerance relative to its size; `label` goes before each name."""
+    """All invariants of a motion.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    tolerance : float
+        One for all, relative to the size of the motion.
+    label : str
+        What goes before each name.
+
+    Returns
+    -------
+    list of Criterion
+        Each with its verdict.
+    """
     found = [check(history, tolerance) for check in (energy_balance, gaps, stated_impulses, continuity)]
     return [replace(item, name=f"{label}: {item.name}") for item in found]

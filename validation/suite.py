@@ -37,7 +37,7 @@ _MODULES = {
 }
 PEERS = "peers"  # the case that other solvers make
 _COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}
-_MOST_LINES = 12
+_MOST_LINES = 12  # of what does not agree, on the console
 
 
 def case_names() -> tuple[str, ...]:

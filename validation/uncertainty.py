@@ -29,7 +29,20 @@ ROUNDING = "rounding"
 
 
 def observed_order(coarse: float, medium: float, fine: float, ratio: float) -> float:
-    """Order p of v(h) = v0 + C h^p from three values at h, h / ratio, h / ratio^2; NaN if not monotone."""
+    """Order p of v(h) = v0 + C h^p from three values at h, h / ratio, h / ratio^2; NaN if not monotone.
+
+    Parameters
+    ----------
+    coarse, medium, fine : float
+        The three values, in one unit.
+    ratio : float
+        Refinement from one to the next, above 1.
+
+    Returns
+    -------
+    float
+        The order.
+    """
     first, second = coarse - medium, medium - fine
     if first * second <= 0:
         return math.nan
@@ -37,12 +50,38 @@ def observed_order(coarse: float, medium: float, fine: float, ratio: float) -> f
 
 
 def extrapolated(medium: float, fine: float, ratio: float, order: float) -> float:
-    """Richardson's extrapolation of two values to h = 0."""
+    """Richardson's extrapolation of two values to h = 0.
+
+    Parameters
+    ----------
+    medium, fine : float
+        The two values, in one unit.
+    ratio : float
+        Refinement from one to the other, above 1.
+    order : float
+        Order of convergence.
+
+    Returns
+    -------
+    float
+        The value at h = 0, in the same unit.
+    """
     return fine + (fine - medium) / float(ratio**order - 1)
 
 
 def factor_of_safety(P: float) -> float:
-    """Factor on the extrapolated error, P = observed order over order of the method; 1.6 where they agree."""
+    """Factor on the extrapolated error; 1.6 where the observed order is that of the method.
+
+    Parameters
+    ----------
+    P : float
+        Observed order over order of the method.
+
+    Returns
+    -------
+    float
+        The factor, without unit.
+    """
     return 2.45 - 0.85 * P if P <= 1 else 16.4 * P - 14.8
 
 
@@ -70,6 +109,11 @@ def refined_estimate(
         Relative accuracy below which values cannot be distinguished.
     floor_source : str
         What limits that accuracy, for the uncertainty budget.
+
+    Returns
+    -------
+    Estimate
+        The finest value, with the expanded uncertainty (95 %) and what contributes to it.
 
     Raises
     ------
@@ -115,10 +159,30 @@ def refined_vector(
     floor: float = FLOOR,
     floor_source: str = ROUNDING,
 ) -> tuple[Estimate, ...]:
-    """Several numbers of one solution, ``(3 levels, n)`` from coarse to fine: one uncertainty for all of them.
+    """Several numbers of one solution, with one uncertainty for all of them.
 
     Numbers of one motion share its error.  The order seen in a single one of them can be high by chance; that of their
     norm is steadier, so the norm of the changes is extrapolated, and its error holds for each.
+
+    Parameters
+    ----------
+    values : FloatArray, shape (3, n)
+        The numbers at three levels, from coarse to fine, in one unit.
+    ratio : float
+        Refinement from one level to the next.
+    expected_order : float
+        Order of the method in theory or as observed elsewhere; used unless the values show less.
+    what : str
+        What was refined, for the report.
+    floor : float
+        Relative accuracy below which values cannot be distinguished.
+    floor_source : str
+        What limits that accuracy, for the uncertainty budget.
+
+    Returns
+    -------
+    tuple of Estimate
+        n finest values, each with the same uncertainty.
     """
     changes = [float(np.abs(b - a).max(initial=0.0)) for a, b in itertools.pairwise(values)]
     size = float(np.abs(values[-1]).max(initial=0.0))

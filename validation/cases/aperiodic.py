@@ -15,7 +15,7 @@ JOINTS = {
         damping=ViscousDamping(coefficient=100.0)
     ),
 }
-COVERAGE = 4.0  # spreads: the batches of a chaotic motion are few, and not independent
+COVERAGE = 4.0  # standard errors: the blocks of a chaotic motion are few, and not independent
 
 
 def solve(which: str, problem: Problem, elements: int) -> SteadyState:

@@ -23,7 +23,7 @@ from validation.verdict import Criterion
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MODES = 8
+MODES = 8  # lowest ones of each state
 SHOWN = (0, 1, 3, 7)  # modes of the figure
 FLOOR = 1e-9  # relative errors below are round-off of the dense eigenproblem: see the table
 

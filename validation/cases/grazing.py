@@ -15,7 +15,7 @@ from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Level, Say, table
 from validation.verdict import Check, Criterion, Estimate
 
-RATIO = 0.02
+RATIO = 0.02  # modal damping
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
 FREE_FLIGHT = Problem(
     title="Cantilever that grazes a stop",
@@ -24,7 +24,7 @@ FREE_FLIGHT = Problem(
     damping=ModalDamping(ratio=RATIO),
     base_motion=BaseMotion(amplitude=1e-3, angular_frequency=70.0),
 )
-DURATION = 0.5
+DURATION = 0.5  # s
 DEPTHS = tuple(10.0**-n for n in range(2, 9))
 
 

@@ -25,8 +25,8 @@ from validation.verdict import Criterion
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-TURNED_ON = (1398.5, 2060.5, 2160.5)  # rad/s, where the verdict turns on how the motion looks
-TIP = 2.5  # m
+PORTRAITS = (1398.5, 2060.5, 2160.5)  # rad/s, where the ruling depends on what the motion looks like
+TIP = 2.5  # m from the root
 
 
 def run(level: Level, say: Say) -> CaseResult:
@@ -59,7 +59,7 @@ def run(level: Level, say: Say) -> CaseResult:
             ),
             *(
                 draw(f"Phase portrait of the tip, {omega:g} rad/s", partial(_paint_phase, omega=omega), width=5.0)
-                for omega in TURNED_ON
+                for omega in PORTRAITS
             ),
         ),
         notes=(f"Of {len(entries)} claims: {counted(entries)}.",),

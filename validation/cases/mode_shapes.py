@@ -20,7 +20,7 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MODES = 8
+MODES = 8  # lowest ones of each state
 
 
 def mac(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from validation.invariants import witness
 from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate, Kind
 
-DURATION = 0.2
+DURATION = 0.2  # s
 AT = 0.16  # s, where the kinetic energy is compared
 # Converged values from separate code; half a unit of the last digit given.
 REFERENCES = {

@@ -15,10 +15,10 @@ from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
 from validation.verdict import Criterion
 
-RATIO = 0.08
+RATIO = 0.08  # modal damping of the paper's joint
 PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}  # and how far around each to look, rad/s
 WINDOWS = (1398.5, 2060.5, 2160.5)  # rad/s, where the paper's motions do not settle
-SYMMETRIC = 1e-3
+SYMMETRIC = 1e-3  # of the larger impulse: what the two tip stops may differ by
 LIGHT = "viscous damping"
 
 

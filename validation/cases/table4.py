@@ -13,8 +13,8 @@ from validation.case import CaseResult, Level, Say, Table, table
 from validation.uncertainty import ROUNDING, refined_estimate
 from validation.verdict import Check, Estimate, Kind
 
-MODES = 8
-STIFFNESSES = (5.0, 1200.0, 5000.0)
+MODES = 8  # lowest ones of each state
+STIFFNESSES = (5.0, 1200.0, 5000.0)  # k / (3 EI / L^3)
 # Table 4, rad/s: as printed, by k* and by group of states with equal springs.
 PRINTED = {
     5.0: {

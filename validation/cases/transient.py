@@ -77,10 +77,12 @@ def energy_drawing(title: str, exact: History, fe: History) -> Drawing:
 
     def paint(axes: Axes) -> None:
         for history, colour, style, name in ((exact, "analytic", "-", "analytic"), (fe, "fe", "--", "FE")):
-            held, rate = energy(history, t) / 1e3, power(history, t) / 1e3
+            stored, rate = energy(history, t) / 1e3, power(history, t) / 1e3
             supplied = np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
-            axes.plot(t * 1e3, held, style, color=COLOURS[colour], label=f"kinetic and elastic, {name}")
-            axes.plot(t * 1e3, supplied - held, style, color=COLOURS[colour], lw=0.8, label=f"taken by damping, {name}")
+            axes.plot(t * 1e3, stored, style, color=COLOURS[colour], label=f"kinetic and elastic, {name}")
+            axes.plot(
+                t * 1e3, supplied - stored, style, color=COLOURS[colour], lw=0.8, label=f"taken by damping, {name}"
+            )
         axes.set(xlabel="time t [ms]", ylabel="energy [kJ]")
         entitle(axes)
 

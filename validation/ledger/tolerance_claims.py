@@ -11,7 +11,7 @@ from validation.ledger.entry import Entry, Ruling
 FREQUENCIES = (515.0, 820.0, 2060.5, 2950.0)  # rad/s: the peaks, and a window of Figure 4
 FEW, MANY = (8, 5), (30, 20)
 TOLERANCES = {"free": "8.0e-6", "contact": "6.1e-5"}  # m, as printed
-TIP = 2.5
+TIP = 2.5  # m from the root
 
 
 def tolerance_entries() -> list[Entry]:

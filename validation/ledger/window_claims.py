@@ -13,12 +13,12 @@ from lapjoint.problem import FloatArray
 from validation.ledger.curves import PUBLISHED, Curve, Figure4, at
 from validation.ledger.entry import Entry, Ruling
 
-SILENT_BELOW = 230.0  # rad/s
-BOUND = 456.88  # N s, at 1399 rad/s
-APERIODIC = (1398.0, 1398.5, 1399.0)
-ASYMMETRIC = (2060.0, 2060.5, 2061.0, 2160.0, 2160.5, 2161.0)
-SYMMETRIC = 1e-3  # of the larger impulse
-TIP = 2.5
+SILENT_BELOW = 230.0  # rad/s, below which the paper finds no contact
+BOUND = 456.88  # N s, the impulse that the paper states at 1399 rad/s
+APERIODIC = (1398.0, 1398.5, 1399.0)  # rad/s, where the paper finds aperiodic motions
+ASYMMETRIC = (2060.0, 2060.5, 2061.0, 2160.0, 2160.5, 2161.0)  # rad/s, where it finds one-sided ones
+SYMMETRIC = 1e-3  # of the larger impulse: what the two tip stops may differ by
+TIP = 2.5  # m from the root
 
 
 def window_entries(curves: Figure4) -> list[Entry]:

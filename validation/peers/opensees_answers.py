@@ -26,7 +26,20 @@ HINT = "pip install 'lapjoint[opensees]', and on Debian apt install libblas3 lib
 
 
 def ask(question: str, *arguments: Any) -> Any:
-    """The answer of a function of `opensees_script`, run in another process."""
+    """The answer of a function of `opensees_script`, run in another process.
+
+    Parameters
+    ----------
+    question : str
+        Name of the function.
+    *arguments : Any
+        Its arguments, which go through pickle.
+
+    Returns
+    -------
+    Any
+        What the function returns.
+    """
     return in_another_process(f"{SCRIPT}:{question}", arguments, "OpenSees", HINT)
 
 
@@ -35,16 +48,34 @@ class ElementShapes:
     """Mode shapes of the mesh; see `lapjoint.answers.ModeShapes`."""
 
     nodes: FloatArray
+    """Positions, m, shape ``(n,)``."""
     vectors: FloatArray
-    """``(n, 2, modes)``."""
+    """Displacements and slopes of the nodes, kg^-1/2 and kg^-1/2 / m, shape ``(n, 2, modes)``."""
 
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """Shapes or their x-derivative, ``(modes, n)``."""
+        """Shapes or their x-derivative, shape ``(modes, n)``; see `lapjoint.answers.ModeShapes`."""
         return along(self.nodes, self.vectors, np.asarray(x, dtype=float), derivative).T
 
 
 def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> Modes:
-    """The lowest modes of a contact state, mass-normalised."""
+    """The lowest modes of a contact state, mass-normalised.
+
+    Parameters
+    ----------
+    solver : Solver
+        Its options.
+    problem : Problem
+        The joint.
+    state : ContactState
+        Which stops are closed.
+    count : int
+        How many modes.
+
+    Returns
+    -------
+    Modes
+        Angular frequencies, rad/s, ascending, and shapes, kg^-1/2.
+    """
     free = 2 * mesh(problem, solver.elements).size
     free -= sum(math.isinf(k) for s in problem.supports for k in (s.translational, s.torsional))
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= free:
@@ -57,7 +88,24 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
 
 
 def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
-    """The motion from rest."""
+    """The motion from rest.
+
+    Parameters
+    ----------
+    solver : Solver
+        Its options.
+    problem : Problem
+        One that `check_problem` accepts.
+    duration : float
+        Length of the motion, s.
+    progress : callable, optional
+        Called at the start and at the end with the time marched and the duration, s.
+
+    Returns
+    -------
+    History
+        From 0 to `duration`.
+    """
     if progress is not None:
         progress(0.0, duration)
     history = history_of(problem, solver.name, ask("motion", problem, solver.elements, duration, solver.dt))
@@ -67,7 +115,22 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
 
 
 def steady_state(solver: Solver, problem: Problem, progress: Progress | None) -> SteadyState:
-    """The motion that remains, as far as a march can tell."""
+    """The motion that remains, as far as a march can tell.
+
+    Parameters
+    ----------
+    solver : Solver
+        Its options.
+    problem : Problem
+        One that `check_problem` accepts, excited at one frequency.
+    progress : callable, optional
+        Called at the start with (0, 1) and at the end with (1, 1).
+
+    Returns
+    -------
+    SteadyState
+        UNDECIDED where the march did not come back; nothing is certified.
+    """
     if progress is not None:
         progress(0.0, 1.0)
     options = (solver.elements, solver.dt, solver.repeats, solver.max_period_multiple, solver.max_periods)

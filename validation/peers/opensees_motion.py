@@ -18,7 +18,24 @@ from validation.peers.opensees_script import Record
 
 
 def along(nodes: FloatArray, values: FloatArray, x: FloatArray, derivative: int) -> FloatArray:
-    """Displacement along the beam from ``(n, 2, m)`` nodal displacements and slopes, ``(x, m)``."""
+    """Displacement along the beam from nodal displacements and slopes.
+
+    Parameters
+    ----------
+    nodes : FloatArray, shape (k,)
+        Positions of the nodes, m.
+    values : FloatArray, shape (k, 2, m)
+        Displacements, m, and slopes, rad, of the nodes; m of each.
+    x : FloatArray, shape (n,)
+        Where, m.
+    derivative : int
+        Which derivative by x, 0 to 3.
+
+    Returns
+    -------
+    FloatArray, shape (n, m)
+        Displacement, m, or its derivative.
+    """
     # The third derivative jumps at nodes, where the left one is meant.
     at = np.maximum(np.nextafter(x, -np.inf), nodes[0]) if derivative == 3 else x
     return np.asarray(CubicHermiteSpline(nodes, values[:, 0], values[:, 1])(at, derivative))
@@ -38,7 +55,22 @@ class RecordedField:
 
 
 def contacts_of(problem: Problem, stop: int, record: Record) -> list[Contact]:
-    """The contacts of one stop."""
+    """The contacts of one stop.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    stop : int
+        Index of the stop.
+    record : Record
+        What OpenSees recorded.
+
+    Returns
+    -------
+    list of Contact
+        By time; those cut by the ends of the record are marked as open there.
+    """
     this, start, end = problem.stops[stop], record.times[0], record.times[-1]
     node = int(np.argmin(np.abs(record.nodes - this.x)))
     beyond = CubicHermiteSpline(
@@ -58,7 +90,22 @@ def contacts_of(problem: Problem, stop: int, record: Record) -> list[Contact]:
 
 
 def history_of(problem: Problem, name: str, record: Record) -> History:
-    """A record as the History that everybody reads."""
+    """A record as the History that everybody reads.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    name : str
+        Name and options of the solver.
+    record : Record
+        What OpenSees recorded.
+
+    Returns
+    -------
+    History
+        From the first recorded time to the last.
+    """
     stops = range(len(problem.stops))
     contacts = sorted((c for k in stops for c in contacts_of(problem, k, record)), key=lambda c: c.start)
     switches = sorted(

@@ -16,10 +16,10 @@ import numpy as np
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem, Support, ViscousDamping
 
-FAR = 1e3  # m: where the gap springs' law ends
-_Z, _TURN = 2, 3  # degrees of freedom of a node in a plane: along x, across, rotation
-_SPRING_DIRECTION = {_Z: 2, _TURN: 6}  # as zeroLength counts them
-_NEARLY = 1e3  # distances below this many times the tolerance are on their way to it
+FAR = 1e3  # m: where the law of the gap springs ends, far beyond any motion
+_Z, _ROTATION = 2, 3  # degrees of freedom of a node in a plane are counted: 1 along x, 2 across, 3 rotation
+_SPRING_DIRECTION = {_Z: 2, _ROTATION: 6}  # as zeroLength counts them
+_NEARLY = 1e3  # times the tolerance: distances that are nearer may still be on their way to it
 _SPRINGS = 10_000  # tags of springs and of their ground nodes start here
 
 
@@ -28,17 +28,30 @@ class Record:
     """What was recorded at every step: displacements and slopes of all nodes, and their rates."""
 
     nodes: FloatArray
-    """Positions, m, ``(n,)``."""
+    """Positions, m, shape ``(n,)``."""
     times: FloatArray
-    """s, ``(m,)``."""
+    """s, shape ``(m,)``."""
     values: FloatArray
-    """``(m, n, 2)``: displacement and slope."""
+    """Displacements, m, and slopes, rad, shape ``(m, n, 2)``."""
     rates: FloatArray
-    """``(m, n, 2)``."""
+    """Their rates, m/s and rad/s, shape ``(m, n, 2)``."""
 
 
 def mesh(problem: Problem, elements: int) -> FloatArray:
-    """About `elements` equal elements, with a node at every support and stop."""
+    """About `elements` equal elements, with a node at every support and stop.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    elements : int
+        About how many.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        Positions of the nodes, m, ascending.
+    """
     L = problem.beam.length
     fixed = sorted({0.0, L, *(s.x for s in problem.supports), *(s.x for s in problem.stops)})
     cuts = [np.linspace(a, b, max(1, round(elements * (b - a) / L)) + 1)[:-1] for a, b in itertools.pairwise(fixed)]
@@ -75,18 +88,29 @@ class Model:
             ops.element("elasticBeamColumn", e, e, e + 1, 1.0, beam.EI, 1.0, 1, "-mass", beam.m, "-cMass")
         rigid: dict[int, set[int]] = {}
         for support in self.problem.supports:
-            held = rigid.setdefault(self.node_at(support.x), set())
-            held |= {d for d, k in ((_Z, support.translational), (_TURN, support.torsional)) if math.isinf(k)}
+            fixed = rigid.setdefault(self.node_at(support.x), set())
+            fixed |= {d for d, k in ((_Z, support.translational), (_ROTATION, support.torsional)) if math.isinf(k)}
         for i in range(self.nodes.size):
-            held = rigid.get(i, set())
-            ops.fix(i, 1, int(_Z in held), int(_TURN in held))
+            fixed = rigid.get(i, set())
+            ops.fix(i, 1, int(_Z in fixed), int(_ROTATION in fixed))
 
     def node_at(self, x: float) -> int:
-        """The node at a support or stop."""
+        """The node at a support or stop.
+
+        Parameters
+        ----------
+        x : float
+            Its position, m.
+
+        Returns
+        -------
+        int
+            Tag of the node.
+        """
         return int(np.argmin(np.abs(self.nodes - x)))
 
     def _support(self, support: Support) -> None:
-        for direction, k in ((_Z, support.translational), (_TURN, support.torsional)):
+        for direction, k in ((_Z, support.translational), (_ROTATION, support.torsional)):
             if 0 < k < math.inf:
                 self._spring(support.x, direction, "Elastic", k)
 
@@ -99,7 +123,13 @@ class Model:
         ops.element("zeroLength", tag, tag, node, "-mat", tag, "-dir", _SPRING_DIRECTION[direction])
 
     def close(self, state: ContactState) -> None:
-        """Tie the beam to the springs of the closed stops."""
+        """Tie the beam to the springs of the closed stops.
+
+        Parameters
+        ----------
+        state : ContactState
+            Which stops are closed.
+        """
         for k in state.closed:
             self._spring(self.problem.stops[k].x, _Z, "Elastic", self.problem.stops[k].stiffness)
 
@@ -128,11 +158,26 @@ class Model:
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Displacement and slope of all nodes, and their rates, each ``(n, 2)``."""
         ops, tags = self.ops, range(self.nodes.size)
-        values = [[ops.nodeDisp(i, _Z), ops.nodeDisp(i, _TURN)] for i in tags]
-        return np.array(values), np.array([[ops.nodeVel(i, _Z), ops.nodeVel(i, _TURN)] for i in tags])
+        values = [[ops.nodeDisp(i, _Z), ops.nodeDisp(i, _ROTATION)] for i in tags]
+        return np.array(values), np.array([[ops.nodeVel(i, _Z), ops.nodeVel(i, _ROTATION)] for i in tags])
 
     def march(self, start: float, steps: int, dt: float) -> Record:
-        """Steps from where the model is, at time `start`, which is recorded too."""
+        """Steps from where the model is, at time `start`, which is recorded too.
+
+        Parameters
+        ----------
+        start : float
+            Time now, s.
+        steps : int
+            How many.
+        dt : float
+            Length of each, s.
+
+        Returns
+        -------
+        Record
+            Of ``steps + 1`` times.
+        """
         states = [self.state()]
         for i in range(steps):
             if self.ops.analyze(1, dt) != 0:
@@ -143,7 +188,7 @@ class Model:
         return Record(self.nodes, times, values, rates)
 
 
-_ANALYSIS = (
+_ANALYSIS = (  # Newmark's average acceleration; increments down to 1e-12, within 20 steps of Newton's method
     ("constraints", "Plain"),
     ("numberer", "Plain"),
     ("system", "BandGeneral"),
@@ -157,17 +202,55 @@ _ANALYSIS = (
 def eigen(
     problem: Problem, elements: int, state: ContactState, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Node positions, angular frequencies ``(count,)`` and eigenvectors ``(count, n, 2)`` of a contact state."""
+    """Frequencies and eigenvectors of a contact state.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    elements : int
+        About how many.
+    state : ContactState
+        Which stops are closed.
+    count : int
+        How many modes.
+
+    Returns
+    -------
+    nodes : FloatArray, shape (n,)
+        Positions of the nodes, m.
+    omega : FloatArray, shape (count,)
+        Angular frequencies, rad/s, ascending.
+    vectors : FloatArray, shape (count, n, 2)
+        Displacements and slopes of the nodes, of any size.
+    """
     model = Model(problem, elements)
     model.close(state)
     found = np.array(model.ops.eigen("-fullGenLapack", count))
     tags, order = range(model.nodes.size), np.argsort(found)
-    vectors = [[[model.ops.nodeEigenvector(i, int(k) + 1, d) for d in (_Z, _TURN)] for i in tags] for k in order]
+    vectors = [[[model.ops.nodeEigenvector(i, int(k) + 1, d) for d in (_Z, _ROTATION)] for i in tags] for k in order]
     return model.nodes, np.sqrt(np.maximum(found[order], 0.0)), np.array(vectors)
 
 
 def motion(problem: Problem, elements: int, duration: float, dt: float) -> Record:
-    """The motion from rest, in equal steps no longer than `dt`."""
+    """The motion from rest, in equal steps no longer than `dt`.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    elements : int
+        About how many.
+    duration : float
+        Length of the motion, s.
+    dt : float
+        Longest step, s.
+
+    Returns
+    -------
+    Record
+        From 0 to `duration`.
+    """
     steps = math.ceil(duration / dt * (1 - 1e-12))
     return _shaken(problem, elements).march(0.0, steps, duration / steps)
 
@@ -175,7 +258,32 @@ def motion(problem: Problem, elements: int, duration: float, dt: float) -> Recor
 def settled(
     problem: Problem, elements: int, dt: float, repeats: float, max_period_multiple: int, max_periods: int
 ) -> tuple[int, float, Record]:
-    """Period multiple (0: not settled), residual, and the record of the last so many periods (at least one)."""
+    """March from rest until the motion comes back to itself.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint; its excitation has one frequency.
+    elements : int
+        About how many.
+    dt : float
+        Longest step, s.
+    repeats : float
+        Distance at which a motion counts as having come back, over its size.
+    max_period_multiple : int
+        Longest motion looked for, in excitation periods.
+    max_periods : int
+        Most excitation periods marched.
+
+    Returns
+    -------
+    multiple : int
+        Excitation periods after which the motion repeats; 0 if it did not settle.
+    residual : float
+        How closely it came back, over its size.
+    record : Record
+        Of the last so many periods, one at least.
+    """
     period, model = problem.require_excitation_period("steady state"), _shaken(problem, elements)
     steps = 2 * math.ceil(period / dt / 2)  # even, so that a mirrored motion is so on the steps too
     residual, last = math.inf, list[Record]()

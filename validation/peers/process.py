@@ -20,14 +20,23 @@ _LAST_WORDS = 300  # characters of what a crashed process said that are worth re
 
 
 def in_another_process(function: str, arguments: tuple[Any, ...], program: str, hint: str) -> Any:
-    """The result of `function`, ``module:name``, with these arguments.
+    """The result of a function that is run in another process.
 
     Parameters
     ----------
+    function : str
+        Which function, as ``module:name``.
+    arguments : tuple
+        Its arguments, which go through pickle.
     program : str
         What runs there, for messages.
     hint : str
         How to install it.
+
+    Returns
+    -------
+    Any
+        What the function returns.
 
     Raises
     ------

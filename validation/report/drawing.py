@@ -18,7 +18,22 @@ COLOURS = {"analytic": PALETTE[0], "fe": PALETTE[1], "paper": "#666666", "third"
 
 
 def draw(title: str, paint: Callable[[Axes], object], *, width: float = PAGE_WIDTH, height: float = 3.4) -> Drawing:
-    """A figure of one Axes that `paint` fills."""
+    """A figure of one Axes that `paint` fills.
+
+    Parameters
+    ----------
+    title : str
+        What the figure is called, for readers who do not see it too.
+    paint : callable
+        Draws on the axes that it is given.
+    width, height : float
+        Size, inches.
+
+    Returns
+    -------
+    Drawing
+        The figure as SVG.
+    """
     axes = new_axes(width, height)
     with style():
         paint(axes)
@@ -26,5 +41,18 @@ def draw(title: str, paint: Callable[[Axes], object], *, width: float = PAGE_WID
 
 
 def drawing(title: str, axes: Axes | Sequence[Axes]) -> Drawing:
-    """The figure of these axes, one or several."""
+    """The figure of these axes, one or several.
+
+    Parameters
+    ----------
+    title : str
+        What the figure is called, for readers who do not see it too.
+    axes : Axes or sequence of Axes
+        All of one figure.
+
+    Returns
+    -------
+    Drawing
+        The figure as SVG.
+    """
     return Drawing(title, svg_of(axes).replace("<svg ", f'<svg role="img" aria-label="{html.escape(title)}" ', 1))

@@ -72,7 +72,18 @@ class View:
         return counts(self.result)
 
     def evidence(self, verdict: Verdict) -> str:
-        """Anchor of what a count of verdicts stands for."""
+        """Anchor of what a count of verdicts stands for.
+
+        Parameters
+        ----------
+        verdict : Verdict
+            Which comparisons are counted.
+
+        Returns
+        -------
+        str
+            The anchor.
+        """
         if verdict is not Verdict.AGREE:
             return f"{self.anchor}-findings"
         return f"{self.anchor}-{'checks' if self.result.checks else 'criteria'}"
@@ -125,19 +136,54 @@ def _worst_first(items: Sequence[Any]) -> list[tuple[int, Any]]:
 
 
 def views(results: Sequence[CaseResult]) -> list[View]:
-    """Each case with an anchor of its own."""
+    """Each case with an anchor of its own.
+
+    Parameters
+    ----------
+    results : sequence of CaseResult
+        In the order in which they are shown.
+
+    Returns
+    -------
+    list of View
+        In the same order.
+    """
     anchors = distinct([f"case {result.name}" for result in results])
     return [View(result, anchor) for result, anchor in zip(results, anchors, strict=True)]
 
 
 def own_ids(svg: str, prefix: str) -> str:
-    """An SVG whose ids, and references to them, carry a prefix."""
+    """An SVG whose ids, and references to them, carry a prefix.
+
+    Parameters
+    ----------
+    svg : str
+        The drawing.
+    prefix : str
+        What goes before each id, with a hyphen.
+
+    Returns
+    -------
+    str
+        The drawing, changed.
+    """
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)
     return re.sub(r'(href="#|url\(#)([^")]+)', rf"\1{prefix}-\2", svg)
 
 
 def sentence(results: Sequence[CaseResult]) -> str:
-    """The verdict on everything, in a sentence."""
+    """The verdict on everything, in a sentence.
+
+    Parameters
+    ----------
+    results : sequence of CaseResult
+        All cases.
+
+    Returns
+    -------
+    str
+        One sentence, or two.
+    """
     found = {v: sum(counts(result)[v] for result in results) for v in VERDICTS}
     total, differ, named = sum(found.values()), found[Verdict.DISAGREE], found[Verdict.EXPLAINED]
     if not total:
@@ -152,7 +198,20 @@ def sentence(results: Sequence[CaseResult]) -> str:
 
 
 def significant(value: float, uncertainty: float) -> str:
-    """A number down to the first digit of its uncertainty."""
+    """A number down to the first digit of its uncertainty.
+
+    Parameters
+    ----------
+    value : float
+        In any unit.
+    uncertainty : float
+        In the same unit; 0 or not finite: nine digits are written.
+
+    Returns
+    -------
+    str
+        The number with 2 to 15 digits.
+    """
     digits = 9
     if value and math.isfinite(value) and uncertainty > 0 and math.isfinite(uncertainty):
         digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(uncertainty)) + 1
@@ -161,7 +220,20 @@ def significant(value: float, uncertainty: float) -> str:
 
 
 def short(value: float, digits: int = 2) -> str:
-    """A number to two digits or so; whole ones below 100000 are written out."""
+    """A number to two digits or so; whole ones below 100000 are written out.
+
+    Parameters
+    ----------
+    value : float
+        In any unit.
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+        The number, with a sign of infinity where it is infinite.
+    """
     if math.isinf(value):
         return "∞" if value > 0 else "-∞"
     if math.isfinite(value) and 10 ** (digits - 1) <= abs(value) < 1e5:
@@ -170,7 +242,22 @@ def short(value: float, digits: int = 2) -> str:
 
 
 def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str, Any]) -> str:
-    """The page as HTML."""
+    """The page as HTML.
+
+    Parameters
+    ----------
+    shown : sequence of View
+        The cases, in the order in which they are shown.
+    overall : mapping of str to Sheet
+        Tables of all cases: ``summary``, ``kinds`` and ``budget``.
+    about : mapping of str to Any
+        Level, run time, date, machine and versions; the problem, where there was one.
+
+    Returns
+    -------
+    str
+        One document, that needs no other file.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(

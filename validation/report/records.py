@@ -15,7 +15,18 @@ VERDICTS = (Verdict.DISAGREE, Verdict.EXPLAINED, Verdict.AGREE)
 
 
 def case_record(result: CaseResult) -> dict[str, Any]:
-    """A case for ``report.json``."""
+    """A case for ``report.json``.
+
+    Parameters
+    ----------
+    result : CaseResult
+        The case.
+
+    Returns
+    -------
+    dict
+        Plain data.
+    """
     return {
         "name": result.name,
         "title": result.title,
@@ -30,7 +41,18 @@ def case_record(result: CaseResult) -> dict[str, Any]:
 
 
 def check_record(check: Check) -> dict[str, Any]:
-    """A check for ``report.json``."""
+    """A check for ``report.json``.
+
+    Parameters
+    ----------
+    check : Check
+        The check.
+
+    Returns
+    -------
+    dict
+        Plain data; numbers that are not finite are None.
+    """
     return {
         "name": check.name,
         "unit": check.unit,
@@ -47,7 +69,18 @@ def check_record(check: Check) -> dict[str, Any]:
 
 
 def criterion_record(criterion: Criterion) -> dict[str, Any]:
-    """A criterion for ``report.json``."""
+    """A criterion for ``report.json``.
+
+    Parameters
+    ----------
+    criterion : Criterion
+        The criterion.
+
+    Returns
+    -------
+    dict
+        Plain data; numbers that are not finite are None.
+    """
     return {
         "name": criterion.name,
         "unit": criterion.unit,
@@ -60,7 +93,18 @@ def criterion_record(criterion: Criterion) -> dict[str, Any]:
 
 
 def finite(value: float) -> float | None:
-    """A number that JSON knows, or none."""
+    """A number that JSON knows, or none.
+
+    Parameters
+    ----------
+    value : float
+        Any number.
+
+    Returns
+    -------
+    float or None
+        None where the number is not finite.
+    """
     return value if math.isfinite(value) else None
 
 
@@ -75,7 +119,20 @@ def _estimate(estimate: Estimate) -> dict[str, Any]:
 
 
 def checks_sheet(result: CaseResult, name: str) -> Sheet:
-    """All checks of a case, to the last digit."""
+    """All checks of a case, to the last digit.
+
+    Parameters
+    ----------
+    result : CaseResult
+        The case.
+    name : str
+        Name of the files.
+
+    Returns
+    -------
+    Sheet
+        A row for each check.
+    """
     numbers = ("", ": uncertainty", ": kind", ": how obtained")
     columns = (
         *("quantity", "unit", "verdict"),
@@ -94,25 +151,71 @@ def _check_row(check: Check) -> tuple[Cell, ...]:
 
 
 def criteria_sheet(result: CaseResult, name: str) -> Sheet:
-    """All criteria of a case."""
+    """All criteria of a case.
+
+    Parameters
+    ----------
+    result : CaseResult
+        The case.
+    name : str
+        Name of the files.
+
+    Returns
+    -------
+    Sheet
+        A row for each criterion.
+    """
     columns = ("criterion", "unit", "verdict", "value", "from", "to", "reason")
     rows = [(c.name, c.unit, c.verdict.value, c.value, c.low, c.high, c.reason) for c in result.criteria]
     return Sheet(name, f"Criteria: {result.title}", columns, tuple(rows))
 
 
 def counts(result: CaseResult) -> dict[Verdict, int]:
-    """Number of comparisons of each verdict, worst first."""
+    """Number of comparisons of each verdict, worst first.
+
+    Parameters
+    ----------
+    result : CaseResult
+        The case.
+
+    Returns
+    -------
+    dict of Verdict to int
+        All verdicts, also those that nothing has.
+    """
     return {verdict: sum(item.verdict is verdict for item in result.items) for verdict in VERDICTS}
 
 
 def tightest(result: CaseResult) -> Check | None:
-    """The check with the largest difference over allowed, of those that are not explained."""
+    """The check with the largest difference over allowed, of those that are not explained.
+
+    Parameters
+    ----------
+    result : CaseResult
+        The case.
+
+    Returns
+    -------
+    Check or None
+        None where there is no such check; a NaN only where there is nothing else.
+    """
     judged = [check for check in result.checks if check.verdict is not Verdict.EXPLAINED]
     return max(judged, key=lambda check: -1.0 if math.isnan(check.used) else check.used, default=None)
 
 
 def summary_sheet(results: Sequence[CaseResult]) -> Sheet:
-    """A row for each case."""
+    """A row for each case.
+
+    Parameters
+    ----------
+    results : sequence of CaseResult
+        All cases.
+
+    Returns
+    -------
+    Sheet
+        Verdict, counts, largest difference over allowed, and run time, s.
+    """
     rows: list[tuple[Cell, ...]] = []
     for result in results:
         worst, found = tightest(result), counts(result)
@@ -123,7 +226,18 @@ def summary_sheet(results: Sequence[CaseResult]) -> Sheet:
 
 
 def kinds_sheet(results: Sequence[CaseResult]) -> Sheet:
-    """Number of checks of each kind of reference, by verdict; criteria are counted as such."""
+    """Number of checks of each kind of reference, by verdict; criteria are counted as such.
+
+    Parameters
+    ----------
+    results : sequence of CaseResult
+        All cases.
+
+    Returns
+    -------
+    Sheet
+        A row for each kind.
+    """
     found: dict[str, list[Verdict]] = {}
     for result in results:
         for check in result.checks:

@@ -62,13 +62,37 @@ class Sheet:
 
 
 def slug(text: str, longest: int = 48) -> str:
-    """A name for files and anchors: lower-case letters, digits and hyphens, never empty."""
+    """A name for files and anchors: lower-case letters, digits and hyphens, never empty.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+    longest : int
+        Most characters.
+
+    Returns
+    -------
+    str
+        The name; ``x`` where nothing of the text is left.
+    """
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
     return re.sub(r"[^a-z0-9]+", "-", plain.lower())[:longest].strip("-") or "x"
 
 
 def distinct(names: Sequence[str]) -> list[str]:
-    """The slugs of the names, numbered where they meet."""
+    """The slugs of the names, numbered where they meet.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Any texts.
+
+    Returns
+    -------
+    list of str
+        As many, all different.
+    """
     found: list[str] = []
     for name in names:
         base, tag, count = slug(name), slug(name), 1
@@ -80,7 +104,15 @@ def distinct(names: Sequence[str]) -> list[str]:
 
 
 def write_sheets(sheets: Sequence[Sheet], output: Path) -> None:
-    """Write all sheets into the folder `tables`, and remove those that an earlier report left there."""
+    """Write all sheets into the folder `tables`, and remove those that an earlier report left there.
+
+    Parameters
+    ----------
+    sheets : sequence of Sheet
+        Their names are all different.
+    output : Path
+        An existing directory.
+    """
     folder = output / FOLDER
     folder.mkdir(exist_ok=True)
     for name in _left_behind(folder):

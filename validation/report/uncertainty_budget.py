@@ -15,7 +15,18 @@ from validation.verdict import Check
 
 
 def shares(check: Check) -> dict[str, float]:
-    """Share of each source in the combined uncertainty squared, largest first; empty where there is none."""
+    """Share of each source in the combined uncertainty squared, largest first; empty where there is none.
+
+    Parameters
+    ----------
+    check : Check
+        The check.
+
+    Returns
+    -------
+    dict of str to float
+        The shares, without unit, which add up to 1.
+    """
     whole = check.allowed**2
     if not (math.isfinite(whole) and whole > 0):
         return {}
@@ -27,12 +38,36 @@ def shares(check: Check) -> dict[str, float]:
 
 
 def sources(checks: Sequence[Check]) -> tuple[str, ...]:
-    """All sources of some checks, in the order in which they first appear."""
+    """All sources of some checks, in the order in which they first appear.
+
+    Parameters
+    ----------
+    checks : sequence of Check
+        The checks.
+
+    Returns
+    -------
+    tuple of str
+        Their names.
+    """
     return tuple(dict.fromkeys(source for check in checks for source in shares(check)))
 
 
 def budget_sheet(result: CaseResult, name: str) -> Sheet:
-    """Shares of each source, check by check, in percent."""
+    """Shares of each source, check by check, in percent.
+
+    Parameters
+    ----------
+    result : CaseResult
+        The case.
+    name : str
+        Name of the files.
+
+    Returns
+    -------
+    Sheet
+        A row for each check.
+    """
     columns = sources(result.checks)
     rows: list[tuple[Cell, ...]] = []
     for check in result.checks:
@@ -47,7 +82,18 @@ def budget_sheet(result: CaseResult, name: str) -> Sheet:
 
 
 def overall_sheet(results: Sequence[CaseResult]) -> Sheet:
-    """For each case and source: in how many quantities it has a part, in how many it leads, and its largest share."""
+    """For each case and source: in how many quantities it has a part, in how many it leads, and its largest share.
+
+    Parameters
+    ----------
+    results : sequence of CaseResult
+        All cases.
+
+    Returns
+    -------
+    Sheet
+        A row for each case and source.
+    """
     rows: list[tuple[Cell, ...]] = []
     for result in results:
         found = [shares(check) for check in result.checks]
