@@ -14,7 +14,31 @@ from lapjoint.solver import Progress
 def simulate(
     problem: Problem, name: str, counts: tuple[int, int], duration: float, progress: Progress | None
 ) -> History:
-    """The motion from the initial state; `counts` are the modes in the free state and in every other."""
+    """The motion from the initial state.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    name : str
+        Name and options of the solver.
+    counts : tuple of int
+        Numbers of modes: in the free state, and in every other.
+    duration : float
+        How long, s.
+    progress : callable or None
+        Called with (done, total), in the same unit.
+
+    Returns
+    -------
+    History
+        The motion from 0 to `duration`, with its contacts.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
     joint = Joint(problem, *counts)
     if problem.excitation_frequency is not None:
         return PeriodMap(joint, name).simulated(duration, progress)

@@ -24,7 +24,7 @@ from lapjoint.solver import Progress
 
 @dataclass(frozen=True)
 class PeriodMap:
-    """See `lapjoint.orbits.PeriodMap`.
+    """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
 
     A section point holds (q, v) in the modes of its contact state, and so do deviations from it.  What the modes of
     another state cannot carry is lost on the way there, so the map jumps, by truncation, where the order of two
@@ -48,7 +48,7 @@ class PeriodMap:
 
     @cached_property
     def slowest_decay(self) -> float:
-        """Least decay of a mode of the joint without contact, 1/s; 0 without damping."""
+        """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
         decay = self.joint.modal(FREE).decay
         return float(decay[decay > 0].min()) if (decay > 0).any() else 0.0
 
@@ -62,7 +62,7 @@ class PeriodMap:
         return _section_point(started(self.joint))
 
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """March on, piece by piece of a period."""
+        """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         whole, half = divmod(half_periods, 2)
         found = march_periods(self.joint, _coordinates(start), self.period, whole)
         end, penetration, switches = found.end, found.penetration, found.switches
@@ -73,43 +73,56 @@ class PeriodMap:
         return Passage(_section_point(end), self._impulses(penetration), switches)
 
     def history(self, start: SectionPoint, periods: int) -> History:
-        """The march with its contacts."""
+        """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(_coordinates(start), [self.period] * periods, None)
 
     def simulated(self, duration: float, progress: Progress | None) -> History:
-        """The motion from the initial state over any duration, s, in the same pieces as the search marches."""
+        """The motion from the initial state, in the same pieces as the search marches.
+
+        Parameters
+        ----------
+        duration : float
+            How long, s.
+        progress : callable or None
+            Called with (pieces done, pieces in all).
+
+        Returns
+        -------
+        History
+            The motion from 0 to `duration`, with its contacts.
+        """
         whole = int(duration / self.period * (1 + 1e-12))
         left = duration - whole * self.period
         pieces = [self.period] * whole + [left] * (left > 1e-12 * duration)
         return self._recorded(started(self.joint), pieces, progress)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
-        """(q, v) of a point less that of `origin`, in the modes of the latter's contact state."""
+        """Deviation, as (q, v) in the modes of `origin`. See `lapjoint.orbits.PeriodMap.difference`."""
         if point.state == origin.state:
             return (point.coordinates - origin.coordinates).ravel()
         return translated(self.joint, _coordinates(point), origin.state).y - origin.coordinates.ravel()
 
     def norm(self, deviation: FloatArray) -> float:
-        """Of displacements, and of velocities over the excitation frequency."""
+        """|q| + |v| / omega, kg^1/2 m. See `lapjoint.orbits.PeriodMap.norm`."""
         n = deviation.size // 2
         q, v = deviation[:n], deviation[n:]
         return math.sqrt(q @ q) + math.sqrt(v @ v) * self.period / (2 * math.pi)
 
     def size(self, point: SectionPoint) -> float:
-        """Norm of the coordinates."""
+        """Norm of the coordinates. See `lapjoint.orbits.PeriodMap.size`."""
         return self.norm(point.coordinates.ravel())
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
-        """Moved in the modes of its contact state, then in those of the state that the gaps have it in."""
+        """The point moved, in its modes, stops as its gaps have them. See `lapjoint.orbits.PeriodMap.moved`."""
         return self.adopted(SectionPoint(origin.state, origin.coordinates + deviation.reshape(2, -1)))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
-        """The mirror image; the modes of a state and of its mirror image are the same."""
+        """The mirror image; its state has the same modes. See `lapjoint.orbits.PeriodMap.mirrored`."""
         assert self._twins is not None
         return SectionPoint(ContactState(tuple(self._twins[k] for k in point.state.closed)), -point.coordinates)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
-        """A point with other numbers of modes, or of other gaps."""
+        """A point with other numbers of modes, or of other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
         known = all(k < len(self.problem.stops) for k in point.state.closed)
         coordinates = np.asarray(point.coordinates, dtype=float)
         if point.nodes is not None or coordinates.ndim != 2 or coordinates.shape[0] != 2 or not known:
@@ -119,7 +132,7 @@ class PeriodMap:
         return _section_point(resumed(self.joint, point))
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on and carry all deviations along."""
+        """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
         begin, duration = _coordinates(start), half_periods * self.period / 2
         end, matrix = march_linearised(self.joint, begin, duration, np.eye(start.coordinates.size))
         if end.state != start.state:
@@ -129,12 +142,13 @@ class PeriodMap:
         return Linearised(_section_point(end), matrix, lambda: _segments(march(self.joint, begin, 0.0, duration)))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on and carry one deviation along."""
+        """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         found = measure_growth(self.joint, _coordinates(start), deviation, self.period, periods)
         points = tuple(_section_point(point) for point in found.sections)
         return Followed(points, self._impulses(found.penetration), found.switches, found.growth, found.deviation)
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
+        """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(P,)``."""
         return np.array([stop.sign * stop.stiffness for stop in self.problem.stops]) * penetration
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
@@ -166,7 +180,7 @@ def _section_point(point: Coordinates) -> SectionPoint:
 
 
 def _segments(motion: March) -> tuple[Segment, ...]:
-    """The motion in the ground's own words."""
+    """A recorded motion as the search takes it."""
     return tuple(
         Segment(
             start=one.start,

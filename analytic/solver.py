@@ -19,7 +19,7 @@ from lapjoint.solver import Progress
 if TYPE_CHECKING:
     from analytic.period_map import PeriodMap
 
-MOST_MODES = 500
+MOST_MODES = 500  # in a contact state; work and memory grow with the square of the number
 
 
 @dataclass(frozen=True)
@@ -79,10 +79,20 @@ class Solver:
         return f"analytic ({', '.join(given) or f'modes by criterion {self.tolerance:g}'})"
 
     def refined(self, factor: float) -> Solver:
-        """The same solver with its numbers of modes multiplied by `factor`, or a tighter criterion.
+        """The same solver with more modes, or with a tighter criterion for their number.
 
         The error falls with about the sixth power of the number of modes, so a criterion is tightened by
         ``factor**6``.
+
+        Parameters
+        ----------
+        factor : float
+            How many times as many modes.
+
+        Returns
+        -------
+        Solver
+            With the other options as they are.
         """
 
         def more(value: int | None) -> int | None:
@@ -97,7 +107,18 @@ class Solver:
         )
 
     def mode_counts(self, problem: Problem) -> tuple[int, int]:
-        """Numbers of modes used for `problem`: in the free state, and in every other."""
+        """Numbers of modes used for a problem.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        int, int
+            In the free state, and in every other.
+        """
         common = self.n_modes
         if common is None and (self.free_modes is None or self.contact_modes is None):
             from analytic.modes.mode_count import default_count
@@ -107,7 +128,21 @@ class Solver:
         return self.free_modes or common or 0, self.contact_modes or common or 0
 
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
-        """The lowest `count` modes of a contact state, exact to rounding.
+        """The lowest modes of a contact state, exact to rounding.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+        state : ContactState
+            The stops that are closed.
+        count : int
+            How many modes.
+
+        Returns
+        -------
+        Modes
+            Angular frequencies, rad/s, and mass-normalised shapes, kg^-1/2.
 
         Raises
         ------
@@ -121,7 +156,21 @@ class Solver:
         return Modes(state, found.omega, found.shapes)
 
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
-        """The motion from the initial state over `duration` seconds.
+        """The motion from the initial state.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+        duration : float
+            How long, s.
+        progress : callable, optional
+            Called with (done, total), in the same unit.
+
+        Returns
+        -------
+        History
+            The motion from 0 to `duration`, with its contacts.
 
         Raises
         ------
@@ -144,20 +193,29 @@ class Solver:
         sensitivity: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
-        """The motion that remains when the march from the initial state has settled; see `analytic.steady`.
+        """The motion that the march from the initial state, or from `start`, leads to; see `lapjoint.orbits`.
 
         Parameters
         ----------
+        problem : Problem
+            What is solved; its excitation has one frequency.
         start : SectionPoint, optional
-            Begin from the section of another steady state, found by this solver, rather than from the initial
-            state.  Modes that it lacks are at rest, and those that it has too many are left out.
+            Where to begin instead of at the initial state: a section point of this solver.  Modes that it lacks are at
+            rest, and those that it has too many are left out; a stop is closed at first where it is pressed.
         sensitivity : bool
             Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
+        progress : callable, optional
+            Called with the periods marched, and the most allowed.
+
+        Returns
+        -------
+        SteadyState
+            The motion, its certificate, and the impulses of the stops, N s a period.
 
         Raises
         ------
         InputError
-            If the excitation has no single frequency.
+            If the excitation has no single frequency, or `start` is no such section point.
         SolverError
             If the march cannot go on.
         """
@@ -168,6 +226,16 @@ class Solver:
 
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        PeriodMap
+            The period map with the numbers of modes of this solver.
 
         Raises
         ------
@@ -182,6 +250,19 @@ class Solver:
 
 
 def check_count(field: str, value: object) -> None:
-    """Raise an error unless `value` is a number of modes that can be had."""
+    """Raise an error unless a value is a number of modes that can be had.
+
+    Parameters
+    ----------
+    field : str
+        What the number is called in the message.
+    value : object
+        The value; it must be an integer from 1 to `MOST_MODES`.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_MODES:
         raise InputError(f"{field} = {value!r}: the analytic solver takes an integer from 1 to {MOST_MODES}")

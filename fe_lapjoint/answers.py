@@ -24,7 +24,29 @@ if TYPE_CHECKING:
 
 
 def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> Modes:
-    """The lowest modes of a contact state."""
+    """The lowest modes of a contact state.
+
+    Parameters
+    ----------
+    solver : Solver
+        The numerical options.
+    problem : Problem
+        What is solved.
+    state : ContactState
+        The stops that are closed.
+    count : int
+        How many modes, at most the number of degrees of freedom.
+
+    Returns
+    -------
+    Modes
+        Angular frequencies, rad/s, and mass-normalised shapes, kg^-1/2.
+
+    Raises
+    ------
+    InputError
+        If `count` exceeds the number of degrees of freedom.
+    """
     assembly = _assembly(solver, problem)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= assembly.free.size:
         raise InputError(f"count = {count!r}: allowed are 1 to {assembly.free.size}, the modes of this mesh")
@@ -33,7 +55,29 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
 
 
 def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
-    """The motion from the initial state."""
+    """The motion from the initial state.
+
+    Parameters
+    ----------
+    solver : Solver
+        The numerical options.
+    problem : Problem
+        What is solved.
+    duration : float
+        How long, s.
+    progress : callable or None
+        Called with (done, total), in the same unit.
+
+    Returns
+    -------
+    History
+        The motion from 0 to `duration`, with its contacts.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
     if problem.excitation_frequency is not None:
         return period_map(solver, problem).simulated(duration, progress)
     model = _model(solver, problem)
@@ -44,7 +88,20 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
 
 
 def period_map(solver: Solver, problem: Problem) -> PeriodMap:
-    """The period map of a problem whose excitation has one frequency."""
+    """The period map of a problem whose excitation has one frequency.
+
+    Parameters
+    ----------
+    solver : Solver
+        The numerical options; its `method` is "exact".
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    PeriodMap
+        The motion of the problem from section point to section point.
+    """
     return PeriodMap(_model(solver, problem), solver.name)
 
 

@@ -27,12 +27,12 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
-_TOUCHING = 1e-12  # of the gap: a stop that is nearer than this to its gap stays open or closed as it was
+_TOUCHING = 1e-12  # of the gap: a stop nearer to its gap than this keeps its contact state; rounding may be as large
 
 
 @dataclass(frozen=True)
 class PeriodMap:
-    """See `lapjoint.orbits.PeriodMap`."""
+    """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`."""
 
     model: Model
     name: str
@@ -54,7 +54,7 @@ class PeriodMap:
 
     @cached_property
     def slowest_decay(self) -> float:
-        """Least decay of a mode of the joint without contact, 1/s; 0 without damping."""
+        """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
         decay = self.model.system(FREE).decay
         return float(decay[decay > 0].min(initial=math.inf)) if (decay > 0).any() else 0.0
 
@@ -70,7 +70,7 @@ class PeriodMap:
         return self._section_point(state, initial_coordinates(assembly, self.model.system(state)))
 
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """March on, piece by piece of a period."""
+        """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         point, total, switches = start, np.zeros(len(self.problem.stops)), 0
         for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
             motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False)
@@ -80,11 +80,24 @@ class PeriodMap:
         return Passage(point, total, switches)
 
     def history(self, start: SectionPoint, periods: int) -> History:
-        """The march with its contacts."""
+        """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(start, [self.period] * periods, None)
 
     def simulated(self, duration: float, progress: Progress | None) -> History:
-        """The motion from the initial state over any duration, s, in the same pieces as the search marches."""
+        """The motion from the initial state, in the same pieces as the search marches.
+
+        Parameters
+        ----------
+        duration : float
+            How long, s.
+        progress : callable or None
+            Called with (pieces done, pieces in all).
+
+        Returns
+        -------
+        History
+            The motion from 0 to `duration`, with its contacts.
+        """
         whole = int(duration / self.period * (1 + 1e-12))
         left = duration - whole * self.period
         pieces = [self.period] * whole + [left] * (left > 1e-12 * duration)
@@ -100,32 +113,32 @@ class PeriodMap:
         return history_of(self.name, self.model, motions, self.period)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
-        """(q, q') of a point less that of `origin`, in the modes of the joint without contact."""
+        """Deviation, as (q, q') in the modes without contact. See `lapjoint.orbits.PeriodMap.difference`."""
         return self._free_modes((point.coordinates - origin.coordinates)[:, self.model.assembly.free])
 
     def norm(self, deviation: FloatArray) -> float:
-        """Of q, and of q' over the excitation frequency."""
+        """Root of |q|^2 + |q' / omega|^2, kg^1/2 m. See `lapjoint.orbits.PeriodMap.norm`."""
         q, v = deviation.reshape(2, -1)
         return math.hypot(float(np.linalg.norm(q)), float(np.linalg.norm(v)) / self.omega)
 
     def size(self, point: SectionPoint) -> float:
-        """Norm of the coordinates."""
+        """Norm of the coordinates. See `lapjoint.orbits.PeriodMap.size`."""
         return self.norm(self._free_modes(point.coordinates[:, self.model.assembly.free]))
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
-        """Moved, with the stops open or closed as the gaps then have it."""
+        """The point moved by a deviation, stops as its gaps have them. See `lapjoint.orbits.PeriodMap.moved`."""
         coordinates = origin.coordinates.copy()
         coordinates[:, self.model.assembly.free] += deviation.reshape(2, -1) @ self.model.system(FREE).vectors.T
         return self._settled(SectionPoint(origin.state, coordinates, origin.nodes))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
-        """The mirror image."""
+        """The mirror image, with every stop exchanged for its twin. See `lapjoint.orbits.PeriodMap.mirrored`."""
         assert self._twins is not None
         state = ContactState(tuple(self._twins[k] for k in point.state.closed))
         return SectionPoint(state, -point.coordinates, point.nodes)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
-        """A point of another mesh by its Hermite functions, or of other gaps."""
+        """A point of another mesh, by its Hermite functions, or gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
         assembly, stops = self.model.assembly, len(self.problem.stops)
         if point.nodes is None or point.coordinates.shape != (2, 2 * point.nodes.size):
             raise InputError("start: is no section point of a finite element solver")
@@ -143,7 +156,7 @@ class PeriodMap:
         return self._settled(SectionPoint(state, full, assembly.nodes))
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on and carry all deviations along."""
+        """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
         model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
         into = np.asarray(np.kron(np.eye(2), model.transfer(FREE, start.state)), dtype=float)
@@ -153,7 +166,7 @@ class PeriodMap:
         return Linearised(end, matrix, lambda: traced(model, motion, into))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on and carry one deviation along."""
+        """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         model, point, points, growth = self.model, start, [], np.zeros(periods)
         impulses, switches = np.zeros(len(self.problem.stops)), 0
         for i in range(periods):
@@ -170,7 +183,18 @@ class PeriodMap:
         return Followed(tuple(points), impulses, switches, growth, deviation)
 
     def modal(self, point: SectionPoint) -> FloatArray:
-        """(q, q') of a point in the modes of its contact state, shape ``(2 n,)``."""
+        """(q, q') of a section point in the modes of its contact state.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            A section point on this mesh.
+
+        Returns
+        -------
+        FloatArray, shape (2 n,)
+            kg^1/2 m and kg^1/2 m/s.
+        """
         assembly = self.model.assembly
         free = point.coordinates[:, assembly.free]
         return (free @ self.model.weighted(point.state)).ravel()
@@ -186,7 +210,7 @@ class PeriodMap:
         return SectionPoint(state, coordinates, assembly.nodes)
 
     def _settled(self, point: SectionPoint) -> SectionPoint:
-        """The same place with the contact state that its position implies."""
+        """The same displacements with the contact state that they imply."""
         model, assembly = self.model, self.model.assembly
         z = np.array([point.coordinates[0, 2 * assembly.node(stop.x)] for stop in self.problem.stops])
         depth = model.sign * z - model.gap

@@ -38,11 +38,11 @@ class Solver:
         "LSODA" or "DOP853".
         The mesh's highest frequency rises with the square of `elements`; explicit steps and LSODA then crawl.
     rtol, atol : float
-        Tolerances of the library methods.
+        Tolerances of the library methods: relative, and absolute in kg^1/2 m and kg^1/2 m/s.
     max_period_multiple : int
         Longest periodic motion looked for, in excitation periods.
     max_periods : int
-        Most excitation periods marched in search of a steady state, and at least 420 where an exponent is due.
+        Most excitation periods marched in search of a steady state; a stretch of 512 more where an exponent is due.
 
     Raises
     ------
@@ -77,7 +77,18 @@ class Solver:
         return f"FE ({mesh}, {self.method})"
 
     def refined(self, factor: float) -> Solver:
-        """The same solver with `factor` times the elements; each element of given nodes is split in as many."""
+        """The same solver on a finer mesh.
+
+        Parameters
+        ----------
+        factor : float
+            How many times as many elements; each element of given nodes is split in as many.
+
+        Returns
+        -------
+        Solver
+            With the other options as they are.
+        """
         elements = math.ceil(self.elements * factor)
         if self.nodes is None:
             return replace(self, elements=elements)
@@ -86,7 +97,21 @@ class Solver:
         return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
-        """The lowest `count` modes of a contact state on the mesh; frequencies from above, of order 4.
+        """The lowest modes of a contact state on the mesh; frequencies converge from above, with order 4.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+        state : ContactState
+            The stops that are closed.
+        count : int
+            How many modes.
+
+        Returns
+        -------
+        Modes
+            Angular frequencies, rad/s, and mass-normalised shapes, kg^-1/2.
 
         Raises
         ------
@@ -98,7 +123,21 @@ class Solver:
         return answers.modes(self, problem, state, count)
 
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
-        """The motion from the initial state over `duration` seconds.
+        """The motion from the initial state.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+        duration : float
+            How long, s.
+        progress : callable, optional
+            Called with (done, total), in the same unit.
+
+        Returns
+        -------
+        History
+            The motion from 0 to `duration`, with its contacts.
 
         Raises
         ------
@@ -121,17 +160,32 @@ class Solver:
         sensitivity: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
-        """The motion that the march from the initial state, or from `start`, leads to; see `fe_lapjoint.steady`.
+        """The motion that the march from the initial state, or from `start`, leads to; see `lapjoint.orbits`.
 
-        A `start` serves every problem whose mesh has the same number of degrees of freedom: frequency, amplitude,
-        gaps, stiffnesses and damping may differ, and a stop is closed at first where it is pressed.  On another
-        mesh it is not used, and the march begins from the problem's initial state.  With `sensitivity` the answer
-        says how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
+        Parameters
+        ----------
+        problem : Problem
+            What is solved; its excitation has one frequency.
+        start : SectionPoint, optional
+            Where to begin instead of at the initial state: a section point of a finite element solver for a beam of
+            the same length.  Frequency, amplitude, gaps, stiffnesses, damping and mesh may differ; a stop is closed at
+            first where it is pressed.
+        sensitivity : bool
+            Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
+        progress : callable, optional
+            Called with the periods marched, and the most allowed.
+
+        Returns
+        -------
+        SteadyState
+            The motion, its certificate, and the impulses of the stops, N s a period.
 
         Raises
         ------
         InputError
-            If the excitation has no single frequency, or `method` is not "exact".
+            If the excitation has no single frequency, `method` is not "exact", or `start` is no such section point.
+        SolverError
+            If the march cannot go on.
         """
         from lapjoint.orbits import Effort, find_steady_state
 
@@ -140,6 +194,16 @@ class Solver:
 
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        PeriodMap
+            The period map on the mesh of this solver.
 
         Raises
         ------

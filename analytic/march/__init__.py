@@ -1,10 +1,10 @@
 """The motion of a joint, state by state: from a section point to where it is some time later.
 
 `loads` and `oscillator` hold the forces and the answer of one mode to them, `modal_state` a contact state in modal
-form, `tables` its flat view, and `joint` the states that one problem has met.  `terms`, `step_bound`, `segment`,
-`switching` and `compiled` are the compiled march, from the inside out.  `march`, `periods`, `tangent`, `growth` and
-`gap_view` are what Python calls; `field` and `contacts` make a History of it; `initial_state` and `mirror` give section
-points.
+form, `tables` its flat view, `known_states` the states that a family of problems has met, and `joint` those of one
+problem.  `terms`, `step_bound`, `segment`, `switching` and `compiled` are the compiled march, from the inside out.
+`coordinates` says where a motion is; `march`, `periods`, `tangent`, `growth` and `gap_view` are what Python calls;
+`field` and `contacts` make a History of it; `initial_state` and `mirror` give states to start from.
 """
 
 from analytic.march.coordinates import Coordinates

@@ -7,7 +7,18 @@ from lapjoint.answers import Contact
 
 
 def contacts_of(motion: March) -> tuple[Contact, ...]:
-    """All contacts of a motion marched with `depth`, by start time."""
+    """All contacts of a motion that was marched with `depth`.
+
+    Parameters
+    ----------
+    motion : March
+        The motion, recorded.
+
+    Returns
+    -------
+    tuple of Contact
+        By start time.
+    """
     joint, log = motion.joint, motion.log
     found: list[Contact] = []
     going: dict[int, tuple[int, bool]] = dict.fromkeys(joint.state_in(int(log.slot[0])).closed, (0, True))

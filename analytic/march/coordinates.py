@@ -22,9 +22,20 @@ class Coordinates:
 
     @property
     def y(self) -> FloatArray:
-        """q and v in one array, shape ``(2 N,)``."""
+        """q, kg^1/2 m, and v, kg^1/2 m/s, in one array, shape ``(2 N,)``."""
         return np.concatenate([self.q, self.v])
 
     def moved(self, y: FloatArray) -> Coordinates:
-        """The same contact state with other coordinates ``y``, shape ``(2 N,)``."""
+        """The same contact state with other coordinates.
+
+        Parameters
+        ----------
+        y : FloatArray, shape (2 N,)
+            q, kg^1/2 m, and v, kg^1/2 m/s, in one array; it is copied.
+
+        Returns
+        -------
+        Coordinates
+            In that state.
+        """
         return Coordinates(self.state, y[: self.q.size].copy(), y[self.q.size :].copy())

@@ -59,7 +59,18 @@ class GapSegment:
 
 
 def gap_view(motion: March) -> list[GapSegment]:
-    """The segments of a recorded motion as exponential sums."""
+    """The segments of a recorded motion as sums of exponentials.
+
+    Parameters
+    ----------
+    motion : March
+        The motion, recorded.
+
+    Returns
+    -------
+    list of GapSegment
+        In the order of time.
+    """
     log, tables = motion.log, motion.joint.tables
     n, stops, harmonics = int(tables.modes[log.slot[0]]), tables.sign.size, tables.omega.size
     M, T = log.slot.size, int(tables.terms[log.slot].max())
@@ -100,20 +111,24 @@ def _view(
     A: ComplexArray,
     drift: FloatArray,
 ) -> None:
-    """Write the parts of `M` segments that hang on where each starts.
+    """Write the parts of ``M`` segments that depend on where each starts.
 
     Parameters
     ----------
     tables, log : Tables, Log
         The states of the joint, and the motion.
-    deviations : ndarray, shape (2 N, m)
+    deviations : FloatArray, shape (2 N, m)
         (dq, dv) at the start of the motion, as columns.
-    c, theta : ndarray, complex, shapes (M, T) and (M, H)
-        Take the amplitudes of the free terms and of the harmonics.
-    polynomial : ndarray, shape (M, P, 3)
+    c : ComplexArray, shape (M, T)
+        Takes the amplitudes of the free terms.
+    theta : ComplexArray, shape (M, H)
+        Takes the amplitudes of the harmonics.
+    polynomial : FloatArray, shape (M, P, 3)
         Takes the coefficients of 1, tau, tau^2.
-    A, drift : ndarray, shapes (M, T, m), complex, and (M, P, 2, m)
-        Take what the deviations do to the free terms and to the rigid-body modes.
+    A : ComplexArray, shape (M, T, m)
+        Takes what the deviations do to the free terms.
+    drift : FloatArray, shape (M, P, 2, m)
+        Takes what the deviations do to the rigid-body modes.
     """
     poly, at_positions = np.zeros((log.q.shape[1], 3)), np.zeros((tables.weight.shape[1], 3))
     now = deviations.copy()

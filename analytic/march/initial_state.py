@@ -22,7 +22,18 @@ _POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
 
 
 def initial_state(problem: Problem) -> ContactState:
-    """The stops that are closed at t = 0: beyond the gap, or at it and moving outwards."""
+    """The stops that are closed at t = 0: beyond the gap, or at it and moving outwards.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    ContactState
+        The stops that are closed.
+    """
     closed = []
     for i, stop in enumerate(problem.stops):
         x = np.array(stop.x)
@@ -34,7 +45,22 @@ def initial_state(problem: Problem) -> ContactState:
 
 
 def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
-    """Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at t = 0, each of shape ``(N,)``."""
+    """The initial state in modal coordinates.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    modes : NormalModes
+        ``N`` modes of the contact state at t = 0.
+
+    Returns
+    -------
+    FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m.
+    FloatArray, shape (N,)
+        Modal velocities, kg^1/2 m/s.
+    """
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
@@ -44,6 +70,7 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
 
 
 def _quadrature(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
+    """Positions, m, and weights, m, of the quadrature over the beam, each of shape ``(points,)``."""
     breaks = modes.shapes.nodes
     if isinstance(problem.initial, SampledShape):
         breaks = np.union1d(breaks, np.array(problem.initial.x))
@@ -59,18 +86,41 @@ def _quadrature(problem: Problem, modes: NormalModes) -> tuple[FloatArray, Float
 
 
 def started(joint: Joint) -> Coordinates:
-    """The coordinates of the initial state."""
+    """The coordinates of the initial state.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+
+    Returns
+    -------
+    Coordinates
+        In the contact state at t = 0.
+    """
     state = initial_state(joint.problem)
     return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes))
 
 
-def resumed(joint: Joint, section: SectionPoint) -> Coordinates:
-    """The coordinates of a section found before, in this joint: its numbers of modes and its gaps may be others.
+def resumed(joint: Joint, point: SectionPoint) -> Coordinates:
+    """The coordinates of a section point found before, whose numbers of modes and gaps may be others than this joint's.
 
-    Modes that the section lacks are at rest; those that it has too many are left out.
+    Modes that the point lacks are at rest; those that it has too many are left out.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+    point : SectionPoint
+        A section point of the analytic solver for a joint with the same stops, but for their gaps.
+
+    Returns
+    -------
+    Coordinates
+        In the contact state that the gaps of this joint imply.
     """
-    modal = joint.modal(section.state)
-    q, v = (_fitted(part, modal.size) for part in section.coordinates)
+    modal = joint.modal(point.state)
+    q, v = (_fitted(part, modal.size) for part in point.coordinates)
     theta = joint.harmonics.theta(0.0)
     loads = np.concatenate([[1.0], np.sin(theta)])
     z = modal.at_stops @ q + loads @ (modal.residual_at_stops * joint.sizes[:, None])
@@ -78,14 +128,29 @@ def resumed(joint: Joint, section: SectionPoint) -> Coordinates:
         tuple(
             k
             for k, stop in enumerate(joint.problem.stops)
-            if stop.sign * z[k] > stop.gap or (k in section.state and stop.sign * z[k] > stop.gap * (1 - TOUCHING))
+            if stop.sign * z[k] > stop.gap or (k in point.state and stop.sign * z[k] > stop.gap * (1 - TOUCHING))
         )
     )
-    return translated(joint, Coordinates(section.state, q, v), closed)
+    return translated(joint, Coordinates(point.state, q, v), closed)
 
 
 def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordinates:
-    """The same motion at a multiple of the period in the modes of another contact state."""
+    """The same motion, at a multiple of the period, in the modes of another contact state.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+    begin : Coordinates
+        Where the motion is.
+    state : ContactState
+        The state in whose modes it is wanted.
+
+    Returns
+    -------
+    Coordinates
+        In that state; what its modes cannot hold is left out.
+    """
     if state == begin.state:
         return begin
     passage, theta, omega = joint.passage(begin.state, state), joint.harmonics.theta(0.0), joint.harmonics.omega
@@ -97,6 +162,7 @@ def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordin
 
 
 def _fitted(values: FloatArray, size: int) -> FloatArray:
+    """`values`, cut or padded with 0 to the shape ``(size,)``."""
     result = np.zeros(size)
     common = min(size, values.size)
     result[:common] = values[:common]

@@ -29,7 +29,7 @@ from analytic.modes.static_residual import Residual
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
-_SPARE = 4  # slots made room for when there is no more: a switch or two lead to as many new states
+_SPARE = 4  # slots added when all are filled: a few, so that the tables are not copied for each new state
 
 
 class Joint:
@@ -40,6 +40,7 @@ class Joint:
     Parameters
     ----------
     problem : Problem
+        What is solved.
     free_modes, contact_modes : int
         Modes in the free state, and in every other.
     """
@@ -55,19 +56,63 @@ class Joint:
         self._fill_known(self._memory.known)
 
     def count(self, state: ContactState) -> int:
-        """Number of modes in a state."""
+        """Number of modes in a state.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        int
+            The number in the free state, or in every other.
+        """
         return count_in(state, self.counts)
 
     def modal(self, state: ContactState) -> ModalState:
-        """One contact state in modal form, for unit loads."""
+        """One contact state in modal form, for unit loads.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        ModalState
+            With as many modes as the joint has in this state.
+        """
         return modal_state(self.family, state, self.count(state))
 
     def residual(self, state: ContactState) -> Residual:
-        """The residual shapes of the loads as they are, m; the constant one first."""
+        """The residual shapes of the loads as they are.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        Residual
+            1 + H shapes, m, the one of the constant load first.
+        """
         return self.modal(state).residual.scaled(self.sizes)
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
-        """The map from one state to another, for the loads as they are."""
+        """The map from one state to another, for the loads as they are.
+
+        Parameters
+        ----------
+        old, new : ContactState
+            From which state to which.
+
+        Returns
+        -------
+        Passage
+            S, without unit, and S0 and Sh, kg^1/2 m.
+        """
         unit = passage(self.family, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
@@ -77,7 +122,18 @@ class Joint:
         return tuple(self._states)
 
     def slot(self, state: ContactState) -> int:
-        """Where a contact state is in the tables; it is given a slot if it has none."""
+        """Where a contact state is in the tables; it is given a slot if it has none.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        int
+            The slot.
+        """
         if state not in self._slots:
             if len(self._states) == self.tables.modes.size:
                 self._grow(len(self._states) + _SPARE)
@@ -87,11 +143,30 @@ class Joint:
         return self._slots[state]
 
     def state_in(self, slot: int) -> ContactState:
-        """The contact state in a slot."""
+        """The contact state in a slot.
+
+        Parameters
+        ----------
+        slot : int
+            A slot that has a state.
+
+        Returns
+        -------
+        ContactState
+            The stops that are closed.
+        """
         return self._states[slot]
 
     def connect(self, slot: int, stop: int) -> None:
-        """Make the switch of a stop from the state in a slot known, and the way back."""
+        """Make the switch of a stop from the state in a slot known, and the way back.
+
+        Parameters
+        ----------
+        slot : int
+            The state before the switch.
+        stop : int
+            The stop that opens or closes.
+        """
         old = self._states[slot]
         new = old.toggled(stop)
         target = self.slot(new)

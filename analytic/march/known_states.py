@@ -13,7 +13,7 @@ from functools import lru_cache
 from analytic.march.modal_state import Family
 from lapjoint.answers.contact_state import ContactState
 
-_KEPT = 64  # families and numbers of modes: a few hundred bytes each
+_KEPT = 64  # memories, one for each family and numbers of modes; each takes a few hundred bytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,20 +26,47 @@ class KnownStates:
     """State and stop, from the state in which that stop is open; each stands for the way back, too.  Sorted."""
 
     def and_of(self, old: ContactState, stop: int) -> KnownStates:
-        """These, and the switch of a stop from a state, with both states."""
+        """These states and switches, and one switch more, with the states before and after it.
+
+        Parameters
+        ----------
+        old : ContactState
+            The state before the switch.
+        stop : int
+            The stop that opens or closes.
+
+        Returns
+        -------
+        KnownStates
+            A new set.
+        """
         new = old.toggled(stop)
         opened = new if stop in old else old
         return KnownStates(tuple(sorted({*self.states, old, new})), tuple(sorted({*self.switches, (opened, stop)})))
 
 
 class Memory:
-    """What was met last; replaced as a whole, so a thread reads either the old or the new."""
+    """The states and switches that the motions of a family have met so far."""
 
     def __init__(self) -> None:
         self.known = KnownStates()
+        """Replaced as a whole, so a thread reads either the old ones or the new ones."""
 
 
 @lru_cache(maxsize=_KEPT)
 def memory_of(family: Family, counts: tuple[int, int]) -> Memory:
-    """The memory of a family with `counts` modes in the free state, and in every other."""
+    """The memory of a family.
+
+    Parameters
+    ----------
+    family : Family
+        The problems that share it.
+    counts : tuple of int
+        Numbers of modes: in the free state, and in every other.
+
+    Returns
+    -------
+    Memory
+        The same object at every call, as long as it is kept.
+    """
     return Memory()

@@ -21,29 +21,76 @@ class Harmonics:
     """Phases, rad, shape ``(H,)``."""
 
     def theta(self, t: float) -> FloatArray:
-        """Phase angles at time `t`, rad, shape ``(H,)``."""
+        """Phase angles at a time.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        FloatArray, shape (H,)
+            rad.
+        """
         return self.omega * t + self.phase
 
 
 def harmonics_of(problem: Problem) -> Harmonics:
-    """The base motion first (if any), then the sine loads."""
+    """The harmonic loads: the base motion first (if any), then the sine loads.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    Harmonics
+        Frequencies and phases of ``H`` loads.
+    """
     parts: list[BaseMotion | SineLoad] = [] if problem.base_motion is None else [problem.base_motion]
     parts += [load for load in problem.point_loads if isinstance(load, SineLoad)]
     return Harmonics(np.array([part.angular_frequency for part in parts]), np.array([part.phase for part in parts]))
 
 
 def load_sizes(problem: Problem) -> FloatArray:
-    """Factors of the unit loads, shape ``(1 + H,)``: 1 for the constant one, then amplitudes, N/m (base) or N."""
+    """Factors of the unit loads: 1 for the constant one, then the amplitudes of the harmonic ones.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    FloatArray, shape (1 + H,)
+        Without unit; then N/m for the base motion, N for sine loads.
+    """
     base = problem.base_motion
     inertia = [] if base is None else [problem.beam.m * base.amplitude * base.angular_frequency**2]
     return np.array([1.0, *inertia, *(load.force for load in problem.point_loads if isinstance(load, SineLoad))])
 
 
 def unit_loads(problem: Problem, state: ContactState, nodes: FloatArray) -> Loads:
-    """The loads in a contact state, at the nodes of the beam, m, shape ``(nodes,)``.
+    """The loads in a contact state, the harmonic ones with unit amplitude.
 
     Load 0 is constant: the forces k gap of the closed stops, and the step loads.  Loads 1 ... H are those of the
     harmonics, with an amplitude of 1 N/m or 1 N.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    state : ContactState
+        The stops that are closed.
+    nodes : FloatArray, shape (nodes,)
+        The nodes of the beam, m, ascending; every load acts at one.
+
+    Returns
+    -------
+    Loads
+        1 + H loads.
     """
     sines = [load for load in problem.point_loads if isinstance(load, SineLoad)]
     uniform = [0.0] + ([] if problem.base_motion is None else [1.0])

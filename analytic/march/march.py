@@ -28,9 +28,9 @@ from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-MOST_SWITCHES = 1_000_000  # of one march: hundreds of thousands of impacts, minutes of marching
+MOST_SWITCHES = 1_000_000  # of one march by default, i.e. half a million impacts: minutes of marching
 _ROOM = 64  # segments logged before the log is emptied: a period or more of most motions
-_PROGRESS_PARTS = 50  # a report every two percent of the time
+_PROGRESS_PARTS = 50  # reports in a march without a log: one every two percent of the time
 
 
 @dataclass(frozen=True)
@@ -83,14 +83,29 @@ def march(
     progress: Progress | None = None,
     max_switches: int = MOST_SWITCHES,
 ) -> March:
-    """March from `start` to `end`, both in s.
+    """March a joint from one time to another.
 
     Parameters
     ----------
+    joint : Joint
+        The problem and its modes.
+    begin : Coordinates
+        Where the motion begins.
+    start, end : float
+        From when to when, s.
     record : bool
         Whether to log every segment.
     depth : bool
         Whether to find the deepest penetration of each contact, too.
+    progress : callable, optional
+        Called with (done, total), s.
+    max_switches : int
+        After how many switches to give up.
+
+    Returns
+    -------
+    March
+        The motion.
 
     Raises
     ------
@@ -115,13 +130,41 @@ def march(
 
 
 def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
-    """A march of `joint` that begins at the time `start`, s."""
+    """A march at its beginning.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+    begin : Coordinates
+        Where the motion begins.
+    start : float
+        When, s.
+
+    Returns
+    -------
+    Motion
+        What the compiled march moves along.
+    """
     slot = joint.slot(begin.state)
     return new_motion(slot, start, begin.q, begin.v, max(joint.counts), len(joint.problem.stops))
 
 
 def ended(joint: Joint, motion: Motion) -> Coordinates:
-    """Where a march is."""
+    """Where a march is.
+
+    Parameters
+    ----------
+    joint : Joint
+        The joint that is marched.
+    motion : Motion
+        What the compiled march has moved along.
+
+    Returns
+    -------
+    Coordinates
+        A copy.
+    """
     state = joint.state_in(int(motion.counts[SLOT]))
     n = joint.count(state)
     return Coordinates(state, motion.q[:n].copy(), motion.v[:n].copy())
@@ -130,10 +173,21 @@ def ended(joint: Joint, motion: Motion) -> Coordinates:
 def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) -> None:
     """Make a switch known that the tables lack, so that the march can go on.
 
+    Parameters
+    ----------
+    joint : Joint
+        The joint that is marched.
+    motion : Motion
+        Where the march is.
+    status : int
+        Why the compiled march came back; see `analytic.march.compiled`.
+    max_switches : int
+        Most switches allowed, for the message.
+
     Raises
     ------
     SolverError
-        If it cannot.
+        If the march cannot go on.
     """
     slot, t = int(motion.counts[SLOT]), float(motion.time[0])
     if status == MISSING_SWITCH:
@@ -145,12 +199,36 @@ def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) 
 
 
 def copied(log: Log, logged: int) -> Log:
-    """The first segments of a log that is used again."""
+    """The first segments of a log that is used again.
+
+    Parameters
+    ----------
+    log : Log
+        The log.
+    logged : int
+        How many segments.
+
+    Returns
+    -------
+    Log
+        A copy of them.
+    """
     return Log._make(part[:logged].copy() for part in log)
 
 
 def joined(logs: list[Log]) -> Log:
-    """One log of all."""
+    """Several logs as one.
+
+    Parameters
+    ----------
+    logs : list of Log
+        At least one, in the order of time.
+
+    Returns
+    -------
+    Log
+        With all their segments.
+    """
     if len(logs) == 1:
         return logs[0]
     return Log._make(np.concatenate(parts) for parts in zip(*logs, strict=True))

@@ -7,7 +7,20 @@ from lapjoint.problem import Problem
 
 
 def mirrored(problem: Problem, state: ContactState) -> ContactState | None:
-    """The state with every closed stop exchanged for its twin on the other side; None without such twins."""
+    """The state with every closed stop exchanged for its twin on the other side.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    state : ContactState
+        The stops that are closed.
+
+    Returns
+    -------
+    ContactState or None
+        The mirror image; None if a closed stop has not exactly one twin.
+    """
     twins = []
     for k in state.closed:
         stop = problem.stops[k]

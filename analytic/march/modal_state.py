@@ -36,9 +36,9 @@ from analytic.modes.static_residual import Residual, residual
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import AtRest, BaseMotion, FloatArray, Problem, SineLoad
 
-_FAMILIES = 16  # families kept: a campaign seldom goes through more in turn
-_STATES = 256  # contact states kept: 16 families of the paper's nine, and more; about 100 kB each
-_PASSAGES = 512  # passages kept: a state of four stops has four ways out; about 15 kB each
+_FAMILIES = 16  # families kept: a campaign seldom alternates between more
+_STATES = 256  # contact states kept, enough for 16 families of the paper's nine; each takes about 100 kB
+_PASSAGES = 512  # passages kept, as a state of four stops can switch to four others; each takes about 15 kB
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,15 +59,15 @@ class ModalState:
     state: ContactState
     modes: NormalModes
     decay: FloatArray
-    """Half the damping rate, zeta_i omega_i, 1/s, shape ``(N,)``."""
+    """Damping rates zeta_i omega_i, 1/s, shape ``(N,)``."""
     force: FloatArray
-    """(Phi_i, p_l) of the unit loads: the constant F0 first, then those of the harmonics, shape ``(1 + H, N)``."""
+    """(Phi_i, p_l) of the unit loads: the constant F0, kg^-1/2 N, then those of the harmonics, ``(1 + H, N)``."""
     residual: Residual
     """Residual shapes of the unit loads."""
     at_stops: FloatArray
     """Modes at the stops, kg^-1/2, shape ``(P, N)``."""
     foundation_at_stops: FloatArray
-    """The foundation shapes of `residual` at the stops, shape ``(1 + H, P)``."""
+    """The foundation shapes of `residual` at the stops, m for each unit of load, shape ``(1 + H, P)``."""
 
     @property
     def size(self) -> int:
@@ -76,11 +76,22 @@ class ModalState:
 
     @property
     def residual_at_stops(self) -> FloatArray:
-        """Residual shapes at the stops, shape ``(1 + H, P)``."""
+        """Residual shapes at the stops, m for each unit of load, shape ``(1 + H, P)``."""
         return np.asarray(self.foundation_at_stops - self.residual.weights @ self.at_stops.T)
 
     def head(self, count: int) -> ModalState:
-        """The same state with its lowest `count` modes."""
+        """The same state with its lowest modes only.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+
+        Returns
+        -------
+        ModalState
+            With `count` modes.
+        """
         modes, left = self.modes.head(count), self.residual.weights[:, :count]
         return ModalState(
             self.state,
@@ -98,13 +109,24 @@ class Passage:
     """The map from one state to the next at a switch."""
 
     S: FloatArray
-    """Shape ``(N_new, N_old)``."""
+    """Without unit, shape ``(N_new, N_old)``."""
     residual: FloatArray
-    """S0 first, then Sh, shape ``(1 + H, N_new)``."""
+    """S0 first, then Sh, kg^1/2 m for each unit of load, shape ``(1 + H, N_new)``."""
 
 
 def family_of(problem: Problem) -> Family:
-    """The family of a problem."""
+    """The family of a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    Family
+        The same object for all problems of the family, as long as it is kept.
+    """
     sines = tuple(
         load.model_copy(update={"force": 1.0, "angular_frequency": 1.0, "phase": 0.0})
         if isinstance(load, SineLoad)
@@ -118,16 +140,33 @@ def family_of(problem: Problem) -> Family:
 
 @lru_cache(maxsize=_FAMILIES)
 def _family(problem: Problem) -> Family:
+    """The family of a problem whose loads are of unit size already."""
     return Family(problem)
 
 
 def modal_state(family: Family, state: ContactState, count: int) -> ModalState:
-    """A contact state with `count` modes."""
+    """A contact state in modal form, for unit loads.
+
+    Parameters
+    ----------
+    family : Family
+        The problems that share it.
+    state : ContactState
+        The stops that are closed.
+    count : int
+        Number of modes.
+
+    Returns
+    -------
+    ModalState
+        Not to be written to.
+    """
     return _modal_state(family, state, pool_size(count)).head(count)
 
 
 @lru_cache(maxsize=_STATES)
 def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
+    """A contact state with a number of modes that `pool_size` gives."""
     problem = family.problem
     modes = exact_modes(problem, state, count)
     loads = unit_loads(problem, state, modes.shapes.nodes)
@@ -148,7 +187,26 @@ def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
 
 @lru_cache(maxsize=_PASSAGES)
 def passage(family: Family, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
-    """The map from state `old` with `n_old` modes to `new` with `n_new`, for unit loads (43)."""
+    """The map from one state to another, for unit loads (43).
+
+    Parameters
+    ----------
+    family : Family
+        The problems that share it.
+    old : ContactState
+        The state before the switch.
+    n_old : int
+        Its number of modes.
+    new : ContactState
+        The state after the switch.
+    n_new : int
+        Its number of modes.
+
+    Returns
+    -------
+    Passage
+        Not to be written to.
+    """
     products = _products(family, old, pool_size(n_old), new, pool_size(n_new))
     weights = _modal_state(family, old, pool_size(n_old)).residual.weights[:, :n_old]
     S = products.S[:n_new, :n_old]

@@ -2,7 +2,7 @@ r"""One mode as an oscillator: its damping, its free motion, and its answer to c
 
 .. math:: \ddot q + 2 \zeta\omega\,\dot q + \omega^2 q = F_0 + \sum_h F_h \sin\theta_h(t)                     (26)
 
-Arrays hold one entry for each of ``N`` modes; `decay` is zeta omega throughout.
+Arrays hold one entry for each of ``N`` modes; `decay` is the damping rate zeta omega throughout.
 """
 
 from __future__ import annotations
@@ -21,7 +21,20 @@ differences of the poles, by which constants are divided, keep half their digits
 
 
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
-    """zeta_i omega_i of modes with the angular frequencies `omega`, rad/s, ``(N,)``; gives 1/s, ``(N,)`` (34)."""
+    """Damping rates zeta_i omega_i of modes (34).
+
+    Parameters
+    ----------
+    problem : Problem
+        Its damping.
+    omega : FloatArray, shape (N,)
+        Angular frequencies of the modes, rad/s.
+
+    Returns
+    -------
+    FloatArray, shape (N,)
+        1/s.
+    """
     damping = problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
@@ -32,15 +45,43 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
 def forced_answer(force: FloatArray, omega: FloatArray, decay: FloatArray, driven: FloatArray) -> ComplexArray:
     """Complex amplitudes of the answer to the harmonics (28), (29), with the off-diagonal entries C* omega of (29).
 
-    `force` is ``(S, H, N)``, `omega` and `decay` are ``(S, N)``, for ``S`` states; the angular frequencies `driven` of
-    the loads are ``(H,)``.  Gives ``(S, H, N)``: q_i = Im(answer exp(i theta)).
+    Parameters
+    ----------
+    force : FloatArray, shape (S, H, N)
+        Modal forces of ``H`` harmonics in ``S`` states, kg^1/2 m/s2.
+    omega : FloatArray, shape (S, N)
+        Angular frequencies of the modes, rad/s.
+    decay : FloatArray, shape (S, N)
+        Their damping rates, 1/s.
+    driven : FloatArray, shape (H,)
+        Angular frequencies of the harmonics, rad/s.
+
+    Returns
+    -------
+    ComplexArray, shape (S, H, N)
+        kg^1/2 m, such that q_i = Im(answer exp(i theta)).
     """
     Omega = driven[:, None]
     return np.asarray(force / (omega[:, None, :] ** 2 - Omega**2 + 2j * decay[:, None, :] * Omega))
 
 
 def away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArray) -> FloatArray:
-    """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays."""
+    """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays.
+
+    Parameters
+    ----------
+    omega : FloatArray
+        Angular frequencies of modes, rad/s, of any shape ``(...)``.
+    decay : FloatArray
+        Their damping rates, 1/s, of the same shape ``(...)``.
+    driven : FloatArray, shape (H,)
+        Angular frequencies of the harmonics, rad/s.
+
+    Returns
+    -------
+    FloatArray
+        Angular frequencies of the modes, rad/s, of the same shape ``(...)``.
+    """
     least = _SEPARATE * omega
     undamped, result = decay < least, omega
     for value in driven if undamped.any() else ():
@@ -49,7 +90,20 @@ def away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArray
 
 
 def roots_of(omega: FloatArray, decay: FloatArray) -> ComplexArray:
-    """The two roots lambda, 1/s, shape ``(N, 2)``; a critically damped pair is kept 1e-7 apart, relatively."""
+    """The two roots lambda of the free motion of each mode; a critically damped pair is kept 1e-7 apart, relatively.
+
+    Parameters
+    ----------
+    omega : FloatArray, shape (N,)
+        Angular frequencies, rad/s.
+    decay : FloatArray, shape (N,)
+        Damping rates, 1/s.
+
+    Returns
+    -------
+    ComplexArray, shape (N, 2)
+        1/s; the one with the positive imaginary part, or the slower one, first.
+    """
     square = decay**2 - omega**2
     square = np.where((omega > 0) & (np.abs(square) < (_SEPARATE * omega) ** 2), -((_SEPARATE * omega) ** 2), square)
     split = np.sqrt(square.astype(complex))
@@ -60,15 +114,40 @@ def roots_of(omega: FloatArray, decay: FloatArray) -> ComplexArray:
 
 
 def kinds_of(roots: ComplexArray) -> npt.NDArray[np.int64]:
-    """OSCILLATING, SPLIT or DRIFTING for each mode, from its two roots, shape ``(N, 2)``; gives ``(N,)``."""
+    """How each mode moves freely.
+
+    Parameters
+    ----------
+    roots : ComplexArray, shape (N, 2)
+        The two roots of each mode, 1/s.
+
+    Returns
+    -------
+    ndarray of int, shape (N,)
+        OSCILLATING, SPLIT or DRIFTING.
+    """
     drifting = (roots == 0).all(axis=1)
     return np.where(roots[:, 0].imag > 0, OSCILLATING, np.where(drifting, DRIFTING, SPLIT))
 
 
 def static_answer(F0: FloatArray, omega: FloatArray, decay: FloatArray) -> FloatArray:
-    """Coefficients of 1, t, t^2 of the answer to a constant force (31), shape ``(N, 3)``.
+    """Answer to a constant force (31), as a polynomial in time.
 
     A rigid-body mode drifts: F0 t / (2 decay) with damping, F0 t^2 / 2 without.
+
+    Parameters
+    ----------
+    F0 : FloatArray, shape (N,)
+        Modal forces, kg^1/2 m/s2.
+    omega : FloatArray, shape (N,)
+        Angular frequencies, rad/s; 0 for rigid-body modes.
+    decay : FloatArray, shape (N,)
+        Damping rates, 1/s.
+
+    Returns
+    -------
+    FloatArray, shape (N, 3)
+        Coefficients of 1, t, t^2, kg^1/2 m over powers of s.
     """
     answer = np.zeros((F0.size, 3))
     rigid = omega == 0

@@ -38,7 +38,7 @@ class BeamFunctions:
     """p0 and p1 of each span, shape ``(n, S, 2)``."""
 
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """Values or a derivative at ``x`` of shape ``(k,)``; gives ``(n, k)``; at a node the span to the left."""
+        """Values or a derivative at ``x``, m, shape ``(k,)``: ``(n, k)``; at a node those of the span to the left."""
         span = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
         anchor = np.where(self.right, self.nodes[span + 1][:, None], self.nodes[span][:, None])  # (k, J)
         waves = self.c[:, span, :] * np.exp(self.mu[:, None, :] * (x[:, None] - anchor)[None])
@@ -50,16 +50,49 @@ class BeamFunctions:
         return np.asarray(values)
 
     def scaled(self, factors: FloatArray) -> BeamFunctions:
-        """Each function times its factor, ``factors`` of shape ``(n,)``."""
+        """Each function times its factor.
+
+        Parameters
+        ----------
+        factors : FloatArray, shape (n,)
+            The factors, in any unit.
+
+        Returns
+        -------
+        BeamFunctions
+            As many functions.
+        """
         f = factors[:, None, None]
         return BeamFunctions(self.nodes, self.mu, self.right, self.c * f, self.p * f)
 
     def head(self, count: int) -> BeamFunctions:
-        """The first `count` functions."""
+        """The first functions of the family.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+
+        Returns
+        -------
+        BeamFunctions
+            `count` functions.
+        """
         return BeamFunctions(self.nodes, self.mu[:count], self.right, self.c[:count], self.p[:count])
 
     def mixed(self, matrix: FloatArray) -> BeamFunctions:
-        """New coefficients ``matrix @ functions``, for functions with one and the same set of exponents."""
+        """Combinations ``matrix @ functions`` of functions whose exponents are the same.
+
+        Parameters
+        ----------
+        matrix : FloatArray, shape (n, n)
+            One combination a row.
+
+        Returns
+        -------
+        BeamFunctions
+            As many functions.
+        """
         return BeamFunctions(
             self.nodes,
             self.mu,
@@ -70,7 +103,18 @@ class BeamFunctions:
 
 
 def integral(f: BeamFunctions) -> FloatArray:
-    """Integral of each function over the beam, shape ``(n,)``."""
+    """Integral of each function over the beam.
+
+    Parameters
+    ----------
+    f : BeamFunctions
+        ``n`` functions.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        In the unit of the functions, times m.
+    """
     one = BeamFunctions(
         f.nodes,
         np.zeros((1, 0), dtype=complex),
@@ -82,7 +126,18 @@ def integral(f: BeamFunctions) -> FloatArray:
 
 
 def gram(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
-    """Integrals of ``f_i g_j`` over the beam, shape ``(n_f, n_g)``."""
+    """Integrals of ``f_i g_j`` over the beam.
+
+    Parameters
+    ----------
+    f, g : BeamFunctions
+        Two families on the same spans, of ``n_f`` and ``n_g`` functions.
+
+    Returns
+    -------
+    FloatArray, shape (n_f, n_g)
+        In the product of the units of the functions, times m.
+    """
     total = np.zeros((f.mu.shape[0], g.mu.shape[0]))
     for s in range(f.nodes.size - 1):
         total += _waves_waves(f, g, s) + _waves_polynomials(f, g, s)
@@ -91,7 +146,7 @@ def gram(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
 
 
 def _waves_waves(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
-    # Re u Re v = Re (u v + u conj v) / 2
+    """The share of the exponentials of both, on span `s`: Re u Re v = Re (u v + u conj v) / 2."""
     total = np.zeros((f.mu.shape[0], g.mu.shape[0]))
     x0, x1 = f.nodes[s], f.nodes[s + 1]
     for j in range(f.mu.shape[1]):
@@ -119,6 +174,7 @@ def _exponential_integral(mu: ComplexArray, nu: ComplexArray, a: float, b: float
 
 
 def _waves_polynomials(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
+    """The share of the exponentials of `f` and the polynomials of `g`, on span `s`."""
     total = np.zeros((f.mu.shape[0], g.mu.shape[0]))
     if not g.p[:, s].any():
         return total
@@ -138,6 +194,7 @@ def _waves_polynomials(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray
 
 
 def _polynomials(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
+    """The share of the polynomials of both, on span `s`."""
     x0, x1 = f.nodes[s], f.nodes[s + 1]
     f0, f1, g0, g1 = f.p[:, s, 0, None], f.p[:, s, 1, None], g.p[None, :, s, 0], g.p[None, :, s, 1]
     length, square, cube = x1 - x0, (x1**2 - x0**2) / 2, (x1**3 - x0**3) / 3

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from analytic.modes.beam_functions import BeamFunctions, ComplexArray
 from analytic.modes.characteristic_equation import Layout
@@ -25,27 +26,64 @@ class Waves:
     """Exponents times L, shape ``(n, J)``."""
     scale: FloatArray
     """Positive wave number, times L, that scales derivatives, shape ``(n,)``."""
-    right: np.ndarray
+    right: npt.NDArray[np.bool_]
     """Whether each exponential is anchored at the right end, shape ``(J,)``."""
     selection: ComplexArray
     """Coefficient of each exponential in each of the four waves, shape ``(4, J)``."""
 
     def functions(self, nodes: FloatArray, amplitudes: FloatArray, length: float) -> BeamFunctions:
-        """The functions with the given ``amplitudes`` of shape ``(n, S, 4)``; `nodes` in m."""
+        """The functions of x that given amplitudes of the waves make.
+
+        Parameters
+        ----------
+        nodes : FloatArray, shape (S + 1,)
+            Ends of the spans, m.
+        amplitudes : FloatArray, shape (n, S, 4)
+            Amplitude of each wave on each span, in the unit that the functions are to have.
+        length : float
+            Length of the beam, m.
+
+        Returns
+        -------
+        BeamFunctions
+            ``n`` functions.
+        """
         n, spans = amplitudes.shape[:2]
         c = np.einsum("nsw,wj->nsj", amplitudes, self.selection)
         return BeamFunctions(nodes, self.mu / length, self.right, c, np.zeros((n, spans, 2)))
 
 
 def mode_waves(z: FloatArray) -> Waves:
-    """sin, cos and the two decaying exponentials of (12), for z = beta L of shape ``(n,)``."""
+    """sin, cos and the two decaying exponentials of (12).
+
+    Parameters
+    ----------
+    z : FloatArray, shape (n,)
+        Wave numbers beta L, without unit.
+
+    Returns
+    -------
+    Waves
+        Four waves for each wave number.
+    """
     mu = np.stack([1j * z, -z.astype(complex), z.astype(complex)], axis=1)
     selection = np.array([[-1j, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=complex)
     return Waves(mu, z, np.array([False, False, True]), selection)
 
 
 def foundation_waves(z: FloatArray) -> Waves:
-    """The four waves of a beam on an elastic foundation, phi'''' + 4 z^4 phi = 0, for z of shape ``(n,)``."""
+    """The four waves of a beam on an elastic foundation, phi'''' + 4 z^4 phi = 0.
+
+    Parameters
+    ----------
+    z : FloatArray, shape (n,)
+        Wave numbers, times L, without unit.
+
+    Returns
+    -------
+    Waves
+        Four waves for each wave number.
+    """
     mu = np.stack([z * (-1 + 1j), z * (1 + 1j)], axis=1)
     selection = np.array([[1, 0], [-1j, 0], [0, 1], [0, -1j]], dtype=complex)
     return Waves(mu, z, np.array([False, True]), selection)
@@ -56,16 +94,28 @@ def _end_values(waves: Waves, length: float, at_right: bool) -> FloatArray:
     distance = np.where(waves.right, 0.0 if at_right else -length, length if at_right else 0.0)
     wave = np.exp(waves.mu * distance)  # (n, J)
     relative = waves.mu / waves.scale[:, None]
-    orders = np.arange(4)
-    terms = wave[:, None, :] * relative[:, None, :] ** orders[None, :, None]  # (n, d, J)
+    d = np.arange(4)
+    terms = wave[:, None, :] * relative[:, None, :] ** d[None, :, None]  # (n, d, J)
     return np.asarray(np.einsum("ndj,wj->ndw", terms, waves.selection).real)
 
 
 def boundary_matrix(layout: Layout, waves: Waves) -> FloatArray:
-    """The matrix [g] of (15), shape ``(n, 4 S, 4 S)``: two rows at each end, four at each inner node.
+    """The matrix [g] of (15): two rows at each end, four at each inner node.
 
     At each node the last two rows are the moment and the force balance, each divided by 1 plus the scaled
     stiffness; inner nodes have the continuity of deflection and slope before them.
+
+    Parameters
+    ----------
+    layout : Layout
+        The beam with its springs, of ``S`` spans.
+    waves : Waves
+        The waves on every span, for ``n`` wave numbers.
+
+    Returns
+    -------
+    FloatArray, shape (n, 4 S, 4 S)
+        Without unit.
     """
     spans, n = layout.spans.size, waves.scale.size
     matrix = np.zeros((n, 4 * spans, 4 * spans))
@@ -96,6 +146,7 @@ def boundary_matrix(layout: Layout, waves: Waves) -> FloatArray:
 
 
 def _balance_weights(stiffness: float, scale: FloatArray, sign: float) -> tuple[FloatArray, FloatArray]:
+    """Factors of the jump and of the spring in a balance whose spring is `stiffness`, each of shape ``(n,)``."""
     if np.isinf(stiffness):
         return np.zeros_like(scale), np.ones_like(scale)
     relative = stiffness / scale
@@ -103,6 +154,19 @@ def _balance_weights(stiffness: float, scale: FloatArray, sign: float) -> tuple[
 
 
 def force_row(layout: Layout, node: int) -> int:
-    """Index of the force balance row of a node in `boundary_matrix`."""
+    """Index of the force balance row of a node in `boundary_matrix`.
+
+    Parameters
+    ----------
+    layout : Layout
+        The beam with its springs.
+    node : int
+        Index of the node.
+
+    Returns
+    -------
+    int
+        The row.
+    """
     last = 1 + 4 * node
     return last if node < layout.spans.size else 4 * layout.spans.size - 1

@@ -37,11 +37,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import elementwise
 
 from lapjoint.problem import FloatArray, Problem
 
-_SERIES_BELOW = 1.0  # below this z the two differences that cancel are summed as series; 8 terms give 1e-20
+IntArray = npt.NDArray[np.int64]
+
+_SERIES_BELOW = 1.0  # z length: below it the two differences that cancel are summed as series; 8 terms give 1e-20
 
 
 @dataclass(frozen=True)
@@ -72,13 +75,37 @@ class Layout:
 
 
 def node_positions(problem: Problem) -> FloatArray:
-    """Ends of the beam and every point where something acts, m, ascending, shape ``(nodes,)``."""
+    """Ends of the beam and every point where something acts.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    FloatArray, shape (nodes,)
+        Positions, m, ascending.
+    """
     parts = (*problem.supports, *problem.stops, *problem.point_loads)
     return np.unique(np.array([0.0, problem.beam.length, *(part.x for part in parts)]))
 
 
 def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
-    """The beam with its supports and the stops `closed` as springs."""
+    """The beam with its supports and its closed stops as springs.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    closed : tuple of int
+        The closed stops.
+
+    Returns
+    -------
+    Layout
+        The nodes of the beam, and the springs at them.
+    """
     beam, x = problem.beam, node_positions(problem)
     translational, torsional = np.zeros(x.size), np.zeros(x.size)
     for support in problem.supports:
@@ -92,7 +119,20 @@ def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
 
 
 def characteristic(layout: Layout, z: FloatArray) -> FloatArray:
-    """The characteristic function F at z = beta L, times a positive factor; ``z`` of shape ``(n,)``, positive."""
+    """The characteristic function F, times a positive factor.
+
+    Parameters
+    ----------
+    layout : Layout
+        The beam with its springs.
+    z : FloatArray, shape (n,)
+        Trial values of beta L, positive, without unit.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        Without unit; 0 at a natural frequency.
+    """
     zero = np.zeros_like(z)
     minors = (np.ones_like(z), zero, zero, zero, zero)
     for i, length in enumerate([*layout.spans, None]):
@@ -103,9 +143,11 @@ def characteristic(layout: Layout, z: FloatArray) -> FloatArray:
 
 
 Minors = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""A, B, C, D and F at a position, each of shape ``(n,)``."""
 
 
 def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
+    """The minors to the right of a node from those to the left."""
     A, B, C, D, F = minors
     zero = np.zeros_like(A)
     # Dividing by 1 + stiffness keeps the numbers of order one, and gives the infinite spring as the limit.
@@ -123,6 +165,7 @@ def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
 
 
 def _through_span(minors: Minors, z: FloatArray, length: float) -> Minors:
+    """The minors at the right end of a span from those at its left end; `length` is over L."""
     A, B, C, D, F = minors
     b4 = z**4
     half, g0, g1, g2, g3, g4 = _minor_functions(z, length)
@@ -167,10 +210,23 @@ def _sin_cosh_minus_cos_sinh(s: FloatArray) -> FloatArray:
     return sum((4 * (-4.0) ** n / math.factorial(4 * n + 3) * s ** (4 * n + 3) for n in range(8)), np.zeros_like(s))
 
 
-def count_below(layout: Layout, z: FloatArray) -> np.ndarray:
-    """Number of natural frequencies below each trial z = beta L, shape ``(n,)``, integers.
+def count_below(layout: Layout, z: FloatArray) -> IntArray:
+    """Number of natural frequencies below each trial value.
 
-    Rigid-body modes count.  Right unless z is a frequency itself to within a few rounding errors.
+    Rigid-body modes count.  The number is right unless a trial value is a frequency itself to within a few rounding
+    errors.
+
+    Parameters
+    ----------
+    layout : Layout
+        The beam with its springs.
+    z : FloatArray, shape (n,)
+        Trial values of beta L, positive, without unit.
+
+    Returns
+    -------
+    IntArray, shape (n,)
+        The numbers.
     """
     nodes = layout.x.size
     translational, torsional = np.full(nodes, np.inf), np.full(nodes, np.inf)
@@ -192,7 +248,7 @@ def _clamped_span_sign(s: FloatArray) -> FloatArray:
     return np.where(_minor_functions(s, 1.0)[5] >= 0, 1.0, -1.0)
 
 
-def _clamped_span_count(s: FloatArray) -> np.ndarray:
+def _clamped_span_count(s: FloatArray) -> IntArray:
     """Clamped-clamped frequencies below s: one in each interval (n pi, (n + 1) pi), n > 0."""
     n = np.floor(s / math.pi).astype(int)
     expected = np.where(n % 2 == 0, 1.0, -1.0)
@@ -201,10 +257,22 @@ def _clamped_span_count(s: FloatArray) -> np.ndarray:
 
 
 def frequencies(layout: Layout, count: int) -> FloatArray:
-    """The lowest `count` roots z = beta L, ascending, 0 for rigid-body modes, shape ``(count,)``.
+    """The lowest natural frequencies, as roots z = beta L.
 
     Every root is bracketed by the count, so none can be missed; near-degenerate pairs come out as two.  Relative
     error of z: a few rounding errors.
+
+    Parameters
+    ----------
+    layout : Layout
+        The beam with its springs.
+    count : int
+        How many.
+
+    Returns
+    -------
+    FloatArray, shape (count,)
+        beta L, without unit, ascending, 0 for rigid-body modes.
     """
     rigid = min(layout.rigid_modes(), count)
     index = np.arange(rigid, count)  # the root with this index has this many below it
@@ -229,7 +297,8 @@ def frequencies(layout: Layout, count: int) -> FloatArray:
     return np.concatenate([np.zeros(rigid), roots])
 
 
-def _isolate(layout: Layout, index: np.ndarray, lo: FloatArray, hi: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _isolate(layout: Layout, index: IntArray, lo: FloatArray, hi: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Intervals that hold one root each, if 48 bisections are enough for that."""
     for _ in range(12):
         if np.all(lo[1:] >= hi[:-1]) and np.all(hi < 1.5 * lo):
             break
@@ -238,8 +307,9 @@ def _isolate(layout: Layout, index: np.ndarray, lo: FloatArray, hi: FloatArray) 
 
 
 def _bisect(
-    layout: Layout, index: np.ndarray, lo: FloatArray, hi: FloatArray, steps: int
+    layout: Layout, index: IntArray, lo: FloatArray, hi: FloatArray, steps: int
 ) -> tuple[FloatArray, FloatArray]:
+    """The intervals, in z, around the roots with the numbers `index`, halved by the count up to `steps` times."""
     for _ in range(steps):
         middle = np.where(hi > 2 * lo, np.sqrt(lo * hi), (lo + hi) / 2)
         if np.all((middle <= lo) | (middle >= hi)):

@@ -31,11 +31,26 @@ from lapjoint.answers.contact_state import FREE, contact_states
 from lapjoint.problem import AtRest, FloatArray, Problem, StepLoad
 
 LEAST, MOST = 10, 320
+"""Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
 _SHAPE_REMAINDER = 1e-3
+"""Largest share of an initial shape, in the norm of its coordinates, that the modes may leave out."""
 
 
 def default_count(problem: Problem, tolerance: float) -> int:
-    """The least number of modes for which e_N is at most `tolerance` in the free and in the fullest state."""
+    """The least number of modes for which e_N is small enough, in the free state and in the one with most stops closed.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    tolerance : float
+        The largest e_N allowed, without unit.
+
+    Returns
+    -------
+    int
+        From `LEAST` to `MOST`.
+    """
     pool = 40
     while True:
         enough = _enough(problem, tolerance, pool)
@@ -45,7 +60,20 @@ def default_count(problem: Problem, tolerance: float) -> int:
 
 
 def truncation_error(problem: Problem, pool: int) -> FloatArray:
-    """e_N for N = 1 ... pool - 1 with the sums cut at `pool` modes, the larger of both states, ``(pool - 1,)``."""
+    """e_N of every N below a number of modes at which its sums are cut; of the two states the larger.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    pool : int
+        Number of modes at which the sums are cut.
+
+    Returns
+    -------
+    FloatArray, shape (pool - 1,)
+        e_N for N = 1 ... pool - 1, without unit.
+    """
     parts = _parts(family_of(problem), pool)
     fastest = max([parts.elastic, *harmonics_of(problem).omega])
     return np.asarray(np.maximum(parts.inert * fastest**2, parts.steps))
@@ -76,6 +104,7 @@ def _parts(family: Family, pool: int) -> _Parts:
 
 
 def _inert(problem: Problem, modes: NormalModes) -> FloatArray:
+    """e_N over the square of the fastest frequency, s^2, of one state, shape ``(modes - 1,)``."""
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     shares = [np.zeros(omega.size)]
     for stop in problem.stops:
@@ -91,6 +120,7 @@ def _inert(problem: Problem, modes: NormalModes) -> FloatArray:
 
 
 def _steps(problem: Problem, modes: NormalModes) -> FloatArray:
+    """The largest share of left-out modes in the compliance at a step load, of one state, shape ``(modes - 1,)``."""
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     errors = [np.zeros(omega.size - 1)]
     for load in problem.point_loads:
@@ -102,6 +132,7 @@ def _steps(problem: Problem, modes: NormalModes) -> FloatArray:
 
 
 def _enough(problem: Problem, tolerance: float, pool: int) -> int:
+    """The least number of modes by the sums over `pool` modes; `pool` itself if none is enough."""
     error = truncation_error(problem, pool)
     small = np.flatnonzero(error <= tolerance)
     count = max(LEAST, int(small[0]) + 1 if small.size else pool)
@@ -111,6 +142,7 @@ def _enough(problem: Problem, tolerance: float, pool: int) -> int:
 
 
 def _shape_count(problem: Problem, pool: int) -> int:
+    """The number of modes that hold enough of the initial shape."""
     q, v = initial_coordinates(problem, exact_modes(problem, FREE, pool))
     needed = 1
     for coordinates in (q, v):

@@ -26,8 +26,8 @@ from analytic.modes.characteristic_equation import Layout, frequencies, layout_o
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem
 
-_POOL = 40
-_CLUSTER = 1e-6  # roots closer than this, relatively, share their plane of shapes and are made orthogonal in it
+_POOL = 40  # least number of modes computed at once; doubled until it is enough
+_CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are made orthogonal
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,14 +40,39 @@ class NormalModes:
     """Mass-normalised shapes, kg^-1/2."""
 
     def head(self, count: int) -> NormalModes:
-        """The lowest `count` modes."""
+        """The lowest modes.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+
+        Returns
+        -------
+        NormalModes
+            `count` modes.
+        """
         return NormalModes(self.omega[:count], self.shapes.head(count))
 
 
 def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalModes:
-    """The lowest `count` modes of `problem` in contact state `state`.
+    """The lowest modes of a contact state.
 
     The last ones computed are kept: modes do not depend on the excitation, and a sweep asks for them every time.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    state : ContactState
+        The stops that are closed.
+    count : int
+        How many modes.
+
+    Returns
+    -------
+    NormalModes
+        `count` modes.
     """
     layout = layout_of(problem, state.closed)
     springs = (tuple(layout.x), tuple(layout.translational), tuple(layout.torsional))
@@ -55,7 +80,18 @@ def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalMode
 
 
 def pool_size(count: int) -> int:
-    """How many modes are computed at once where `count` are asked for: so that numbers of modes share their work."""
+    """How many modes are computed at once where fewer are asked for, so that numbers of modes share their work.
+
+    Parameters
+    ----------
+    count : int
+        How many are asked for.
+
+    Returns
+    -------
+    int
+        At least `count`: 40, 80, 160, ...
+    """
     size = _POOL
     while size < count:
         size *= 2
@@ -85,6 +121,7 @@ def _at_tip(shapes: BeamFunctions, beta: FloatArray) -> FloatArray:
 
 
 def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:
+    """The shapes of the roots z = beta L, not yet normalised: null vectors of the boundary matrix."""
     waves, spans = mode_waves(z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
@@ -101,12 +138,13 @@ def _rigid_shapes(layout: Layout, rigid: int, L: float) -> FloatArray:
     if rigid == 2:
         return np.array([[1.0, 0.0], [-1.0, 2.0 / L]])
     if rigid == 1:
-        held = np.flatnonzero(layout.translational > 0)
-        return np.array([[-layout.x[held[0]], 1.0 / L]]) if held.size else np.array([[1.0, 0.0]])
+        pivot = np.flatnonzero(layout.translational > 0)
+        return np.array([[-layout.x[pivot[0]], 1.0 / L]]) if pivot.size else np.array([[1.0, 0.0]])
     return np.zeros((0, 2))
 
 
 def _joined(rigid: FloatArray, elastic: BeamFunctions) -> BeamFunctions:
+    """Rigid-body modes, as p0 and p1, shape ``(rigid, 2)``, and elastic ones after them, as one family."""
     n, spans = rigid.shape[0], elastic.nodes.size - 1
     waves = elastic.mu.shape[1]
     return BeamFunctions(

@@ -28,7 +28,7 @@ from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
-_FOUNDATION = 1.0  # gamma L of the foundation: its waves are as long as the beam, and well conditioned
+_FOUNDATION = 1.0  # gamma L of the foundation, without unit: its waves are as long as the beam, and well conditioned
 
 
 @dataclass(frozen=True)
@@ -48,20 +48,51 @@ class Residual:
     foundation: BeamFunctions
     """u_l, shape ``(loads,)``."""
     modes: BeamFunctions
+    """The modes that are not left out."""
     weights: FloatArray
     """Modal content of u_l that is taken out, shape ``(loads, modes)``."""
 
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """r_l at ``x``, shape ``(loads, k)``."""
+        """r_l or an x-derivative at ``x``, m, shape ``(k,)``; gives ``(loads, k)``."""
         return self.foundation(x, derivative) - self.weights @ self.modes(x, derivative)
 
     def scaled(self, factors: FloatArray) -> Residual:
-        """Each shape times its factor, ``factors`` of shape ``(loads,)``."""
+        """Each shape times its factor.
+
+        Parameters
+        ----------
+        factors : FloatArray, shape (loads,)
+            The sizes of the loads.
+
+        Returns
+        -------
+        Residual
+            The shapes of loads of those sizes.
+        """
         return Residual(self.foundation.scaled(factors), self.modes, self.weights * factors[:, None])
 
 
 def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: Loads, modal: FloatArray) -> Residual:
-    """Residual shapes of a state; ``modal`` holds (Phi_i, p_l), shape ``(loads, modes)``."""
+    """Residual shapes of a state.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    state : ContactState
+        The stops that are closed.
+    modes : NormalModes
+        The modes that are not left out.
+    loads : Loads
+        The loads p_l.
+    modal : FloatArray, shape (loads, modes)
+        Modal forces (Phi_i, p_l), kg^-1/2 N.
+
+    Returns
+    -------
+    Residual
+        The shape of each load, m.
+    """
     beam = problem.beam
     sigma = 4 * (_FOUNDATION / beam.length) ** 4 * beam.EI / beam.m
     foundation = _foundation_shapes(problem, state, loads, beam.m * sigma)

@@ -21,6 +21,7 @@ class PublishedField(field.ModalField):
     motion: PublishedMarch
 
     def _segment(self, segment: Segment, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+        """z or a derivative of it within one segment, shape ``(n, m)``."""
         moving = self.joint.modal(segment.state).modes.shapes(x, dx).T @ self._coordinates(segment, t, dt)
         return np.asarray(moving + (self._frozen(segment, x, dx)[:, None] if dt == 0 else 0.0))
 
@@ -38,5 +39,18 @@ class PublishedField(field.ModalField):
 
 
 def history_of(name: str, motion: PublishedMarch) -> History:
-    """A marched motion as the History that everybody reads, by the scheme `name`."""
+    """A marched motion as a History.
+
+    Parameters
+    ----------
+    name : str
+        Name and options of the scheme.
+    motion : PublishedMarch
+        The motion.
+
+    Returns
+    -------
+    History
+        The motion with its contacts.
+    """
     return field.history_of(name, motion, PublishedField(motion.joint, motion.segments, motion))

@@ -1,7 +1,7 @@
-"""Where a motion by the published scheme starts: at the initial state, or at a section with its frozen shape.
+"""Where a motion by the published scheme starts: at the initial state, or at a section point with its frozen shape.
 
-A section's coordinates are q and v, padded to the largest number of modes, and after q one block for each state in
-which the frozen shape has coefficients: the stops that are closed in it, as the bits of a number, then the
+The coordinates of a section point are q and v, padded to the largest number of modes, and after q one block for each
+state in which the frozen shape has coefficients: the stops that are closed in it, as the bits of a number, then the
 coefficients.
 """
 
@@ -19,10 +19,22 @@ from lapjoint.problem import FloatArray
 
 
 def started(joint: PublishedJoint, start: SectionPoint | None) -> FrozenMotion:
-    """The motion at the initial state, or at a section of a joint with the same numbers of modes.
+    """The motion at the initial state, or at a section point of a joint with the same numbers of modes.
 
     An initial shape is carried over like the deflected shape at a switch to the modes of the first state; what they
     cannot hold of it is left out, as there are no modes that it could be a sum of.
+
+    Parameters
+    ----------
+    joint : PublishedJoint
+        The problem and its modes.
+    start : SectionPoint or None
+        A section point of the published scheme; None for the initial state.
+
+    Returns
+    -------
+    FrozenMotion
+        At the time 0.
     """
     if start is not None:
         return _resumed(joint, start)
@@ -31,7 +43,20 @@ def started(joint: PublishedJoint, start: SectionPoint | None) -> FrozenMotion:
 
 
 def packed(joint: PublishedJoint, motion: FrozenMotion) -> SectionPoint:
-    """The section of a motion."""
+    """The section point of a motion.
+
+    Parameters
+    ----------
+    joint : PublishedJoint
+        The joint that is marched.
+    motion : FrozenMotion
+        Where the march is.
+
+    Returns
+    -------
+    SectionPoint
+        With the frozen shape.
+    """
     blocks = [motion.moving.q]
     for other in joint.order[joint.order < motion.rest.shape[0]]:
         coefficients = motion.rest[other]
@@ -43,23 +68,25 @@ def packed(joint: PublishedJoint, motion: FrozenMotion) -> SectionPoint:
     return SectionPoint(joint.state_in(motion.slot), np.stack([q, v]))
 
 
-def _resumed(joint: PublishedJoint, section: SectionPoint) -> FrozenMotion:
+def _resumed(joint: PublishedJoint, point: SectionPoint) -> FrozenMotion:
+    """The motion at a section point."""
     size = max(joint.counts)
-    q, v = section.coordinates
+    q, v = point.coordinates
     blocks = [(_state_of(int(block[0])), block[1:]) for block in q[size:].reshape(-1, size + 1)]
     slots = [joint.slot(state) for state, _ in blocks]
-    motion = joint.begin(section.state, q[:size], v[:size])
+    motion = joint.begin(point.state, q[:size], v[:size])
     for other, (_, coefficients) in zip(slots, blocks, strict=True):
         motion.rest[other] = coefficients
-    return _switched(joint, section.state, motion)
+    return _switched(joint, point.state, motion)
 
 
 def _state_of(bits: int) -> ContactState:
+    """The contact state whose stops are the bits of a number."""
     return ContactState(tuple(stop for stop in range(bits.bit_length()) if bits >> stop & 1))
 
 
 def _switched(joint: PublishedJoint, state: ContactState, motion: FrozenMotion) -> FrozenMotion:
-    """Close and open stops whose gaps are others than when the section was taken."""
+    """Close and open stops whose gaps are others than when the section point was taken."""
     z = _at_stops(joint, motion)
     closed = []
     for k, stop in enumerate(joint.problem.stops):

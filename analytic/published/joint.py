@@ -16,7 +16,7 @@ from analytic.march.tables import count_in
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
-_PRODUCTS = 32  # kept, as in `analytic.march.tables`; 9 states with 8 modes take 40 kB
+_PRODUCTS = 32  # sets of inner products kept, as in `analytic.march.tables`; 9 states with 8 modes take 40 kB
 
 
 @dataclass
@@ -29,7 +29,7 @@ class FrozenMotion:
 
     @property
     def slot(self) -> int:
-        """The state."""
+        """The slot of the contact state."""
         return int(self.moving.counts[SLOT])
 
 
@@ -37,13 +37,39 @@ class PublishedJoint(Joint):
     """A joint whose tables leave out what the published scheme does not have: the residual shapes."""
 
     def begin(self, state: ContactState, q: FloatArray, v: FloatArray) -> FrozenMotion:
-        """A motion that starts within the span of a state's modes."""
+        """A motion at the time 0, within the span of a state's modes.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+        q : FloatArray, shape (N,)
+            Modal displacements, kg^1/2 m.
+        v : FloatArray, shape (N,)
+            Modal velocities, kg^1/2 m/s.
+
+        Returns
+        -------
+        FrozenMotion
+            Without a frozen shape.
+        """
         slot, size = self.slot(state), max(self.counts)
         moving = new_motion(slot, 0.0, q, v, size, len(self.problem.stops))
         return FrozenMotion(moving, np.zeros((self.tables.modes.size, size)))
 
     def frozen(self, motion: FrozenMotion) -> Frozen:
-        """What the published switch rule needs, with room for the states met so far in the motion's frozen shape."""
+        """What the published switch rule needs, with room for the states met so far in the motion's frozen shape.
+
+        Parameters
+        ----------
+        motion : FrozenMotion
+            Where the march is; its `rest` is padded.
+
+        Returns
+        -------
+        Frozen
+            The frozen shape, and the inner products of the modes of all states.
+        """
         more = self.cross.shape[0] - motion.rest.shape[0]
         if more > 0:
             motion.rest = np.pad(motion.rest, ((0, more), (0, 0)))

@@ -45,6 +45,16 @@ class FrozenPart:
 def frozen_part(history: History) -> FrozenPart:
     """What is left behind at each switch of a motion by `analytic.PublishedScheme`.
 
+    Parameters
+    ----------
+    history : History
+        A motion by that scheme.
+
+    Returns
+    -------
+    FrozenPart
+        Its shares of displacement and energy, switch by switch.
+
     Raises
     ------
     TypeError
@@ -79,6 +89,7 @@ def _whole(motion: PublishedMarch) -> FloatArray:
 
 
 def _flat(coefficients: FloatArray) -> FloatArray:
+    """Coefficients ``(M, S, N)`` in the shape ``(M, S N)``."""
     return coefficients.reshape(coefficients.shape[0], -1)
 
 

@@ -21,7 +21,7 @@ class PublishedMarch(March):
     """A motion by the scheme as published."""
 
     rest: FloatArray
-    """Coefficients of the frozen shape R over the modes of all states, kg^1/2 m, in each segment, ``(M, S, N)``."""
+    """Coefficients of the frozen shape R over the modes of all states, kg^1/2 m, by segment, shape ``(M, S, N)``."""
 
 
 def march_published(
@@ -32,9 +32,25 @@ def march_published(
     shortest: float,
     progress: Progress | None = None,
 ) -> PublishedMarch:
-    """March from the time 0 to `end`, s, with every segment logged; `motion` is moved along.
+    """March from the time 0, with every segment logged.
 
-    No state lasts less than `shortest`, s.
+    Parameters
+    ----------
+    joint : PublishedJoint
+        The problem and its modes.
+    motion : FrozenMotion
+        Where the motion begins; it is moved along.
+    end : float
+        Until when, s.
+    shortest : float
+        Least time spent in a state, s.
+    progress : callable, optional
+        Called with (done, total), s.
+
+    Returns
+    -------
+    PublishedMarch
+        The motion.
 
     Raises
     ------
@@ -57,7 +73,13 @@ def march_published(
 
 
 def restarted(motion: FrozenMotion) -> None:
-    """Count time, penetrations and switches of a motion from 0 again."""
+    """Count time, penetrations and switches of a motion from 0 again.
+
+    Parameters
+    ----------
+    motion : FrozenMotion
+        Changed in place.
+    """
     motion.moving.time[:], motion.moving.last_switch[:], motion.moving.total[:] = 0.0, 0.0, 0.0
     motion.moving.counts[1:] = 0
     motion.moving.counts[PENDING] = NO_SWITCH

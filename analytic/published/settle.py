@@ -10,7 +10,7 @@ from analytic.march.tables import IntArray, Tables
 from lapjoint.problem import FloatArray
 
 SETTLED, UNSETTLED = 10, 11
-"""Why the march came back, besides the reasons of `analytic.march.compiled`."""
+"""Why `settle` came back, besides the reasons of `analytic.march.compiled`."""
 
 
 @njit(cache=True)
@@ -32,7 +32,7 @@ def settle(
     Parameters
     ----------
     tables : Tables
-        The states of the joint.
+        The states of the joint, with ``P`` stops at ``U`` positions.
     frozen : Frozen
         The frozen shape.
     motion : Motion
@@ -41,10 +41,10 @@ def settle(
         Length of a cycle, s.
     log : Log
         Without room.
-    rows : ndarray, shape (cycles, P + U)
-        Takes the penetration times of each stop over every cycle, m s, and the displacements at the ``U`` positions at
-        its end, m.
-    agree : ndarray, shape (orders,)
+    rows : FloatArray, shape (cycles, P + U)
+        Takes the penetration times of each stop over every cycle, m s, and the displacements at the positions at its
+        end, m.
+    agree : IntArray, shape (multiples,)
         Counts the cycles in a row that repeated those 1, 2, ... cycles before; changed in place.
     repeats : int
         How often a motion has to repeat.
@@ -92,6 +92,7 @@ def _same(one: FloatArray, other: FloatArray, stops: int, tolerance: float) -> b
 
 @njit(cache=True)
 def _close(one: FloatArray, other: FloatArray, tolerance: float) -> bool:
+    """Whether the largest difference of two arrays is within `tolerance` of the largest value of the first."""
     size, apart = 0.0, 0.0
     for k in range(one.size):
         size = max(size, abs(one[k]))

@@ -27,10 +27,10 @@ old state.  What is assumed, where the text is silent: the damping ratio of Tabl
 and acts on eta'; the motion starts at rest at z = 0 with y = Y sin(omega t); impacts and rebounds are found exactly
 rather than by sampling and bisection to 2.2e-11 s; and a motion has settled when `analytic.published.steady` says so.
 
-Carrying over only the velocity within the span of five modes turns it at the stops: a stop that has just closed may
-find itself left at once, closes again at once, and so on, thousands of times within a microsecond.  A march that
-samples cannot see this; here no state lasts less than `shortest`, which ends such a rattle after a few rounds and
-leaves all other motions as they are.
+Only the velocity within the span of five modes is carried over, which can reverse it at the stops: the beam may leave a
+stop that has just closed at once, close it again at once, and so on, thousands of times within a microsecond.  A march
+that samples cannot see this; here no state lasts less than `shortest`, which ends such a rattle after a few switches
+and leaves all other motions as they are.
 """
 
 from __future__ import annotations
@@ -99,16 +99,61 @@ class PublishedScheme:
         return f"analytic as published (free modes {self.free_modes}, contact modes {self.contact_modes})"
 
     def refined(self, factor: float) -> PublishedScheme:
-        """The same scheme with its numbers of modes multiplied by `factor`."""
+        """The same scheme with more modes.
+
+        Parameters
+        ----------
+        factor : float
+            How many times as many modes.
+
+        Returns
+        -------
+        PublishedScheme
+            With the other options as they are.
+        """
         free, contact = (math.ceil(count * factor) for count in (self.free_modes, self.contact_modes))
         return replace(self, free_modes=free, contact_modes=contact)
 
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
-        """The lowest `count` modes of a contact state, exact to rounding."""
+        """The lowest modes of a contact state, exact to rounding.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+        state : ContactState
+            The stops that are closed.
+        count : int
+            How many modes.
+
+        Returns
+        -------
+        Modes
+            Angular frequencies, rad/s, and mass-normalised shapes, kg^-1/2.
+
+        Raises
+        ------
+        InputError
+            If `count` is not between 1 and 500.
+        """
         return Solver().modes(problem, state, count)
 
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
-        """The motion from the initial state over `duration` seconds.
+        """The motion from the initial state.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+        duration : float
+            How long, s.
+        progress : callable, optional
+            Called with (done, total), s.
+
+        Returns
+        -------
+        History
+            The motion from 0 to `duration`, with its contacts.
 
         Raises
         ------
@@ -139,7 +184,24 @@ class PublishedScheme:
     ) -> SteadyState:
         """The motion that remains when the march from the initial state, or from `start`, has settled.
 
-        It is marched, never solved for; see `analytic.published.steady`.  Nothing is measured for `sensitivity`.
+        It is marched, never solved for; see `analytic.published.steady` for when it counts as settled.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved; its excitation has one frequency.
+        start : SectionPoint, optional
+            Where to begin instead of at the initial state: a section point of this scheme with the same numbers of
+            modes.
+        sensitivity : bool
+            Not used: this scheme does not measure how deviations grow.
+        progress : callable, optional
+            Called with the periods marched, and the most allowed.
+
+        Returns
+        -------
+        SteadyState
+            The motion, and the impulses of the stops, N s a period.
 
         Raises
         ------

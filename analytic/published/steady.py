@@ -30,11 +30,11 @@ from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, im
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solver import Progress
 
-_REPEATS = 20
-_CYCLES_AVERAGED = 1000
-_CHUNK = 500  # cycles between two looks at the number of impacts
-_SYMMETRIC = 1e-4  # of the largest displacement: what a motion may miss its mirror image by
-_SAMPLES = 64
+_REPEATS = 20  # repeats, each of the one before and the last of the first, after which a motion has settled
+_CYCLES_AVERAGED = 1000  # cycles of an unsettled motion whose impulses are averaged, as in the paper
+_CHUNK = 500  # cycles after which the number of impacts is compared with `patience`
+_SYMMETRIC = 1e-4  # of the largest displacement: most by which a symmetric motion differs from its mirror image
+_SAMPLES = 64  # times in half a motion at which it is compared with its mirror image
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,11 @@ class Search:
     """How long to wait for a motion to settle."""
 
     tolerance: float
+    """To what fraction impulses and displacements must repeat."""
     max_period_multiple: int
+    """Longest periodic motion looked for, in excitation periods."""
     max_periods: int
+    """Excitation periods after which a motion is given up."""
     patience: int
     """Impacts after which a motion is given up."""
     shortest: float
@@ -54,10 +57,10 @@ class Search:
 class Settling:
     """A motion marched cycle by cycle."""
 
-    order: int
+    period_multiple: int
     """Excitation periods after which it repeats; 0 if it did not settle."""
     rows: FloatArray
-    """Penetration times of the stops over each cycle, m s, and displacements at its end, m, ``(cycles, P + U)``."""
+    """Penetration times of stops over each cycle, m s, and displacements at its end, m, shape ``(cycles, P + U)``."""
     motion: FrozenMotion
     """At the end of the last cycle."""
 
@@ -66,6 +69,24 @@ def settling(
     joint: PublishedJoint, motion: FrozenMotion, period: float, search: Search, progress: Progress | None = None
 ) -> Settling:
     """March until the motion has settled, or for as long as `search` allows.
+
+    Parameters
+    ----------
+    joint : PublishedJoint
+        The problem and its modes.
+    motion : FrozenMotion
+        Where the motion begins; it is moved along.
+    period : float
+        The excitation period, s.
+    search : Search
+        How long to wait.
+    progress : callable, optional
+        Called with the periods marched, and the most allowed.
+
+    Returns
+    -------
+    Settling
+        The motion, cycle by cycle.
 
     Raises
     ------
@@ -78,7 +99,7 @@ def settling(
     restarted(motion)
     limit, last, moving = min(_CHUNK, most), False, motion.moving
     while True:
-        status, order = settle(
+        status, multiple = settle(
             joint.tables,
             joint.frozen(motion),
             moving,
@@ -98,7 +119,7 @@ def settling(
             progress(min(limit, most), most)
         cycles, impacts = int(moving.counts[PERIODS]), int(moving.counts[SWITCHES]) // 2
         if status == SETTLED or last:
-            return Settling(order, rows[:cycles], motion)
+            return Settling(multiple, rows[:cycles], motion)
         last = limit >= most or impacts >= search.patience
         limit = cycles + _CYCLES_AVERAGED if last else min(limit + _CHUNK, most)
 
@@ -111,28 +132,54 @@ def steady_state(
     start: SectionPoint | None,
     progress: Progress | None,
 ) -> SteadyState:
-    """The motion that remains; the excitation of `problem` has one frequency."""
+    """The motion that remains.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved; its excitation has one frequency.
+    name : str
+        Name and options of the scheme.
+    counts : tuple of int
+        Numbers of modes: in the free state, and in every other.
+    search : Search
+        How long to wait.
+    start : SectionPoint or None
+        Where to begin; None for the initial state.
+    progress : callable or None
+        Called with the periods marched, and the most allowed.
+
+    Returns
+    -------
+    SteadyState
+        The motion, and the impulses of the stops, N s a period.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
     assert problem.excitation_frequency is not None
     period, joint = 2 * math.pi / problem.excitation_frequency, PublishedJoint(problem, *counts)
     found = settling(joint, started(joint, start), period, search, progress)
-    section = packed(joint, found.motion)
-    periods = found.order or search.max_period_multiple
-    motion = march_published(joint, started(joint, section), periods * period, shortest=search.shortest)
+    point, multiple = packed(joint, found.motion), found.period_multiple
+    periods = multiple or search.max_period_multiple
+    motion = march_published(joint, started(joint, point), periods * period, shortest=search.shortest)
     history = history_of(name, motion)
-    if found.order:
-        impulses, outcome = impulses_per_period(history, found.order), periodic_outcome(history)
+    if multiple:
+        impulses, outcome = impulses_per_period(history, multiple), periodic_outcome(history)
     else:
         impulses, outcome = _mean_impulses(problem, found.rows), Outcome.UNDECIDED
     return SteadyState(
         problem=problem,
         solver=name,
         outcome=outcome,
-        period_multiple=found.order,
-        symmetric=found.order % 2 == 1 and is_symmetric(history),
+        period_multiple=multiple,
+        symmetric=multiple % 2 == 1 and is_symmetric(history),
         residual=_residual(motion, periods * period),
         multipliers=np.zeros(0, dtype=complex),
         exponent=None,
-        section_point=section,
+        section_point=point,
         history=history,
         impulses=impulses,
     )
@@ -145,7 +192,18 @@ def _mean_impulses(problem: Problem, rows: FloatArray) -> FloatArray:
 
 
 def is_symmetric(history: History) -> bool:
-    """Whether z(x, t + T/2) = -z(x, t) at the stops, T the length of the history."""
+    """Whether z(x, t + T/2) = -z(x, t) at the stops.
+
+    Parameters
+    ----------
+    history : History
+        A motion of the length T.
+
+    Returns
+    -------
+    bool
+        To 1e-4 of the largest displacement.
+    """
     half = (history.end - history.start) / 2
     t = history.start + half * np.arange(_SAMPLES) / _SAMPLES
     x = np.array(sorted({stop.x for stop in history.problem.stops} or {history.problem.beam.length}))
@@ -154,7 +212,7 @@ def is_symmetric(history: History) -> bool:
 
 
 def _residual(motion: PublishedMarch, period: float) -> float:
-    """How far the modes' coordinates are from where they started, relatively; infinite in another state."""
+    """Distance of the modal coordinates from where they started, over their size; infinite in another state."""
     first, end = motion.segments[0], motion.end
     if first.state != end.state:
         return math.inf

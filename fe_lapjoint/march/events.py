@@ -19,20 +19,33 @@ import numpy as np
 
 from lapjoint.problem import FloatArray
 
-SHORTEST = 1e-9  # s: what happens within is not resolved
-LOCATION = 4e-13  # s: to which a crossing is located
-_STEPS = 20  # of Newton's method: more than it takes
-_HALVINGS = 100  # at most, where it must be helped
+SHORTEST = 1e-9  # s: least step of the search, so that a shorter contact may be missed; 2500 times LOCATION
+LOCATION = 4e-13  # s: a crossing is located to this; it is a few rounding errors of a time near 1000 s
+_STEPS = 20  # of Newton's method, at most; a few are enough where it converges quadratically
+_HALVINGS = 100  # steps at most where some of them halve the interval; 41 of them shrink 1 s to LOCATION
 
 
 class Gaps(Protocol):
-    """The gap functions h of all stops; h > 0 is a switch."""
+    """The gap functions h, m, of ``P`` stops: h rises through 0 where a stop opens or closes."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
-        """All of them at the times ``(m,)``: ``(P, m)``."""
+        """All gap functions at the times ``t``, s, shape ``(m,)``: m, shape ``(P, m)``."""
 
     def at(self, k: int, t: float) -> tuple[float, float]:
-        """One of them, and its rate, at one time."""
+        """One gap function and its rate at one time.
+
+        Parameters
+        ----------
+        k : int
+            The stop.
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        float, float
+            h, m, and h', m/s.
+        """
 
 
 @dataclass(frozen=True)
@@ -40,7 +53,9 @@ class Switch:
     """A stop opens or closes."""
 
     time: float
+    """s."""
     stop: int
+    """Which stop."""
 
 
 def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, curvature: FloatArray, fresh: FloatArray) -> Switch | None:
@@ -49,15 +64,20 @@ def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, curvature: FloatArray
     Parameters
     ----------
     gaps : Gaps
-        The gap functions.
-    t : FloatArray
-        Grid that is searched, s, shape ``(m + 1,)``.
-    h : FloatArray
-        The gap functions there, shape ``(P, m + 1)``.
-    curvature : FloatArray
-        Bounds on the second derivative of each gap function from each grid time on, shape ``(P, m)``.
-    fresh : FloatArray
-        Time of each stop's last switch, shape ``(P,)``; -inf for none.
+        The gap functions of ``P`` stops.
+    t : FloatArray, shape (m + 1,)
+        Grid that is searched, s, ascending.
+    h : FloatArray, shape (P, m + 1)
+        The gap functions there, m.
+    curvature : FloatArray, shape (P, m)
+        Bounds on the second derivative of each gap function from each grid time on, m/s2.
+    fresh : FloatArray, shape (P,)
+        Time of each stop's last switch, s; -inf for none.
+
+    Returns
+    -------
+    Switch or None
+        The first crossing, or None if there is none.
     """
     quiet = _quiet_until(gaps, float(t[0]), curvature[:, 0], fresh)
     calm = t < quiet[:, None]

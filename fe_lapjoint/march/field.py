@@ -16,13 +16,14 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True)
 class ElementField:
-    """z(x, t) of the finite element solution; see `lapjoint.answers.Field`."""
+    """z(x, t), m, of the finite element solution; see `lapjoint.answers.Field`."""
 
     model: Model
     pieces: tuple[Piece, ...]
+    """The motion, without gaps in time."""
 
     def __call__(self, x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
-        """The `dx`-th x-derivative of the `dt`-th t-derivative of z, shape ``(n, m)``."""
+        """The `dx`-th x- and `dt`-th t-derivative of z: ``x``, shape ``(n,)``, and ``t``, ``(m,)``, give ``(n, m)``."""
         rows = self.model.assembly.shapes(x, dx)
         starts = np.array([piece.start for piece in self.pieces])
         which = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
@@ -36,19 +37,36 @@ class ElementField:
 
 @dataclass(frozen=True)
 class Later:
-    """Coordinates of a piece whose time counts from its own march's start."""
+    """Coordinates of a piece of the whole motion, whose own march counts time from 0."""
 
     coordinates: Coordinates
     offset: float
-    """s."""
+    """When that march starts in the whole motion, s."""
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
-        """At the times ``(m,)`` of the whole motion."""
+        """The `dt`-th derivative of the modal displacements at times ``(m,)`` of the whole motion, shape ``(n, m)``."""
         return self.coordinates(t - self.offset, dt)
 
 
 def history_of(name: str, model: Model, motions: Sequence[March], period: float) -> History:
-    """Marches that follow each other, a period apart, each from its own time 0, as the History that everybody reads."""
+    """Marches that follow each other, a period apart, each from its own time 0, as one History.
+
+    Parameters
+    ----------
+    name : str
+        Name and options of the solver.
+    model : Model
+        The problem on a mesh.
+    motions : sequence of March
+        The marches, each recorded.
+    period : float
+        From the start of one march to that of the next, s.
+
+    Returns
+    -------
+    History
+        The whole motion.
+    """
     pieces = [_later(piece, i * period) for i, motion in enumerate(motions) for piece in motion.pieces]
     switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
     states = [pieces[0].state, *(pieces[i + 1].state for i in switches)]

@@ -11,47 +11,68 @@ from fe_lapjoint.march.propagator import Flow
 from lapjoint.problem import FloatArray
 
 Coordinates = Callable[[FloatArray, int], FloatArray]
-"""Modal displacements (order 0), velocities (1) or accelerations (2) at times ``(m,)``: ``(n, m)``."""
+"""A function of times, s, shape ``(m,)``, and of a number dt from 0 to 2.
+
+It gives the dt-th derivative of the modal displacements, kg^1/2 m over s^dt, shape ``(n, m)``.
+"""
 
 
 @dataclass(frozen=True)
 class FlowGaps:
-    """The gap functions of an exact flow; see `fe_lapjoint.march.events.Gaps`."""
+    """The gap functions, orientation z - offset, of an exact flow; see `fe_lapjoint.march.events.Gaps`."""
 
     flow: Flow
     orientation: FloatArray
+    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
+    """m, shape ``(P,)``; see `Model.offset`."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
-        """All at the times ``(m,)``."""
+        """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
         return np.asarray(self.orientation[:, None] * self.flow.at_stops(t) - self.offset[:, None])
 
     def at(self, k: int, t: float) -> tuple[float, float]:
-        """One and its rate."""
+        """One gap function and its rate. See `fe_lapjoint.march.events.Gaps.at`."""
         z, rate = self.flow.at_stop(k, t)
         return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
 
 
 @dataclass(frozen=True)
 class SolutionGaps:
-    """The gap functions of a library method's dense output."""
+    """The gap functions, orientation z - offset, of a library method's dense output."""
 
     stops: FloatArray
+    """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
     coordinates: Coordinates
     orientation: FloatArray
+    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
+    """m, shape ``(P,)``; see `Model.offset`."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
-        """All at the times ``(m,)``."""
+        """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
         z = self.stops @ self.coordinates(t, 0)
         return np.asarray(self.orientation[:, None] * z - self.offset[:, None])
 
     def at(self, k: int, t: float) -> tuple[float, float]:
-        """One and its rate."""
-        z, rate = (float(self.stops[k] @ self.coordinates(np.array([t]), order)[:, 0]) for order in (0, 1))
+        """One gap function and its rate. See `fe_lapjoint.march.events.Gaps.at`."""
+        z, rate = (float(self.stops[k] @ self.coordinates(np.array([t]), dt)[:, 0]) for dt in (0, 1))
         return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
 
     def curvature(self, start: float, end: float) -> FloatArray:
-        """Twice the largest sampled |z''| at the stops over a window: no bound, but all there is."""
+        """An estimate of the largest |z''| at the stops: twice the largest of 200 samples.
+
+        It is no bound, but dense output gives none.
+
+        Parameters
+        ----------
+        start, end : float
+            The window, s.
+
+        Returns
+        -------
+        FloatArray, shape (P,)
+            m/s2.
+        """
         sampled = np.abs(self.stops @ self.coordinates(np.linspace(start, end, 200), 2))
         return np.asarray(2 * sampled.max(axis=1, initial=0.0))

@@ -11,7 +11,18 @@ from lapjoint.problem import FloatArray
 
 
 def initial_state(assembly: Assembly) -> ContactState:
-    """The stops pressed at t = 0, or touched by a beam that moves against them."""
+    """The stops that are pressed at t = 0, or touched by a beam that moves against them.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The problem on a mesh.
+
+    Returns
+    -------
+    ContactState
+        The stops that are closed.
+    """
     problem, closed = assembly.problem, []
     for k, stop in enumerate(problem.stops):
         at = np.array(stop.x)
@@ -22,7 +33,20 @@ def initial_state(assembly: Assembly) -> ContactState:
 
 
 def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
-    """(q, q') at t = 0 by Hermite interpolation, shape ``(2 n,)``."""
+    """The initial state in modal coordinates, by Hermite interpolation on the mesh.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The problem on a mesh.
+    system : System
+        The contact state at t = 0, with ``n`` modes.
+
+    Returns
+    -------
+    FloatArray, shape (2 n,)
+        (q, q') at t = 0, kg^1/2 m and kg^1/2 m/s.
+    """
     initial, L = assembly.problem.initial, assembly.problem.beam.length
     parts = []
     for shape in (initial.displacement_at, initial.velocity_at):

@@ -26,8 +26,8 @@ from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-_GAUSS = np.polynomial.legendre.leggauss(10)
-WINDOWS_PER_PERIOD = 3
+_GAUSS = np.polynomial.legendre.leggauss(10)  # points and weights on [-1, 1]
+WINDOWS_PER_PERIOD = 3  # windows, each of `SAMPLES` steps, in the shorter of excitation period and slowest bending
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,13 @@ class Piece:
 
     state: ContactState
     start: float
+    """s."""
     end: float
+    """s."""
     y: FloatArray
-    """(q, q') at the start, shape ``(2 n,)``."""
+    """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     coordinates: Coordinates
+    """The modal displacements and their derivatives within the piece."""
     flow: Flow | None
     """The exact flow, if the method is exact."""
     switched: int
@@ -47,7 +50,29 @@ class Piece:
 
 
 def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
-    """Integrate one state over a window by a library method, through `solve_ivp`."""
+    """Integrate one state over a window by a library method, through `solve_ivp`.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh, with the method and its tolerances.
+    state : ContactState
+        The stops that are closed.
+    t, end : float
+        The window, s.
+    y : FloatArray, shape (2 n,)
+        (q, q') at its start, kg^1/2 m and kg^1/2 m/s.
+
+    Returns
+    -------
+    Coordinates
+        The modal displacements and their derivatives within the window.
+
+    Raises
+    ------
+    SolverError
+        If the method stops before the end of the window.
+    """
     system = model.system(state)
     options: dict[str, Any] = {"method": model.method, "rtol": model.rtol, "atol": model.atol}
     if model.method != "DOP853":
@@ -57,11 +82,11 @@ def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatA
         raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
     n = system.omega.size
 
-    def coordinates(times: FloatArray, order: int = 0) -> FloatArray:
+    def coordinates(times: FloatArray, dt: int = 0) -> FloatArray:
         values = solution.sol(times)
-        if order == 2:
+        if dt == 2:
             return np.array([system.rates(s, values[:, i])[n:] for i, s in enumerate(times)]).T
-        return np.asarray(values[:n] if order == 0 else values[n:])
+        return np.asarray(values[:n] if dt == 0 else values[n:])
 
     return coordinates
 
@@ -75,9 +100,11 @@ class March:
     contacts: tuple[Contact, ...]
     """By start time; empty if the march was not to be recorded."""
     state: ContactState
+    """At the end."""
     y: FloatArray
-    """(q, q') at the end, shape ``(2 n,)``."""
+    """(q, q') at the end, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     switches: int
+    """How often a stop opened or closed."""
 
     @property
     def impulses(self) -> FloatArray:
@@ -90,10 +117,16 @@ class March:
 
 @dataclass
 class _Going:
+    """A contact that has not ended yet."""
+
     start: float
+    """s."""
     open_start: bool
+    """Whether the stop was closed when the march began."""
     area: float = 0.0
+    """Time integral of the penetration so far, m s."""
     deepest: float = 0.0
+    """Largest penetration so far, m."""
 
 
 def march(
@@ -108,7 +141,31 @@ def march(
     peaks: bool = True,
     max_switches: int = 200_000,
 ) -> March:
-    """March from `start` to `end`; contacts are listed only if `record` is set, with their peak forces if `peaks` is.
+    """March from one time to another.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    state : ContactState
+        The stops that are closed at the start.
+    y : FloatArray, shape (2 n,)
+        (q, q') at the start, kg^1/2 m and kg^1/2 m/s, in the modes of that state.
+    start, end : float
+        From when to when, s.
+    progress : callable, optional
+        Called with (done, total), s.
+    record : bool
+        Whether to list contacts.
+    peaks : bool
+        Whether to find the peak forces of the contacts, too.
+    max_switches : int
+        After how many switches to give up.
+
+    Returns
+    -------
+    March
+        The motion.
 
     Raises
     ------
@@ -170,7 +227,7 @@ def _advance(
         flow = Flow(system, t, *y.reshape(2, -1))
         switch: Switch | None = None
         if orientation.size:
-            # the flow goes on beyond the end: the last step may too
+            # The flow goes on beyond the end of the window, so the last step may, too.
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset)
@@ -195,7 +252,7 @@ def _advance_by_library(
     )
     until = end if switch is None else switch.time
     at = np.array([until])
-    y_end = np.concatenate([coordinates(at, order)[:, 0] for order in (0, 1)])
+    y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
     return Piece(state, t, until, y, coordinates, None, -1 if switch is None else switch.stop), y_end
 
 
@@ -207,7 +264,7 @@ def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) 
     if piece.flow is not None:
         area = piece.flow.integral_at_stops(piece.end)
     else:
-        # Ten Gauss points on each of 16 panels: beyond the accuracy of the integrators' dense output
+        # Ten Gauss points on each of 16 panels are more accurate than the integrators' dense output.
         edges = np.linspace(piece.start, piece.end, 17)
         half = np.diff(edges)[:, None] / 2
         t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()

@@ -14,13 +14,16 @@ from lapjoint.problem import FloatArray, Problem
 
 @dataclass
 class Model:
-    """A problem on a mesh; contact states are built when first needed, and kept."""
+    """A problem on a mesh: contact states, each with ``n`` modes, are built when first needed, and kept."""
 
     problem: Problem
     assembly: Assembly
     method: str
+    """"exact", or a method of `solve_ivp`."""
     rtol: float
+    """Relative tolerance of that method."""
     atol: float
+    """Absolute tolerance of that method, kg^1/2 m and kg^1/2 m/s."""
     _systems: dict[ContactState, System] = field(default_factory=dict)
     _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _weighted: dict[ContactState, FloatArray] = field(default_factory=dict)
@@ -33,34 +36,89 @@ class Model:
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
 
     def system(self, state: ContactState) -> System:
-        """One contact state."""
+        """One contact state in modal form.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        System
+            Its modes and loads.
+        """
         if state not in self._systems:
             self._systems[state] = build_system(self.assembly, state)
         return self._systems[state]
 
     def weighted(self, state: ContactState) -> FloatArray:
-        """M Phi: modal coordinates of a state are displacements times it, shape ``(n, n)``."""
+        """M Phi of a contact state: the free degrees of freedom times it are the modal coordinates.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        FloatArray, shape (n, n)
+            kg^1/2; one column for each mode.
+        """
         if state not in self._weighted:
             self._weighted[state] = self.assembly.mass @ self.system(state).vectors
         return self._weighted[state]
 
     def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
-        """Modal coordinates of `new` from those of `old`: Phi_new^T M Phi_old, orthogonal."""
+        """The orthogonal matrix Phi_new^T M Phi_old, which takes modal coordinates of one state to those of another.
+
+        Parameters
+        ----------
+        old, new : ContactState
+            From which state to which.
+
+        Returns
+        -------
+        FloatArray, shape (n, n)
+            Without unit.
+        """
         if (old, new) not in self._maps:
             self._maps[old, new] = self.system(new).vectors.T @ self.weighted(old)
         return self._maps[old, new]
 
     def orientation(self, state: ContactState) -> FloatArray:
-        """+1 or -1 for each stop, so that ``orientation * z - offset`` rises through 0 at its next switch."""
+        """The signs with which ``orientation * z - offset`` rises through 0 at the next switch of each stop.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        FloatArray, shape (P,)
+            +1 or -1.
+        """
         return self._signs(state)[0]
 
     def offset(self, state: ContactState) -> FloatArray:
-        """The gap of each stop, with the sign that belongs to `orientation`."""
+        """The gap of each stop, with the sign that belongs to `orientation`.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        FloatArray, shape (P,)
+            The gap of an open stop, minus the gap of a closed one, m.
+        """
         return self._signs(state)[1]
 
     def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
         if state not in self._gaps:
             closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
-            turn = np.where(closed, -1.0, 1.0)
-            self._gaps[state] = turn * self.sign, turn * self.gap
+            direction = np.where(closed, -1.0, 1.0)
+            self._gaps[state] = direction * self.sign, direction * self.gap
         return self._gaps[state]

@@ -5,7 +5,7 @@ s = sqrt(a^2 - omega^2), real or imaginary,
 
     q(t) = p(t) + exp(-a t) [ (q0 - p(0)) (cosh s t + a sinh(s t) / s) + (v0 - p'(0)) sinh(s t) / s ]
 
-where p answers the loads alone.  For the modes that oscillate the bracket is one turning phasor; sinh(s t) / s is
+where p answers the loads alone.  For the modes that oscillate the bracket is one rotating phasor; sinh(s t) / s is
 smooth through s = 0, so critical damping and rigid-body modes need no case of their own.
 """
 
@@ -23,13 +23,28 @@ from lapjoint.problem import FloatArray
 
 
 def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Answers C to a unit displacement and S to a unit velocity; ``t`` of shape ``(m,)`` gives ``(n, m)`` each."""
+    """Displacement C(t) after a unit displacement, and S(t) after a unit velocity, of free damped modes.
+
+    Parameters
+    ----------
+    a : FloatArray, shape (n,)
+        Damping rates zeta omega, 1/s.
+    omega : FloatArray, shape (n,)
+        Angular frequencies without damping, rad/s.
+    t : FloatArray, shape (m,)
+        Times since then, s.
+
+    Returns
+    -------
+    FloatArray, FloatArray, each of shape (n, m)
+        C, without unit, and S, s.
+    """
     square = (a**2 - omega**2)[:, None]
     s = np.sqrt(np.abs(square))
     w = s * t
     small = w < 1e-3
     w_ = np.where(small, 1.0, w)
-    # for overdamped modes the growing half is combined with the decay before it can overflow
+    # For overdamped modes exp(s t) is multiplied by exp(-a t) before it can overflow.
     fast, slow = (
         np.exp(-(a[:, None] + s) * t),
         np.exp(-np.where(square > 0, _slow_rate(a, omega)[:, None], 0.0) * t),
@@ -50,18 +65,19 @@ def _slow_rate(a: FloatArray, omega: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Flow:
-    """The exact motion of a `System` from a state at a time."""
+    """The exact motion of a `System` of ``n`` modes and ``P`` stops at ``p`` places, from given coordinates on."""
 
     system: System
     start: float
+    """s."""
     q: FloatArray
-    """Modal displacements at the start, shape ``(n,)``."""
+    """Modal displacements at the start, kg^1/2 m, shape ``(n,)``."""
     v: FloatArray
-    """Modal velocities at the start, shape ``(n,)``."""
+    """Modal velocities at the start, kg^1/2 m/s, shape ``(n,)``."""
 
     @cached_property
     def free(self) -> tuple[FloatArray, FloatArray]:
-        """Displacement and velocity at the start that the forced motion does not account for, each ``(n,)``."""
+        """Modal displacement and velocity at the start less those of the forced motion, each of shape ``(n,)``."""
         it = self.system
         wave = it.amplitudes * np.exp(1j * (it.driven * self.start + it.phase))
         x = self.q - wave.imag.sum(axis=1) - it.equilibrium
@@ -69,8 +85,8 @@ class Flow:
         return (x, y) if it.drift is None else (x, y - it.drift[0])
 
     @cached_property
-    def _turning(self) -> ComplexArray:
-        """Complex amplitudes of the oscillating modes, Re(c exp(root s))."""
+    def _phasors(self) -> ComplexArray:
+        """Complex amplitudes c at the start of the oscillating modes, Re(c exp(root s)), shape ``(oscillating,)``."""
         x, y = self.free
         if not self.system.all_oscillate:
             x, y = x[self.system.oscillating], y[self.system.oscillating]
@@ -82,7 +98,7 @@ class Flow:
         """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
         it = self.system
         loads = it.place_amplitudes * (-1j * np.exp(1j * (it.driven * self.start + it.phase)))
-        return np.concatenate([it.place_modes * self._turning, loads, it.place_equilibrium], axis=1)
+        return np.concatenate([it.place_modes * self._phasors, loads, it.place_equilibrium], axis=1)
 
     @cached_property
     def _terms_and_rates(self) -> ComplexArray:
@@ -90,10 +106,10 @@ class Flow:
         return np.stack([self._terms, self._terms * self.system.rates_of_terms], axis=1)
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
-        """The `dt`-th derivative (0 to 2) of q at the times ``t`` of shape ``(m,)``; returns ``(n, m)``."""
+        """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
         result = self._forced(t, dt)
         it = self.system
-        free = ((self._turning * it.roots**dt)[:, None] * np.exp(np.multiply.outer(it.roots, t - self.start))).real
+        free = ((self._phasors * it.roots**dt)[:, None] * np.exp(np.multiply.outer(it.roots, t - self.start))).real
         if it.all_oscillate:
             return np.asarray(result + free)
         result[it.oscillating] += free
@@ -101,30 +117,80 @@ class Flow:
         return result
 
     def at(self, t: float) -> FloatArray:
-        """(q, q') at one time, shape ``(2 n,)``."""
+        """(q, q') at one time.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        FloatArray, shape (2 n,)
+            kg^1/2 m and kg^1/2 m/s.
+        """
         it = self.system
         if not it.plain:
             times = np.array([t])
             return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
         wave = it.amplitudes * np.exp(1j * (it.driven * t + it.phase))
-        turned = self._turning * np.exp(it.roots * (t - self.start))
-        q = turned.real + wave.imag.sum(axis=1) + it.equilibrium
-        return np.concatenate([q, (turned * it.roots).real + wave.real @ it.driven])
+        now = self._phasors * np.exp(it.roots * (t - self.start))
+        q = now.real + wave.imag.sum(axis=1) + it.equilibrium
+        return np.concatenate([q, (now * it.roots).real + wave.real @ it.driven])
 
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
-        """The `dt`-th derivative of z at the stops, shape ``(P, m)``: the same sum, the modes contracted first."""
+        """A derivative of z at the stops: the same sum as q, with the modes contracted first.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            The times, s.
+        dt : int
+            Which t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (P, m)
+            m, m/s or m/s2.
+        """
         it = self.system
-        turning = np.exp(np.multiply.outer(it.rates_of_terms, t - self.start))
+        waves = np.exp(np.multiply.outer(it.rates_of_terms, t - self.start))
         terms = self._terms * it.rates_of_terms**dt if dt else self._terms
-        return self._with_others((terms @ turning).real, t, dt)
+        return self._with_others((terms @ waves).real, t, dt)
 
     def at_grid(self, step: float, count: int) -> FloatArray:
-        """z at the stops at the start and `count` equal steps on, shape ``(P, count + 1)``."""
+        """z at the stops on an even grid of times from the start.
+
+        Parameters
+        ----------
+        step : float
+            The spacing, s.
+        count : int
+            The number of steps, at most `SAMPLES`.
+
+        Returns
+        -------
+        FloatArray, shape (P, count + 1)
+            m.
+        """
         z = (self._terms @ self.system.grid(step)[0][:, : count + 1]).real
         return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
 
     def at_stop(self, k: int, t: float) -> tuple[float, float]:
-        """z and its rate at one stop at one time."""
+        """z and its rate at one stop at one time.
+
+        Parameters
+        ----------
+        k : int
+            The stop.
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        float, float
+            m and m/s.
+        """
         it = self.system
         if not it.plain:
             times = np.array([t])
@@ -142,7 +208,7 @@ class Flow:
         return np.asarray(z[it.place_of])
 
     def _others(self, t: FloatArray, dt: int) -> FloatArray:
-        """Modes that do not oscillate, or hardly: overdamped, critical, rigid."""
+        """Motion of the modes that do not oscillate, or hardly: overdamped, critical, rigid; ``(others, m)``."""
         it = self.system
         rest = ~it.oscillating
         a, square = it.decay[rest, None], it.omega[rest, None] ** 2
@@ -168,7 +234,18 @@ class Flow:
         return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
 
     def integral_at_stops(self, end: float) -> FloatArray:
-        """Integral of z at the stops from the start to `end`, m s, shape ``(P,)``."""
+        """The time integral of z at the stops, from the start.
+
+        Parameters
+        ----------
+        end : float
+            Until when, s.
+
+        Returns
+        -------
+        FloatArray, shape (P,)
+            m s.
+        """
         it, T = self.system, end - self.start
         if not it.plain:
             return np.asarray(it.stops @ self.integral(end))
@@ -177,9 +254,19 @@ class Flow:
         return np.asarray((self._terms @ waves).real[it.place_of])
 
     def integral(self, end: float) -> FloatArray:
-        """Integral of q from the start to `end`, shape ``(n,)``, from the equation of motion integrated once.
+        """The time integral of q from the start, from the equation of motion integrated once.
 
         omega^2 int q = int f - [q'] - 2 a [q]; without stiffness the equation is integrated twice.
+
+        Parameters
+        ----------
+        end : float
+            Until when, s.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            kg^1/2 m s.
         """
         it, T = self.system, end - self.start
         ends = np.array([end])
@@ -201,6 +288,7 @@ class Flow:
         return it.constant * T + it.harmonic @ single, it.constant * T**2 / 2 + it.harmonic @ double
 
     def _third_load_integral(self, T: float) -> FloatArray:
+        """Triple integral of the modal force over T, shape ``(n,)``."""
         it = self.system
         w, p0 = it.driven, it.driven * self.start + it.phase
         p1 = p0 + w * T
@@ -208,9 +296,22 @@ class Flow:
         return np.asarray(it.constant * T**3 / 6 + it.harmonic @ triple)
 
     def curvature_bound(self, step: float, count: int) -> FloatArray:
-        """Bounds on |z''| at every stop from each of `count` grid times on, shape ``(P, count)``."""
+        """Bounds on |z''| at every stop from each of some grid times on.
+
+        Parameters
+        ----------
+        step : float
+            The spacing of the grid, s, from the start.
+        count : int
+            The number of grid times, at most `SAMPLES` + 1.
+
+        Returns
+        -------
+        FloatArray, shape (P, count)
+            m/s2.
+        """
         it = self.system
-        # the acceleration of Re(c exp(r s)) is at most |c| |r|^2 exp(Re(r) s)
+        # The acceleration of Re(c exp(r s)) is at most |c| |r|^2 exp(Re(r) s).
         strength = np.abs(self._terms) * it.squares_of_terms
         bound = strength @ it.grid(step)[1][:, :count]
         if it.drift is not None:
@@ -224,12 +325,14 @@ class Flow:
         it, rest = self.system, ~self.system.oscillating
         x, y = (np.abs(part[rest]) for part in self.free)
         omega, a = it.omega[rest], it.decay[rest]
-        # |q''| of a free damped mode never exceeds (omega + 2 a) (|y| + omega |x|):
-        # its energy falls, so |q'| <= |y| + omega |x| and omega |q| <= the same.
+        # The energy of a free damped mode falls, so |q'| and omega |q| are at most |y| + omega |x|.
+        # Therefore |q''| is at most (omega + 2 a) (|y| + omega |x|).
         return np.asarray(np.abs(it.places[:, rest]) @ ((omega + 2 * a) * (y + omega * x)))
 
 
 class _ExactDense(DenseOutput):  # type: ignore[misc]
+    """The motion within a step, by the flow itself."""
+
     def __init__(self, t_old: float, t: float, flow: Flow) -> None:
         super().__init__(t_old, t)
         self._flow = flow
@@ -246,11 +349,11 @@ class ExactPropagator(OdeSolver):  # type: ignore[misc]
     Parameters
     ----------
     fun, t0, y0, t_bound, vectorized :
-        As for every `OdeSolver`; ``y`` = (q, q'), shape ``(2 n,)``; `fun` must be ``system.rates``.
+        As for every `OdeSolver`; ``y`` = (q, q'), kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.
     system : System
         The linear system; `fun` is not called.
     max_step : float
-        Longest step, s; any step is exact, so only the spacing of the output depends on it.
+        Longest step, s; every step is exact, so only the spacing of the output depends on it.
     """
 
     t: float

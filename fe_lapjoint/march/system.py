@@ -22,9 +22,12 @@ from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, Visco
 
 ComplexArray = npt.NDArray[np.complex128]
 IndexArray = npt.NDArray[np.intp]
-SAMPLES = 48  # steps of the grid on which a flow is looked at
-_APART = 1e-4  # of the decay of a critical mode: between the two rates that stand for it
-_DETUNE = 1e-7  # an undamped mode met exactly by a load is moved by this fraction of its frequency
+SAMPLES = 48
+"""Steps of the grid, over one window, on which the search for switches evaluates a motion."""
+_APART = 1e-4
+"""Half the relative distance kept between the two rates of a critically damped mode: the motion changes by 1e-8."""
+_DETUNE = 1e-7
+"""The fraction by which an undamped frequency is moved that a load meets exactly: the secular growth stays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,25 +38,25 @@ class System:
     omega: FloatArray
     """Natural angular frequencies, rad/s, shape ``(n,)``."""
     vectors: FloatArray
-    """Mass-normalised modes as columns over the free degrees of freedom, shape ``(n, n)``."""
+    """Mass-normalised modes as columns over the free degrees of freedom, kg^-1/2, shape ``(n, n)``."""
     decay: FloatArray
-    """zeta omega of each mode, 1/s, shape ``(n,)``."""
+    """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
     constant: FloatArray
-    """Modal force of the closed stops' gaps and of the step loads, shape ``(n,)``."""
+    """Modal force of the closed stops' gaps and of the step loads, kg^1/2 m/s2, shape ``(n,)``."""
     harmonic: FloatArray
-    """Modal amplitudes of the harmonic loads, shape ``(n, H)``."""
+    """Modal amplitudes of the harmonic loads, kg^1/2 m/s2, shape ``(n, H)``."""
     driven: FloatArray
     """Their angular frequencies, rad/s, shape ``(H,)``."""
     phase: FloatArray
     """Their phases, rad, shape ``(H,)``."""
     stops: FloatArray
-    """Rows that read z at the stops, shape ``(P, n)``."""
+    """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
     positions: FloatArray
     """Where the stops are, m, shape ``(P,)``."""
 
     @cached_property
     def oscillating(self) -> npt.NDArray[np.bool_]:
-        """Modes damped well below critical, shape ``(n,)``."""
+        """Whether each mode is damped below critical, by more than a millionth, shape ``(n,)``."""
         return np.asarray(self.omega > self.decay * (1 + 1e-6))
 
     @cached_property
@@ -63,19 +66,19 @@ class System:
 
     @cached_property
     def roots(self) -> ComplexArray:
-        """-a + i sqrt(omega^2 - a^2) of the oscillating modes."""
+        """-a + i sqrt(omega^2 - a^2) of the oscillating modes, a = zeta omega, 1/s, shape ``(oscillating,)``."""
         a, omega = self.decay[self.oscillating], self.omega[self.oscillating]
         return np.asarray(-a + 1j * np.sqrt(omega**2 - a**2))
 
     @cached_property
     def equilibrium(self) -> FloatArray:
-        """Modal displacements under the constant forces; 0 for rigid-body modes, shape ``(n,)``."""
+        """Modal displacements under the constant forces, 0 for rigid-body modes, kg^1/2 m, shape ``(n,)``."""
         rigid = self.omega == 0
         return np.where(rigid, 0.0, self.constant / np.where(rigid, 1.0, self.omega) ** 2)
 
     @cached_property
     def amplitudes(self) -> ComplexArray:
-        """Complex amplitudes P of the forced motion Im(P exp(i angle)), shape ``(n, H)``."""
+        """Complex amplitudes P of the forced motion Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
         a, w, omega = self.decay[:, None], self.driven, self.omega[:, None]
         resonant = (a < _DETUNE * omega) & (np.abs(omega - w) < _DETUNE * omega)
         omega = np.where(resonant, w * (1 + _DETUNE), omega)
@@ -88,7 +91,7 @@ class System:
 
     @property
     def places(self) -> FloatArray:
-        """The distinct rows of `stops`: one for each position, shape ``(p, n)``."""
+        """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
         return self._distinct[0]
 
     @property
@@ -98,32 +101,32 @@ class System:
 
     @cached_property
     def place_amplitudes(self) -> ComplexArray:
-        """The forced motion of the places, shape ``(p, H)``."""
+        """Complex amplitudes of the forced motion of the places, m, shape ``(p, H)``."""
         return np.asarray(self.places @ self.amplitudes)
 
     @cached_property
     def place_modes(self) -> FloatArray:
-        """The oscillating modes at the places, shape ``(p, n)``."""
+        """The oscillating modes at the places, kg^-1/2, shape ``(p, oscillating)``."""
         return np.asarray(self.places if self.all_oscillate else self.places[:, self.oscillating])
 
     @cached_property
     def place_equilibrium(self) -> ComplexArray:
-        """Where the constant forces hold the places, shape ``(p, 1)``."""
+        """Displacement of the places under the constant forces, m, shape ``(p, 1)``."""
         return np.asarray((self.places @ self.equilibrium)[:, None].astype(complex))
 
     @cached_property
     def rates_of_terms(self) -> ComplexArray:
-        """What the motion of a place is made of: exp(r t) for the oscillating modes, the loads and a constant."""
+        """Rates r of the terms exp(r t) of a place's motion: oscillating modes, loads, constant; 1/s, ``(terms,)``."""
         return np.concatenate([self.roots, 1j * self.driven, [0.0]])
 
     @cached_property
     def squares_of_terms(self) -> FloatArray:
-        """|r|^2 of `rates_of_terms`."""
+        """|r|^2 of `rates_of_terms`, 1/s2, shape ``(terms,)``."""
         return np.asarray(np.abs(self.rates_of_terms) ** 2)
 
     @cached_property
     def plain(self) -> bool:
-        """Whether these terms are all of it: no overdamped and no rigid-body modes."""
+        """Whether these terms are the whole motion: there are no overdamped and no rigid-body modes."""
         return self.all_oscillate and self.drift is None
 
     @cached_property
@@ -150,27 +153,52 @@ class System:
         return rates, np.concatenate([np.flatnonzero(self.oscillating), others, others])
 
     def amplitudes_of(self, q: FloatArray, v: FloatArray) -> tuple[ComplexArray, FloatArray]:
-        """Complex amplitudes of the `exponentials` that free motions from ``q``, ``v``, each ``(n, m)``, are made of.
+        """Free motions as sums of the `exponentials`, and what rigid-body modes without drag add to them at the stops.
 
-        Also the displacement and the speed at the stops of rigid-body modes without drag, shape ``(P, 2, m)``.
+        Parameters
+        ----------
+        q : FloatArray, shape (n, m)
+            Modal displacements at the start of ``m`` motions, kg^1/2 m.
+        v : FloatArray, shape (n, m)
+            Modal velocities there, kg^1/2 m/s.
+
+        Returns
+        -------
+        ComplexArray, shape (terms, m)
+            Amplitudes of the exponentials, kg^1/2 m.
+        FloatArray, shape (P, 2, m)
+            Displacement, m, and speed, m/s, of the rigid-body modes without drag at the stops.
         """
         rates, modes = self.exponentials
-        turning = self.oscillating
-        count = int(np.count_nonzero(turning))
+        which = self.oscillating
+        count = int(np.count_nonzero(which))
         one = self.roots[:, None]
-        oscillating = q[turning] - 1j * (v[turning] - one.real * q[turning]) / one.imag
+        oscillating = q[which] - 1j * (v[which] - one.real * q[which]) / one.imag
         others = modes[count : count + (modes.size - count) // 2]
         slow, fast = np.split(rates[count:, None].real, 2)
         first = (v[others] - fast * q[others]) / (slow - fast)
-        drifting = ~turning & (self.decay == 0)
+        drifting = ~which & (self.decay == 0)
         drift = np.stack([self.stops[:, drifting] @ part[drifting] for part in (q, v)], axis=1)
         return np.concatenate([oscillating, first, q[others] - first]), drift
 
     def grid(self, step: float) -> tuple[ComplexArray, FloatArray]:
-        """exp(r t) of `rates_of_terms` at t = 0, step, ... `SAMPLES` step, and moduli, kept for next time."""
+        """exp(r t) of the rates r of `rates_of_terms` at t = 0, step, ... `SAMPLES` step; kept for next time.
+
+        Parameters
+        ----------
+        step : float
+            The spacing, s.
+
+        Returns
+        -------
+        ComplexArray, shape (terms, SAMPLES + 1)
+            The exponentials.
+        FloatArray, shape (terms, SAMPLES + 1)
+            Their moduli.
+        """
         if step not in self._grids:
-            turning = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
-            self._grids[step] = turning, np.abs(turning)
+            waves = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
+            self._grids[step] = waves, np.abs(waves)
         return self._grids[step]
 
     @cached_property
@@ -178,13 +206,39 @@ class System:
         return {}
 
     def rates(self, t: float, y: FloatArray) -> FloatArray:
-        """d(q, q')/dt for ``y`` = (q, q') of shape ``(2 n,)``."""
+        """d(q, q')/dt, the right-hand side of the first-order equations of motion.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+        y : FloatArray, shape (2 n,)
+            (q, q'), kg^1/2 m and kg^1/2 m/s.
+
+        Returns
+        -------
+        FloatArray, shape (2 n,)
+            (q', q''), kg^1/2 m/s and kg^1/2 m/s2.
+        """
         q, v = y[: self.omega.size], y[self.omega.size :]
         force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
         return np.concatenate([v, force - 2 * self.decay * v - self.omega**2 * q])
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
-        """Derivative of `rates` by y, shape ``(2 n, 2 n)``."""
+        """Derivative of `rates` by y, which is constant.
+
+        Parameters
+        ----------
+        t : float
+            Not used.
+        y : FloatArray, shape (2 n,)
+            Not used.
+
+        Returns
+        -------
+        FloatArray, shape (2 n, 2 n)
+            d(q', q'') / d(q, q').
+        """
         n = self.omega.size
         return np.block(
             [
@@ -195,7 +249,20 @@ class System:
 
 
 def build_system(assembly: Assembly, state: ContactState) -> System:
-    """The modal form of a contact state on a mesh."""
+    """The modal form of a contact state on a mesh.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The problem on a mesh.
+    state : ContactState
+        The stops that are closed.
+
+    Returns
+    -------
+    System
+        Its modes and loads.
+    """
     problem = assembly.problem
     omega, vectors = eigenmodes(assembly, state)
     sines = [load for load in problem.point_loads if isinstance(load, SineLoad)]
@@ -230,6 +297,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
 
 
 def _decay(assembly: Assembly, omega: FloatArray) -> FloatArray:
+    """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
     damping = assembly.problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega

@@ -21,12 +21,40 @@ from lapjoint.problem import FloatArray
 
 
 def monodromy(model: Model, motion: March) -> FloatArray:
-    """d(end) / d(start) of a march by the exact method, each in the modes of its state, shape ``(2 n, 2 n)``."""
+    """Derivative of the end of a march by its start, each in the modes of its contact state.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    motion : March
+        A march by the exact method.
+
+    Returns
+    -------
+    FloatArray, shape (2 n, 2 n)
+        d(q, q') / d(q, q').
+    """
     return carried(model, motion, np.eye(motion.pieces[0].y.size))
 
 
 def carried(model: Model, motion: March, deviations: FloatArray) -> FloatArray:
-    """What becomes of deviations from the start, given as columns ``(2 n, m)``, by the end of a march."""
+    """What becomes of deviations from the start of a march by its end.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    motion : March
+        A march by the exact method.
+    deviations : FloatArray, shape (2 n, m)
+        (dq, dq') at the start as columns, kg^1/2 m and kg^1/2 m/s, in the modes of the first state.
+
+    Returns
+    -------
+    FloatArray, shape (2 n, m)
+        The same at the end, in the modes of the last state.
+    """
     for piece, following in zip(motion.pieces, (*motion.pieces[1:], None), strict=True):
         deviations = _flow(model.system(piece.state), piece.end - piece.start, deviations)
         if piece.switched >= 0:
@@ -44,8 +72,13 @@ def traced(model: Model, motion: March, deviations: FloatArray) -> tuple[Segment
         The problem on a mesh.
     motion : March
         A march by the exact method.
-    deviations : FloatArray
-        (q, q') at the start by each coordinate of a deviation, in the modes of the first state, shape ``(2 n, m)``.
+    deviations : FloatArray, shape (2 n, m)
+        (q, q') at the start by each coordinate of a deviation, in the modes of the first state.
+
+    Returns
+    -------
+    tuple of Segment
+        The march from window to window; a window ends at a switch at the latest.
     """
     segments = []
     for i, piece in enumerate(motion.pieces):
@@ -87,6 +120,7 @@ def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
 
 
 def _flow(system: System, s: float, deviations: FloatArray) -> FloatArray:
+    """Deviations ``(2 n, m)`` after `s` seconds within one state."""
     if system.all_oscillate:
         wave, a = np.exp(system.roots * s)[:, None], system.decay[:, None]
         S = wave.imag / system.roots.imag[:, None]
@@ -100,7 +134,7 @@ def _flow(system: System, s: float, deviations: FloatArray) -> FloatArray:
 
 
 def _jump(model: Model, piece: Piece, after: FloatArray, deviations: FloatArray) -> FloatArray:
-    """Over the switch at the end of a piece; ``after`` is (q, q') in the modes of the next state."""
+    """Deviations ``(2 n, m)`` after the switch that ends a piece; ``after`` is (q, q') in the next state's modes."""
     state, k, n = piece.state, piece.switched, after.size // 2
     old, new = model.system(state), model.system(state.toggled(k))
     S = model.transfer(state, state.toggled(k))

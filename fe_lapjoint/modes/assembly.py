@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
+import numpy.typing as npt
 from skfem import Basis, BilinearForm, ElementLineHermite, LinearForm, MeshLine
 from skfem.helpers import dd, ddot
 
@@ -24,25 +25,25 @@ from lapjoint.problem import FloatArray, Problem
 
 @BilinearForm
 def bending(u, v, _):  # type: ignore[no-untyped-def]
-    """Integral of u'' v''."""
+    """Integral of u'' v'' over the element. See `skfem.BilinearForm` for the arguments."""
     return ddot(dd(u), dd(v))
 
 
 @BilinearForm
 def inertia(u, v, _):  # type: ignore[no-untyped-def]
-    """Integral of u v: the consistent mass."""
+    """Integral of u v over the element: the consistent mass. See `skfem.BilinearForm` for the arguments."""
     return u * v
 
 
 @LinearForm
 def uniform(v, _):  # type: ignore[no-untyped-def]
-    """Integral of v: a unit force per unit length."""
+    """Integral of v over the element: a unit force per unit length. See `skfem.LinearForm` for the arguments."""
     return 1.0 * v
 
 
 @cache
 def unit_element() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Stiffness (4, 4), mass (4, 4) and uniform load (4,) of an element with h = EI = m = 1."""
+    """Stiffness ``(4, 4)``, mass ``(4, 4)`` and uniform load ``(4,)`` of an element with h = EI = m = 1."""
     basis = Basis(MeshLine([0.0, 1.0]), ElementLineHermite(), intorder=6)  # mass: degree 3 + 3
     order = basis.nodal_dofs.T.ravel()
     pick = np.ix_(order, order)
@@ -52,7 +53,10 @@ def unit_element() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class Assembly:
-    """Matrices of the free beam on one mesh; degrees of freedom are (z, L z_x) node by node."""
+    """Matrices of the free beam on one mesh; degrees of freedom are (z, L z_x), m, node by node.
+
+    ``n`` of them are free: no infinite spring fixes them.
+    """
 
     problem: Problem
     nodes: FloatArray
@@ -86,16 +90,16 @@ class Assembly:
 
     @property
     def mass(self) -> FloatArray:
-        """Consistent mass of the free degrees of freedom, shape ``(n, n)``."""
+        """Consistent mass of the free degrees of freedom, kg, shape ``(n, n)``."""
         return np.asarray(self._matrices[1][np.ix_(self.free, self.free)])
 
     @property
     def uniform_load(self) -> FloatArray:
-        """Load vector of a unit force per unit length, shape ``(n,)``."""
+        """Load vector of a unit force per unit length, m, shape ``(n,)``."""
         return np.asarray(self._matrices[2][self.free])
 
     @cached_property
-    def free(self) -> np.ndarray:
+    def free(self) -> npt.NDArray[np.int64]:
         """Indices of the degrees of freedom that no infinite spring fixes, shape ``(n,)``."""
         fixed = set()
         for support in self.problem.supports:
@@ -107,15 +111,48 @@ class Assembly:
         return np.array([i for i in range(2 * self.nodes.size) if i not in fixed], dtype=int)
 
     def node(self, x: float) -> int:
-        """Index of the node at `x`."""
+        """Index of the node at a position.
+
+        Parameters
+        ----------
+        x : float
+            The position, m, which has a node.
+
+        Returns
+        -------
+        int
+            Its index.
+        """
         return int(np.searchsorted(self.nodes, x))
 
     def unit_force(self, x: float) -> FloatArray:
-        """Load vector of a unit force at the node at `x`, shape ``(n,)``; also the row that reads z there."""
+        """Load vector of a unit force at a node; also the row that reads z there.
+
+        Parameters
+        ----------
+        x : float
+            The position of the node, m.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            1 at the displacement of the node, 0 elsewhere.
+        """
         return np.asarray((self.free == 2 * self.node(x)).astype(float))
 
     def springs(self, state: ContactState) -> FloatArray:
-        """Finite supports and closed stops on the diagonal of the stiffness, shape ``(n,)``."""
+        """Finite supports and closed stops on the diagonal of the stiffness.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            N/m.
+        """
         diagonal = np.zeros(2 * self.nodes.size)
         for support in self.problem.supports:
             i = 2 * self.node(support.x)
@@ -129,11 +166,33 @@ class Assembly:
         return np.asarray(diagonal[self.free])
 
     def stiffness(self, state: ContactState) -> FloatArray:
-        """Stiffness with the finite supports and the closed stops as springs, shape ``(n, n)``."""
+        """Stiffness with the finite supports and the closed stops as springs.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        FloatArray, shape (n, n)
+            N/m.
+        """
         return np.asarray(self._matrices[0][np.ix_(self.free, self.free)] + np.diag(self.springs(state)))
 
     def rigid_modes(self, state: ContactState) -> int:
-        """Number of rigid-body modes (0, 1 or 2) that supports and closed stops leave."""
+        """Number of rigid-body modes that supports and closed stops leave.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+
+        Returns
+        -------
+        int
+            0, 1 or 2.
+        """
         L, supports = self.problem.beam.length, self.problem.supports
         rows = [(1.0, s.x / L) for s in supports if s.translational > 0]
         rows += [(0.0, 1.0) for s in supports if s.torsional > 0]
@@ -141,10 +200,22 @@ class Assembly:
         return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=1e-9)) if rows else 2
 
     def shapes(self, x: FloatArray, derivative: int) -> FloatArray:
-        """Rows that give z or an x-derivative (0 to 3) at ``x`` from the free degrees of freedom, ``(k, n)``.
+        """Rows that give z or an x-derivative of z from the free degrees of freedom.
 
-        The second derivative is linear, the third constant in an element; at a node they belong to the element
-        to the left.
+        The second derivative is linear, the third constant in an element; at a node they belong to the element to the
+        left.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (k,)
+            Positions, m.
+        derivative : int
+            Which x-derivative, 0 to 3.
+
+        Returns
+        -------
+        FloatArray, shape (k, n)
+            1/m to the power `derivative`.
         """
         e = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
         h = np.diff(self.nodes)[e]

@@ -11,14 +11,28 @@ from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem, Stop, Support
 
-_SOFT = 1e-3  # of EI / m L^4: a lowest omega^2 below needs a shift to be solved for safely
+_SOFT = 1e-3  # of EI / m L^4: if the lowest omega^2 is below this, K is nearly singular and is shifted
 
 
 def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, FloatArray]:
-    """All frequencies, ascending, and mass-normalised vectors of the mesh in a contact state.
+    """All ``n`` frequencies and modes of the mesh in a contact state.
 
     They depend on the beam, its springs and the mesh alone, and are kept: other gaps, dampings and excitations, and
     the states that mirror each other, share one solution, to the signs of its vectors.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The problem on a mesh.
+    state : ContactState
+        The stops that are closed.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        Angular frequencies, rad/s, ascending, 0 for rigid-body modes; not to be written to.
+    FloatArray, shape (n, n)
+        Mass-normalised vectors over the free degrees of freedom as columns, kg^-1/2; not to be written to.
     """
     problem = assembly.problem
     springs = sorted((problem.stops[k].x, problem.stops[k].stiffness) for k in state.closed)

@@ -11,16 +11,21 @@ from lapjoint.problem import FloatArray, Problem
 
 
 def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None) -> FloatArray:
-    """Node positions, m, ascending from 0 to L, shape ``(nodes,)``.
+    """Node positions of a mesh, ascending from 0 to L.
 
     Parameters
     ----------
     problem : Problem
         Its supports, stops and point loads each get a node.
     elements : int
-        About how many elements the whole beam gets; every span between required nodes gets at least one.
-    given : tuple of float, optional
+        About how many elements the whole beam gets; every stretch between required nodes gets at least one.
+    given : tuple of float or None
         Nodes of a graded mesh, m; required nodes that are missing are added.
+
+    Returns
+    -------
+    FloatArray, shape (nodes,)
+        m.
 
     Raises
     ------
@@ -42,7 +47,20 @@ def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None)
 
 
 def split_elements(nodes: tuple[float, ...], parts: int) -> tuple[float, ...]:
-    """The nodes with every element between two of them cut into equal parts."""
+    """The nodes with every element between two of them cut into equal parts.
+
+    Parameters
+    ----------
+    nodes : tuple of float
+        Node positions, m, in any order.
+    parts : int
+        Into how many parts.
+
+    Returns
+    -------
+    tuple of float
+        Node positions, m, ascending.
+    """
     ends = sorted(set(nodes))
     cut = [np.linspace(a, b, parts + 1)[:-1].tolist() for a, b in itertools.pairwise(ends)]
     return tuple(itertools.chain(*cut, ends[-1:]))

@@ -1,4 +1,4 @@
-"""A batch of cells, solved wherever it is sent: in this process, another, or on a cluster."""
+"""A batch of cells of a sweep: how it is made, and how it is solved, in this process, another one or on a cluster."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.solver import Solver, make_solver
 
 BATCH_SECONDS = 1.0
-"""A batch is handed back when it has taken so long, finished or not: what a crash can lose."""
+"""Time after which a batch is handed back, finished or not, s: it is as much work as a crash can lose."""
 
 
 @dataclass(frozen=True)
@@ -22,10 +22,12 @@ class Batch:
     """Cells to be solved one after the other."""
 
     cells: tuple[int, ...]
+    """Numbers of the cells."""
     chained: bool = False
-    """Whether each starts from where the one before it has settled."""
+    """Whether each cell starts from the section point at which the one before it has settled."""
     section: dict[str, Any] | None = None
-    """Where the first starts from, if chained; None: from the problem's own initial state."""
+    """Section point from which the first cell of a chain starts, as `plain_section` gives it; None for the initial
+    state of the problem."""
 
     def first(self) -> Batch:
         """A batch of the first cell alone."""
@@ -34,17 +36,32 @@ class Batch:
 
 @dataclass(frozen=True)
 class Solved:
-    """The cells of a batch that are done, and what is left of it."""
+    """The cells of a batch that are done, and what is left of the batch."""
 
     points: dict[int, Point]
+    """What was found, by the number of the cell."""
     section: dict[str, Any] | None
+    """Section point from which the next cell of a chain starts, as `plain_section` gives it."""
     left: Batch | None
+    """The cells that are not done; None if all are."""
 
 
 def solve_batch(plan: Plan, batch: Batch) -> Solved:
-    """Solve the cells of a batch until they are done or `BATCH_SECONDS` are over; one at least.
+    """Solve the cells of a batch until all are done or `BATCH_SECONDS` are over, and at least one.
 
-    One thread does the linear algebra, whoever calls, so that answers do not depend on the number of workers.
+    The linear algebra runs in one thread for every caller, so that answers do not depend on the number of workers.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    batch : Batch
+        Cells to be solved, in their sequence.
+
+    Returns
+    -------
+    Solved
+        The cells that are done, and what is left of the batch.
 
     Raises
     ------
@@ -67,24 +84,45 @@ def solve_batch(plan: Plan, batch: Batch) -> Solved:
 
 
 def after(batch: Batch, done: int, section: dict[str, Any] | None) -> Batch | None:
-    """What is left of a batch when its first `done` cells are."""
+    """What is left of a batch when some of its cells are done.
+
+    Parameters
+    ----------
+    batch : Batch
+        The batch.
+    done : int
+        Number of cells that are done, from the first one on.
+    section : dict of str to Any, or None
+        Section point from which the next cell of a chain starts, as `plain_section` gives it.
+
+    Returns
+    -------
+    Batch or None
+        The cells that are left; None if there are none.
+    """
     left = batch.cells[done:]
     return replace(batch, cells=left, section=section if batch.chained else None) if left else None
 
 
 def batches(plan: Plan, done: set[int], sections: dict[int, dict[str, Any] | None], length: int) -> Iterator[Batch]:
-    """Batches of what is left to do: whole chains, or at most `length` consecutive cells.
+    """Batches of the cells that are not done: the rest of each chain, or at most `length` independent cells.
 
     Parameters
     ----------
     plan : Plan
         The sweep.
     done : set of int
-        Cells that are done.
-    sections : dict
-        Where a chain stands after a cell, for the last one done of each chain at least.
+        Numbers of the cells that are done.
+    sections : dict of int to dict or None
+        Section point at which a chain stands after a cell, as `plain_section` gives it; at least for the last cell of
+        each chain that is done.
     length : int
-        Number of cells in a batch, where they are independent.
+        Largest number of cells in a batch, where they are independent.
+
+    Yields
+    ------
+    Batch
+        The batches, in the sequence of their cells.
     """
     if plan.chained:
         for chain in plan.chains():
@@ -101,7 +139,10 @@ def batches(plan: Plan, done: set[int], sections: dict[int, dict[str, Any] | Non
 def _solve(
     plan: Plan, solver: Solver, cell: int, section: dict[str, Any] | None
 ) -> tuple[Point, dict[str, Any] | None]:
-    """The point of a cell, and the section point to go on from: the last one found, where the solver gives up."""
+    """What was found for a cell, and the section point from which the next cell of a chain starts.
+
+    Where the solver gives up, this is the section point from which the cell itself started.
+    """
     try:
         problem = plan.problem_at(cell, solver)
         start = None if section is None else section_from(section)

@@ -1,4 +1,4 @@
-"""The work of a sweep on a dask cluster, whose workers may die."""
+"""The work of a sweep on a dask cluster, which goes on when workers die."""
 
 from __future__ import annotations
 
@@ -12,16 +12,27 @@ from lapjoint.campaigns.workers import Deliver, given_up
 from lapjoint.errors import InputError, SolverError
 
 REACHED = 15.0
-"""Time that a scheduler has to answer, s."""
+"""Time within which a scheduler must answer, s: enough for a slow network, and short enough for a wrong address."""
 PATIENCE = 60.0
-"""Time that a scheduler has to have its first worker, s."""
+"""Time within which a scheduler must have its first worker, s: the workers of a batch system start late."""
 
 
 def work_on_cluster(plan: Plan, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
     """Solve all batches on the workers of a dask scheduler.
 
-    Dask sends a batch whose worker died to another one, a few times; one that kills them all is sent cell by
-    cell then, and the cell that does it is given up.
+    Dask sends a batch whose worker died to another worker, a few times.  If all of them die, the batch is sent again
+    cell by cell, and the cell whose workers die is given up.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    batches : iterable of Batch
+        The work.
+    scheduler : str
+        Address of the scheduler, ``tcp://host:8786``.
+    deliver : callable
+        Takes each `Solved`, in any sequence.
 
     Raises
     ------
@@ -40,7 +51,24 @@ def work_on_cluster(plan: Plan, batches: Iterable[Batch], scheduler: str, delive
 
 
 def connected(scheduler: str) -> Any:
-    """A client of the scheduler, which has a worker at least."""
+    """Connect to a scheduler that has a worker.
+
+    Parameters
+    ----------
+    scheduler : str
+        Address of the scheduler, ``tcp://host:8786``.
+
+    Returns
+    -------
+    distributed.Client
+        The client of the scheduler, to be closed by the caller.
+
+    Raises
+    ------
+    InputError
+        If dask.distributed is not installed, the scheduler does not answer within `REACHED`, or it has no worker within
+        `PATIENCE`.
+    """
     try:
         from distributed import Client
     except ImportError:
@@ -62,26 +90,27 @@ def connected(scheduler: str) -> Any:
 def _work(client: Any, plan: Plan, batches: Iterable[Batch], deliver: Deliver) -> None:
     from distributed import KilledWorker, as_completed
 
-    flying: dict[Any, tuple[Batch, bool]] = {}
-    landing = as_completed(loop=client.loop)
+    submitted: dict[Any, tuple[Batch, bool]] = {}
+    finished = as_completed(loop=client.loop)
 
-    def fly(batch: Batch, alone: bool = False) -> None:
+    def submit(batch: Batch, alone: bool = False) -> None:
+        """Submit a batch, or its first cell only if it is `alone`."""
         future = client.submit(solve_batch, plan, batch.first() if alone else batch, pure=False)
-        flying[future] = batch, alone
-        landing.add(future)
+        submitted[future] = batch, alone
+        finished.add(future)
 
     for batch in batches:
-        fly(batch)
-    for future in landing:
-        batch, alone = flying.pop(future)
+        submit(batch)
+    for future in finished:
+        batch, alone = submitted.pop(future)
         try:
             solved: Solved = future.result()
         except KilledWorker:
             if not alone:
-                fly(batch, alone=True)
+                submit(batch, alone=True)
                 continue
             solved = given_up(batch, "the workers that solved it died")
         deliver(solved)
         left = after(batch, len(solved.points), solved.section)
         if left is not None:
-            fly(left, alone)
+            submit(left, alone)

@@ -26,11 +26,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SAME_MOTION = 1e-3
-"""Two motions are the same if their impulses differ by less than this, relative to the largest at the point."""
+"""Two motions are the same if their impulses differ by at most this, relative to the largest impulse at the point:
+more than the numerical error of an impulse, and less than different motions differ."""
 
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
+"""Dimensions, values and attributes, as xarray takes them."""
 _LEADING = "the Floquet multiplier of largest modulus; of a conjugate pair, the one with the positive imaginary part"
-# Name of the variable and of the point's field, kind, units, and what it is.
+# Each entry has the name of the variable, which is also that of the field of `Point`, its type, units and meaning.
 _SCALARS: tuple[tuple[str, str, str, str], ...] = (
     ("period_multiple", "i4", "1", "excitation periods after which the motion repeats; 0: it was not found to repeat"),
     ("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
@@ -52,7 +54,20 @@ _CONTACTS: tuple[tuple[str, str, str, str], ...] = (
 
 
 def dataset_of(plan: Plan, points: Mapping[int, Point]) -> xr.Dataset:
-    """The dataset of a sweep whose points are all done."""
+    """The dataset of a sweep whose points are all done.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    points : mapping of int to Point
+        What was found for each cell.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset; the README lists its variables with their units.
+    """
     import xarray as xr
 
     ordered = [points[cell] for cell in range(plan.size)]
@@ -155,7 +170,7 @@ def _distinct(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> Variabl
 
 
 def _motions(points: list[Point]) -> int:
-    """Number of different motions among points, those without an answer left out."""
+    """Number of different motions among points; points without an answer do not count."""
     found: list[Point] = []
     answers = [point for point in points if point.outcome != FAILED]
     size = max((abs(impulse) for point in answers for impulse in point.impulses), default=0.0)
@@ -190,19 +205,19 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 
 
 def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset as NetCDF, all of it or nothing: what was there before stays until the new file is whole.
+    """Write a dataset as NetCDF; an older file of that name stays until the new one is complete.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        The dataset.
-    path : path
+        The dataset of a sweep.
+    path : str or Path
         The file.
 
     Raises
     ------
     OutputError
-        If it cannot be written.
+        If the file cannot be written.
     """
     content = io.BytesIO()
     encoding = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind != "O"}
@@ -214,12 +229,23 @@ def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def read_curve(path: str | Path) -> xr.Dataset:
-    """The dataset of a sweep in a NetCDF file, in memory.
+    """Read the dataset of a sweep from a NetCDF file into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset; the README lists its variables with their units.
 
     Raises
     ------
     InputError
-        If there is no such file, it is not one, or an older or newer version of lapjoint wrote it in another format.
+        If there is no such file, it is not the result of a sweep, or an older or newer version of lapjoint wrote it in
+        another format.
     """
     import xarray as xr
 

@@ -1,6 +1,6 @@
 """The version of the files that a sweep writes: the dataset and the journal beside it.
 
-It is raised whenever a reader of the version before would misread a file, or lack what it looks for.
+The version is raised whenever a reader of the version before would misread a file, or miss something in it.
 """
 
 from __future__ import annotations
@@ -8,12 +8,24 @@ from __future__ import annotations
 from numbers import Integral
 
 FORMAT_VERSION = 2
-"""Version 1 had `order`, `multiplier`, `spread` and `span` where this one has `period_multiple`, `multiplier_real` and
-`multiplier_imag`, `standard_error` and `duration`; its datasets did not say that they were of version 1."""
+"""Version of the files that are written, and the only one that is read.  Version 1 had other names for
+`period_multiple`, `multiplier_real` and `multiplier_imag`, `standard_error` and `duration`; its datasets did not say
+that they were of version 1."""
 
 
 def refusal(found: object) -> str:
-    """Why a file is not read that says it is of the version `found`; empty where it is read."""
+    """The reason for which a file of some format version is not read.
+
+    Parameters
+    ----------
+    found : object
+        Format version that the file gives, of whatever type.
+
+    Returns
+    -------
+    str
+        The reason, as the rest of a sentence about the file; empty if the file can be read.
+    """
     if found == FORMAT_VERSION:
         return ""
     whose = "a newer" if isinstance(found, Integral) and int(found) > FORMAT_VERSION else "an older"

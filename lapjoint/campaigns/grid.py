@@ -1,6 +1,6 @@
-"""What is swept: the axes, and the problem at each point of the grid that they span.
+"""The grid of a sweep: its axes, and the problem at each of its points.
 
-The points are numbered in C order, the last axis fastest.
+The points are numbered in C order: the last axis is the fastest.
 """
 
 from __future__ import annotations
@@ -23,10 +23,12 @@ from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.override import assign, path_keys
 
 FREQUENCY = "base_motion.angular_frequency"
-"""Path of the excitation frequency: of the base motion and of every sine load."""
+"""Path of the excitation frequency, which sets that of the base motion and of every sine load."""
 MOST_POINTS = 10_000_000
+"""Largest number of points of a grid, for its dataset to fit into memory."""
 CHECKED_POINTS = 5000
-"""A grid of so many points is validated as a whole before any work; of a larger one, the corners are."""
+"""A grid of at most so many points is validated as a whole before any work, which takes seconds; of a larger grid,
+only the corners are."""
 
 UNITS = {
     "x": "m",
@@ -61,15 +63,15 @@ class Axis:
     Parameters
     ----------
     path : str
-        Where the number is, as ``--set`` takes it: ``stops.*.gap``, ``damping.ratio``; `FREQUENCY` sets all of
-        the periodic excitation.
+        Path of the number in the problem, as ``--set`` takes it: ``stops.*.gap``, ``damping.ratio``; `FREQUENCY` sets
+        the frequency of all periodic excitation.
     values : iterable of float
-        The values, each once, in any order.
+        The values, in the SI unit of the number, each once, in any sequence.
 
     Raises
     ------
     InputError
-        If there is no path, no value, or one is not a number or given twice.
+        If there is no path or no value, or a value is not a number or given twice.
     """
 
     path: str
@@ -104,7 +106,7 @@ class Axis:
 
     @property
     def units(self) -> str:
-        """Units of the values."""
+        """Unit of the values, as CF writes it."""
         named = [UNITS[key] for key in reversed(path_keys(self.path)) if key in UNITS]
         return named[0] if named else "1"
 
@@ -112,6 +114,13 @@ class Axis:
 @dataclass(frozen=True)
 class Grid:
     """A problem, and the axes along which it is changed.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem that has all that the axes do not change.
+    axes : tuple of Axis
+        The axes; the last one is the fastest.
 
     Raises
     ------
@@ -143,16 +152,48 @@ class Grid:
         return math.prod(self.shape)
 
     def values_at(self, point: int) -> tuple[float, ...]:
-        """The value of each axis at a point."""
+        """The value of each axis at a point.
+
+        Parameters
+        ----------
+        point : int
+            Number of the point.
+
+        Returns
+        -------
+        tuple of float
+            The values, in the units of their axes.
+        """
         places = np.unravel_index(point, self.shape)
         return tuple(axis.values[int(i)] for axis, i in zip(self.axes, places, strict=True))
 
     def describe(self, point: int) -> str:
-        """The point in words, ``stops.*.gap = 0.001, damping.ratio = 0.08``."""
+        """A text for messages that names a point: ``stops.*.gap = 0.001, damping.ratio = 0.08``.
+
+        Parameters
+        ----------
+        point : int
+            Number of the point.
+
+        Returns
+        -------
+        str
+            The text.
+        """
         return _described(self.axes, self.values_at(point))
 
     def problem_at(self, point: int) -> Problem:
         """The problem at a point.
+
+        Parameters
+        ----------
+        point : int
+            Number of the point.
+
+        Returns
+        -------
+        Problem
+            The problem with the values of the axes at this point.
 
         Raises
         ------

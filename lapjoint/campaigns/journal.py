@@ -1,8 +1,9 @@
 """An append-only journal of a sweep, from which it resumes after Ctrl-C, a crash or a full disk.
 
-Lines of JSON: the first says which sweep this is, each other one holds the points of a batch and, for a chain, where
-it stands.  Each is on the disk before the next batch is waited for.  A line that was cut short is dropped.
-A lock on the file keeps two processes from writing one journal; the system releases it however a process ends.
+A journal has lines of JSON.  The first says which sweep this is.  Each other line holds the points of a batch and, for
+a chain, the section point from which it goes on.  A line is on the disk before the next batch is waited for, and a line
+that was cut short is dropped.  A lock on the file keeps two processes from writing the same journal; the system
+releases it however a process ends.
 """
 
 from __future__ import annotations
@@ -21,21 +22,33 @@ from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError, OutputError
 
 BEGINNING = b'{"journal":'
+"""First bytes of every journal."""
 
 
 def journal_path(out: str | Path) -> Path:
-    """The journal's name: beside the file, and with the file's name in its own."""
+    """The path of the journal, which lies beside the file of the sweep.
+
+    Parameters
+    ----------
+    out : str or Path
+        The file that the sweep writes when it is done.
+
+    Returns
+    -------
+    Path
+        The path of the journal: that of the file, followed by ``.journal``.
+    """
     return Path(f"{out}.journal")
 
 
 class Journal:
-    """The journal beside `out`, locked, and what it holds already.
+    """The locked journal beside `out`, and the points that it holds.
 
     Parameters
     ----------
     plan : Plan
         The sweep.
-    out : path
+    out : str or Path
         The file that the sweep writes when it is done.
     force : bool
         Whether the journal of another sweep may be thrown away.
@@ -43,9 +56,9 @@ class Journal:
     Raises
     ------
     InputError
-        If another process has it, it belongs to another sweep, or it cannot be opened.
+        If another process has the journal, it belongs to another sweep, or it cannot be opened.
     OutputError
-        If it cannot be written.
+        If the journal cannot be written.
     """
 
     def __init__(self, plan: Plan, out: str | Path, *, force: bool = False) -> None:
@@ -53,7 +66,7 @@ class Journal:
         self.path = journal_path(out)
         self.points: dict[int, Point] = {}
         self.sections: dict[int, dict[str, Any] | None] = {}
-        """Where a chain stands after a cell, for the last one of each batch."""
+        """Section point from which a chain goes on, by the last cell of each batch; None where there is no chain."""
         self._file = _open_locked(self.path)
         try:
             self._read(force)
@@ -62,12 +75,19 @@ class Journal:
             raise
 
     def append(self, points: Mapping[int, Point], section: dict[str, Any] | None = None) -> None:
-        """Keep points; when this returns they are on the disk.
+        """Keep points: they are on the disk when this returns.
+
+        Parameters
+        ----------
+        points : mapping of int to Point
+            What was found, by the number of the cell.
+        section : dict of str to Any, optional
+            Section point from which the chain goes on after the last of these cells, as `plain_section` gives it.
 
         Raises
         ------
         OutputError
-            If they cannot be written; what was there before is still good.
+            If they cannot be written; what the journal held before is still good.
         """
         line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
         if section is not None:
@@ -76,25 +96,25 @@ class Journal:
         self._take(line)
 
     def close(self) -> None:
-        """Let another process have it; one that holds no points is removed."""
+        """Release the journal to other processes; an empty one is removed."""
         if not self.points and not self._file.closed:
             self.path.unlink(missing_ok=True)
         self._file.close()
 
     def remove(self) -> None:
-        """Remove it: the file is in place."""
+        """Remove the journal, when the file of the sweep is written."""
         self.path.unlink(missing_ok=True)
         self.close()
 
     def kept(self) -> str:
-        """What a person is told when the sweep stops here: what is in the file, wherever the interrupt came."""
+        """A message for a sweep that stops here: it reads the file, because an interrupt can come at any moment."""
         self._load(force=False)
         if not self.points:
             return f"none of {self.plan.size} points was done"
         return f"{len(self.points)} of {self.plan.size} points are kept in {self.path}; the same command resumes"
 
     def _read(self, force: bool) -> None:
-        """Read what is there, and cut off what cannot be read."""
+        """Read the journal, and cut off what cannot be read."""
         good = self._load(force)
         self._file.seek(good)
         self._file.truncate()
@@ -112,7 +132,7 @@ class Journal:
         return good
 
     def _mine(self, raw: bytes, force: bool) -> bool:
-        """Whether a first line is this sweep's; what is not may be thrown away only when told."""
+        """Whether a first line belongs to this sweep; that of another sweep is thrown away only if `force` says so."""
         header = _parsed(raw)
         if header is None and BEGINNING.startswith(raw[: len(BEGINNING)]):
             return False  # cut short, before any point was kept

@@ -1,8 +1,8 @@
-"""A sweep as it is asked for: the grid, the solver, and where each motion starts from.
+"""The plan of a sweep: the grid, the solver, and the initial state of each motion.
 
-A *cell* is one motion to find: a point of the grid, and the number of its start; cells are numbered in C order,
-the start fastest.  What a cell's answer depends on is written in the plan, and neither the order of the work nor
-the number of workers is.
+A *cell* is one motion to be found: a point of the grid, and the number of its start.  Cells are numbered in C order,
+with the start fastest.  The plan holds everything that a cell's answer depends on; the answer depends neither on the
+sequence of the work nor on the number of workers.
 """
 
 from __future__ import annotations
@@ -27,8 +27,11 @@ from lapjoint.problem.files import to_toml
 from lapjoint.solver import Solver, make_solver
 
 Start = Literal["rest", "up", "down", "random"]
+"""How motions start; `Plan` says what the words mean."""
 MOST_STARTS = 10_000
+"""Largest number of starts at a point."""
 PACKAGES = ("lapjoint", "numpy", "scipy", "numba")
+"""Packages whose versions tell one sweep from another, because answers are computed with them."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +45,13 @@ class Plan:
     solver : str
         Entry-point name of the solver.
     options : mapping
-        Its numerical options.
+        Numerical options of the solver.
     start : {"rest", "up", "down", "random"}
-        "rest": every motion starts from the problem's own initial state.  "up", "down": along the first axis,
-        ascending or descending, each starts from where the one before it has settled.  "random": from random
-        initial states.
+        "rest": every motion starts from the problem's own initial state.  "up", "down": each motion starts from the
+        section point at which the one before it has settled, along the first axis, ascending or descending.
+        "random": every motion starts from a random initial state.
     starts : int
-        Number of starts at each point; with "rest", those after the first are random.
+        Number of starts at each point; with "rest", the starts after the first are random.
     seed : int
         Seed of the random initial states.
     sensitivity : bool
@@ -57,7 +60,7 @@ class Plan:
     Raises
     ------
     InputError
-        If one of them is not allowed.
+        If a parameter is not allowed.
     """
 
     grid: Grid
@@ -97,7 +100,25 @@ class Plan:
         return (*self.grid.shape, self.starts) if self.has_starts else self.grid.shape
 
     def problem_at(self, cell: int, solver: Solver) -> Problem:
-        """The problem of a cell, with its initial state."""
+        """The problem of a cell, with its initial state.
+
+        Parameters
+        ----------
+        cell : int
+            Number of the cell.
+        solver : Solver
+            Gives the modes that random initial states are made of.
+
+        Returns
+        -------
+        Problem
+            The problem.
+
+        Raises
+        ------
+        InputError
+            If there is no valid problem at this point of the grid; the message names the point.
+        """
         point, number = divmod(cell, self.starts)
         problem = self.grid.problem_at(point)
         if self.start != "random" and number == 0:
@@ -105,20 +126,36 @@ class Plan:
         return problem.replace(initial=random_initial(problem, solver, (self.seed, point, number)))
 
     def describe(self, cell: int) -> str:
-        """A cell in words."""
+        """A text for messages that names a cell: its point, and its start if there are several.
+
+        Parameters
+        ----------
+        cell : int
+            Number of the cell.
+
+        Returns
+        -------
+        str
+            The text.
+        """
         point, number = divmod(cell, self.starts)
         return self.grid.describe(point) + (f", start {number}" if self.has_starts else "")
 
     def chains(self) -> Iterator[tuple[int, ...]]:
-        """The cells of each chain, in the order in which one follows the other."""
+        """The cells of each chain, in the sequence in which they are solved."""
         first, *others = self.grid.axes
-        order = np.argsort(first.values)
-        order = order[::-1] if self.start == "down" else order
+        sequence = np.argsort(first.values)
+        sequence = sequence[::-1] if self.start == "down" else sequence
         for rest in product(*(range(len(axis.values)) for axis in others)):
-            yield tuple(int(np.ravel_multi_index((int(i), *rest), self.grid.shape)) for i in order)
+            yield tuple(int(np.ravel_multi_index((int(i), *rest), self.grid.shape)) for i in sequence)
 
     def check(self) -> Solver:
-        """The solver, after a look at everything that can be checked before any work.
+        """Check everything that can be checked before any work, and make the solver.
+
+        Returns
+        -------
+        Solver
+            The solver, with its options.
 
         Raises
         ------
@@ -131,7 +168,7 @@ class Plan:
 
     @cached_property
     def identity(self) -> dict[str, Any]:
-        """What distinguishes this sweep from any other, in plain values; floats are written exactly."""
+        """What distinguishes this sweep from any other, as values that JSON can hold; floats are written exactly."""
         return {
             "problem": to_toml(self.grid.problem),
             "axes": {axis.path: list(axis.values) for axis in self.grid.axes},
@@ -146,7 +183,7 @@ class Plan:
 
     @cached_property
     def fingerprint(self) -> str:
-        """A digest of the identity."""
+        """A digest of the identity, in hexadecimal digits."""
         try:
             text = json.dumps(self.identity)
         except TypeError as error:
@@ -155,7 +192,7 @@ class Plan:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what the answers are computed with."""
+    """Versions of Python and of the `PACKAGES`, by name."""
 
     def installed(name: str) -> str:
         try:

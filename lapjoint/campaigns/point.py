@@ -1,4 +1,4 @@
-"""What is kept of one point of a sweep, as plain values that a journal can hold."""
+"""The result at one point of a sweep, as plain values that a journal can hold."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState
 
 FAILED = "FAILED"
+"""Name of the outcome where the solver gave up."""
 OUTCOME_CODES = {FAILED: -1} | {outcome.name: code for code, outcome in enumerate(Outcome)}
 """Numbers that stand for the outcomes in a file, by name; -1 where the solver gave up."""
 CUT_AT_START, CUT_AT_END = 1, 2
+"""Bits that say at which end of the motion a contact is cut."""
 
 
 @dataclass(frozen=True)
@@ -24,30 +26,45 @@ class Point:
     outcome: str = FAILED
     """Name of the `lapjoint.answers.steady_state.Outcome`, or `FAILED`."""
     period_multiple: int = 0
-    """Excitation periods after which the motion repeats; 0 if it was not found to."""
+    """Number of excitation periods after which the motion repeats; 0 if it was not found to repeat."""
     symmetric: bool = False
+    """Whether half the motion's period mirrors it."""
     residual: float = math.nan
+    """Distance between the start and the end of the motion, relative to its size."""
     multiplier_real: float = math.nan
+    """Real part of the Floquet multiplier of largest modulus."""
     multiplier_imag: float = math.nan
-    """Floquet multiplier of largest modulus; of a conjugate pair, the one with the positive imaginary part."""
+    """Imaginary part of the same multiplier; of a conjugate pair, the positive one."""
     exponent: float = math.nan
     """Largest Lyapunov exponent, 1/s."""
     standard_error: float = math.nan
-    """Its standard error, 1/s."""
+    """Standard error of the exponent, 1/s."""
     impulses: tuple[float, ...] = ()
     """Impulse of each stop over one excitation period, N s; empty if the solver gave up."""
     duration: float = math.nan
     """Duration of the motion whose contacts are kept, s."""
     contacts: tuple[tuple[int, float, float, float, float, int], ...] = ()
-    """Stop, start after the motion's, s, duration, s, impulse, N s, peak force, N, and where it is cut."""
+    """For each contact: the stop, from 0; the time of impact, s, since the start of the motion; the duration, s; the
+    impulse, N s; the peak force, N; and the ends at which it is cut, `CUT_AT_START` plus `CUT_AT_END`."""
     growth: float = math.nan
     """Largest factor by which a deviation grew on the way to the motion; NaN if it was not measured."""
     message: str = ""
-    """Why the solver gave up."""
+    """Reason for which the solver gave up; empty where it did not."""
 
 
 def point_of(found: SteadyState) -> Point:
-    """What is kept of a steady state."""
+    """The numbers of a steady state that a sweep keeps.
+
+    Parameters
+    ----------
+    found : SteadyState
+        The steady state.
+
+    Returns
+    -------
+    Point
+        Its numbers.
+    """
     history, exponent = found.history, found.exponent
     leading = complex(found.multipliers[0]) if found.multipliers.size else complex(math.nan, math.nan)
     growth = None if found.acceptance is None else found.acceptance.growth
@@ -78,7 +95,20 @@ def point_of(found: SteadyState) -> Point:
 
 
 def plain_section(point: SectionPoint) -> dict[str, Any]:
-    """A section point as JSON can hold it; Python writes each float with the digits that give it back exactly."""
+    """A section point as values that JSON can hold.
+
+    Python writes each float with the digits that give it back exactly.
+
+    Parameters
+    ----------
+    point : SectionPoint
+        The section point.
+
+    Returns
+    -------
+    dict of str to Any
+        Its closed stops, its coordinates and, where it has some, its nodes, as lists.
+    """
     plain = {"closed": list(point.state.closed), "coordinates": np.asarray(point.coordinates, dtype=float).tolist()}
     if point.nodes is not None:
         plain["nodes"] = np.asarray(point.nodes, dtype=float).tolist()
@@ -86,6 +116,17 @@ def plain_section(point: SectionPoint) -> dict[str, Any]:
 
 
 def section_from(plain: dict[str, Any]) -> SectionPoint:
-    """The section point that `plain_section` made plain."""
+    """The section point from the values that `plain_section` made of it.
+
+    Parameters
+    ----------
+    plain : dict of str to Any
+        The values.
+
+    Returns
+    -------
+    SectionPoint
+        The section point, with the same bits.
+    """
     nodes = np.array(plain["nodes"], dtype=float) if "nodes" in plain else None
     return SectionPoint(ContactState(tuple(plain["closed"])), np.array(plain["coordinates"], dtype=float), nodes)

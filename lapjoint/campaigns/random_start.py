@@ -1,4 +1,4 @@
-"""Random initial states of a joint, to look for other motions that it may settle to."""
+"""Random initial states of a joint, from which a sweep looks for coexisting motions."""
 
 from __future__ import annotations
 
@@ -13,22 +13,31 @@ from lapjoint.problem.initial import SampledShape
 from lapjoint.solver import Solver
 
 POINTS = 65
+"""Number of samples of an initial state along the beam: sixteen and more for each half-wave of `MODES`."""
 MODES = 3
+"""Number of the lowest free modes that are combined."""
 SIZE = 3.0
-"""Size of the displacement, in gaps."""
+"""Size of the displacement, in gaps: large enough for most of the states to reach the stops soon."""
 
 
 def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> SampledShape:
-    """A random combination of the lowest free modes: some gaps in displacement, omega times that in velocity.
+    """A random combination of the lowest free modes.
+
+    Displacements are of the size of some gaps, and velocities of this size times the excitation frequency.
 
     Parameters
     ----------
     problem : Problem
         The joint, excited at one frequency.
     solver : Solver
-        Gives the modes.
+        The solver that gives the modes.
     seed : tuple of int
-        The same seed gives the same state; none is negative.
+        Numbers that are not negative; the same seed gives the same state.
+
+    Returns
+    -------
+    SampledShape
+        Displacement, m, and velocity, m/s, at `POINTS` equidistant positions; they fulfil the fixed supports.
     """
     rng = np.random.default_rng(seed)
     x = np.linspace(0.0, problem.beam.length, POINTS)
@@ -36,29 +45,29 @@ def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> S
     shapes = shapes / np.max(np.abs(shapes), axis=1, keepdims=True)
     size, omega = SIZE * _gap(problem), problem.excitation_frequency or 1.0
     weights = rng.standard_normal((2, len(shapes))) / math.sqrt(len(shapes))
-    displacement, velocity = _held(problem, x, size * np.array([[1.0], [omega]]) * (weights @ shapes))
+    displacement, velocity = _meeting_supports(problem, x, size * np.array([[1.0], [omega]]) * (weights @ shapes))
     return SampledShape(
         x=tuple(x.tolist()), displacement=tuple(displacement.tolist()), velocity=tuple(velocity.tolist())
     )
 
 
 def _gap(problem: Problem) -> float:
-    """A typical gap; where there is none, a thousandth of the length."""
+    """The median of the gaps, m; where there is no gap, a thousandth of the length."""
     gaps = [stop.gap for stop in problem.stops if stop.gap > 0]
     return float(np.median(gaps)) if gaps else 1e-3 * problem.beam.length
 
 
-def _held(problem: Problem, x: FloatArray, values: FloatArray) -> FloatArray:
-    """The samples nearest to `values`, shape ``(2, n)``, whose spline meets the fixed supports exactly."""
+def _meeting_supports(problem: Problem, x: FloatArray, values: FloatArray) -> FloatArray:
+    """The samples nearest to `values`, shape ``(2, n)``, whose splines fulfil the fixed supports exactly."""
     rows = np.array(list(_conditions(problem, x)))
     if not rows.size:
         return values
-    held: FloatArray = values - values @ rows.T @ np.linalg.pinv(rows @ rows.T) @ rows
-    return held
+    nearest: FloatArray = values - values @ rows.T @ np.linalg.pinv(rows @ rows.T) @ rows
+    return nearest
 
 
 def _conditions(problem: Problem, x: FloatArray) -> Iterator[FloatArray]:
-    """For each fixed support, the row that gives the spline's value or slope there from its samples."""
+    """Rows of shape ``(n,)`` that give the spline's value or slope at a fixed support from its ``n`` samples."""
     from scipy.interpolate import CubicSpline
 
     cardinal = CubicSpline(x, np.eye(x.size))

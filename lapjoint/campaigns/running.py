@@ -1,4 +1,4 @@
-"""A sweep from its plan to its dataset: what is done already, who does the rest, and what an interruption leaves."""
+"""Runs a sweep from its plan to its dataset: resumes what is done, gives the rest to workers, and keeps the journal."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from lapjoint.campaigns.batch import Batch, Solved
 
 LONGEST_BATCH = 32
+"""Largest number of independent cells in a batch, so that the last batches of a sweep end at about the same time."""
 
 
 def sweep(
@@ -40,50 +41,51 @@ def sweep(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Steady states at every point of a grid of problems.
+    """Find the steady states at every point of a grid of problems.
 
     Parameters
     ----------
     problem : Problem
-        What is the same at all points.
+        The problem that has all that the axes do not change.
     axes : iterable of Axis
-        What is changed; the first is followed by `start` = "up" and "down".
+        The numbers that are changed; `start` = "up" and "down" follow the first of them.
     solver : str
         Entry-point name of the solver.
     options : mapping, optional
-        Its numerical options.
+        Numerical options of the solver.
     start : {"rest", "up", "down", "random"}
-        Where each motion starts from: the problem's own initial state; the motion before it along the first
-        axis, ascending or descending; random initial states.
+        Start of each motion: the problem's own initial state; the motion before it along the first axis, ascending or
+        descending; or a random initial state.
     starts : int
-        Number of starts at each point; with "rest", those after the first are random.
+        Number of starts at each point; with "rest", the starts after the first are random.
     seed : int
         Seed of the random initial states.
     sensitivity : bool
         Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
     workers : int or map-like callable
-        Number of processes, -1 for all processors; or what maps a function over an iterable, as
+        Number of processes, -1 for all processors; or a function that maps a function over an iterable, as
         ``multiprocessing.Pool.imap_unordered`` does.  A script that asks for processes must do so below
         ``if __name__ == "__main__"``.
     scheduler : str, optional
         Address of a dask scheduler whose workers do the work instead, ``tcp://host:8786``.
-    out : path, optional
-        Where the dataset is written, as NetCDF; while it is not finished, a journal beside it keeps what is
-        done, and the same call resumes.
+    out : str or Path, optional
+        File of the dataset, as NetCDF.  Until the sweep is finished, a journal beside it keeps the points that are
+        done, and the same call resumes the sweep.
     force : bool
         Whether another sweep in `out` may be thrown away.
     progress : callable, optional
-        Called with (points done, points in all).
+        Called with the number of points done and the number of all.
 
     Returns
     -------
     xarray.Dataset
-        See `lapjoint.campaigns.dataset`.  It does not depend on the number of workers, or on interruptions.
+        The dataset; `lapjoint.campaigns.dataset` says how contacts are stored.  It depends neither on the number of
+        workers nor on interruptions.
 
     Raises
     ------
     InputError
-        If a parameter or a point is not valid, `out` holds another sweep, or another process is at work on it.
+        If a parameter or a point is not valid, `out` holds another sweep, or another process works on it.
     OutputError
         If the disk is full.
     Interrupted
@@ -102,7 +104,37 @@ def run(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Do what a plan asks for, unless `out` holds it already; see `sweep`."""
+    """Run a plan, unless `out` holds its finished dataset already.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    workers : int or map-like callable
+        Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
+    scheduler : str, optional
+        Address of a dask scheduler whose workers do the work instead.
+    out : str or Path, optional
+        File of the dataset.
+    force : bool
+        Whether another sweep in `out` may be thrown away.
+    progress : callable, optional
+        Called with the number of points done and the number of all.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset.
+
+    Raises
+    ------
+    InputError
+        If the plan is not valid, `out` holds another sweep, or another process works on it.
+    OutputError
+        If the disk is full.
+    Interrupted
+        After Ctrl-C.
+    """
     found = None if out is None else stored(plan, out, force=force)
     if found is not None:
         return found
@@ -118,9 +150,39 @@ def solve(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Do what a plan asks for, and replace what is in `out`; see `sweep`.
+    """Run a plan, and replace what is in `out`.
 
-    A journal beside `out` is gone on with; `force` is about that of another sweep.
+    If there is a journal of the plan beside `out`, the sweep resumes from it; `force` concerns the journal of another
+    sweep.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    workers : int or map-like callable
+        Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
+    scheduler : str, optional
+        Address of a dask scheduler whose workers do the work instead.
+    out : str or Path, optional
+        File of the dataset.
+    force : bool
+        Whether the journal of another sweep may be thrown away.
+    progress : callable, optional
+        Called with the number of points done and the number of all.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset.
+
+    Raises
+    ------
+    InputError
+        If the plan is not valid, the journal belongs to another sweep, or another process works on it.
+    OutputError
+        If the disk is full; the message says how many points are kept.
+    Interrupted
+        After Ctrl-C; the message says how many points are kept.
     """
     from lapjoint.campaigns.dataset import dataset_of, write_curve
 
@@ -146,7 +208,21 @@ def solve(
 
 
 def stored(plan: Plan, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
-    """The dataset of this sweep if it is in `out`, finished; None if there is no such file.
+    """The finished dataset of a sweep, if its file is there.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    out : str or Path
+        File of the dataset.
+    force : bool
+        Whether the file may be something else, to be thrown away.
+
+    Returns
+    -------
+    xarray.Dataset or None
+        The dataset; None if there is no such file, or it is something else that may be thrown away.
 
     Raises
     ------
@@ -178,7 +254,7 @@ def _work(
     scheduler: str | None,
     progress: Progress | None,
 ) -> None:
-    """Find the points that are missing."""
+    """Find the points that are missing, and keep them in `points` or in the journal."""
 
     def deliver(solved: Solved) -> None:
         if journal is None:
@@ -199,21 +275,25 @@ def _work(
 
 
 def _send(plan: Plan, todo: list[Batch], workers: Workers, scheduler: str | None, deliver: Deliver) -> None:
-    """Send the batches to who does the work."""
+    """Send the batches to the workers."""
     if scheduler is not None:
         from lapjoint.campaigns.cluster import work_on_cluster
 
-        work_on_cluster(plan, _begun(plan, todo, deliver), scheduler, deliver)
+        work_on_cluster(plan, _after_first_cell(plan, todo, deliver), scheduler, deliver)
     elif callable(workers):
-        work_mapped(plan, _begun(plan, todo, deliver), workers, deliver)
+        work_mapped(plan, _after_first_cell(plan, todo, deliver), workers, deliver)
     elif workers > 1:
-        work_in_processes(plan, _begun(plan, todo, deliver), workers, deliver)
+        work_in_processes(plan, _after_first_cell(plan, todo, deliver), workers, deliver)
     else:
         work_here(plan, todo, deliver)
 
 
-def _begun(plan: Plan, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
-    """Solve the first cell here, and give what is left: what that compiles, the workers find compiled."""
+def _after_first_cell(plan: Plan, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
+    """Solve the first cell in this process, and give the batches that are left for the workers.
+
+    The first cell makes numba compile the march and store the machine code on the disk.  The workers then load it,
+    instead of each compiling the same functions at the same time.
+    """
     solved = solve_batch(plan, todo[0].first())
     deliver(solved)
     left = after(todo[0], 1, solved.section)

@@ -1,6 +1,6 @@
-"""Who does the work of a sweep: this process, processes of its own, or whatever the caller maps with.
+"""The workers of a sweep: this process, a pool of processes, or a function like `map` that the caller gives.
 
-Each function takes a plan and its batches, and delivers what is solved, in any order.
+Each function takes a plan and its batches, and delivers what is solved, in any sequence.
 """
 
 from __future__ import annotations
@@ -21,14 +21,28 @@ from lapjoint.errors import InputError
 from lapjoint.processes import end_pool, interrupts_held, new_pool
 
 Deliver = Callable[[Solved], None]
+"""Takes what was solved of a batch."""
 Mapper = Callable[[Callable[[Batch], Solved], Iterable[Batch]], Iterable[Solved]]
+"""Maps a function over batches, as ``multiprocessing.Pool.imap_unordered`` does."""
 Workers = int | Callable[..., Any]
+"""Number of processes, -1 for all processors; or a `Mapper`."""
 MOST_DEATHS = 3
-"""A point at which so many processes died is given up."""
+"""A cell is given up after so many deaths of the process that solved it: one or two may have other causes, such as a
+lack of memory."""
 
 
 def check_workers(workers: Workers) -> Workers:
-    """The number of processes, -1 standing for all processors; or the map-like callable as it is.
+    """Check the workers that a caller asks for.
+
+    Parameters
+    ----------
+    workers : int or callable
+        Number of processes, -1 for all processors, or a function like `map`.
+
+    Returns
+    -------
+    int or callable
+        Number of processes, at least 1, or the function.
 
     Raises
     ------
@@ -43,7 +57,17 @@ def check_workers(workers: Workers) -> Workers:
 
 
 def work_here(plan: Plan, batches: Iterable[Batch], deliver: Deliver) -> None:
-    """Solve all batches in this process."""
+    """Solve all batches in this process, one after the other.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    batches : iterable of Batch
+        The work.
+    deliver : callable
+        Takes each `Solved`.
+    """
     for batch in batches:
         left: Batch | None = batch
         while left is not None:
@@ -53,7 +77,19 @@ def work_here(plan: Plan, batches: Iterable[Batch], deliver: Deliver) -> None:
 
 
 def work_mapped(plan: Plan, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
-    """Solve all batches with a callable like `map`, in rounds: what a batch leaves undone is in the next."""
+    """Solve all batches by a function like `map`, in rounds: the rest of an unfinished batch is in the next round.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    batches : iterable of Batch
+        The work.
+    mapper : callable
+        Maps a function over batches, and gives its results in any sequence.
+    deliver : callable
+        Takes each `Solved`.
+    """
     left = list(batches)
     while left:
         done, left = left, []
@@ -64,105 +100,144 @@ def work_mapped(plan: Plan, batches: Iterable[Batch], mapper: Mapper, deliver: D
 
 
 def given_up(batch: Batch, reason: str) -> Solved:
-    """A batch whose first cell is given up."""
+    """Give up the first cell of a batch.
+
+    Parameters
+    ----------
+    batch : Batch
+        The batch.
+    reason : str
+        Message of the cell.
+
+    Returns
+    -------
+    Solved
+        The cell without an answer, and the rest of the batch.
+    """
     return Solved({batch.cells[0]: Point(message=reason)}, batch.section, after(batch, 1, batch.section))
 
 
 def work_in_processes(plan: Plan, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
-    """Solve all batches in processes, whose death is survived."""
+    """Solve all batches in a pool of processes; the sweep goes on when processes die.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    batches : iterable of Batch
+        The work.
+    workers : int
+        Largest number of processes.
+    deliver : callable
+        Takes each `Solved`, in any sequence.
+
+    Raises
+    ------
+    SolverError
+        If the processes do not start.
+    """
     waiting = deque(batches)
     if not waiting:
         return
-    crew = _Crew(plan, waiting, workers, deliver)
+    running = _Run(plan, waiting, workers, deliver)
     try:
-        crew.work()
+        running.work()
     finally:
-        crew.end()
+        running.end()
 
 
-class _Crew:
-    """A pool of processes, renewed when one dies, and the batches that wait or are with it.
+class _Run:
+    """The work on the batches of a sweep by a pool of processes, which is renewed when a process dies.
 
-    A dead process breaks the whole pool, and does not say whose batch it had: all that were in flight are
-    suspects then.  A suspect flies alone, one cell at a time, for longer than it can have flown before.
+    A dead process breaks its whole pool, and nothing says which batch it was solving.  After a death, every batch that
+    the pool had is therefore suspected.  The suspected batches are then solved cell by cell, with one cell in the pool
+    at a time, so that the next death can only be due to this cell.  If `MOST_DEATHS` deaths are counted for a cell, and
+    it was alone in the pool at the last of them, it is given up.
+
+    A batch had been solved for at most about `BATCH_SECONDS` when its process died.  Cells are therefore solved alone
+    for twice this time for each suspected batch.  Afterwards the rest of a batch waits with the others again.
     """
 
     def __init__(self, plan: Plan, waiting: deque[Batch], workers: int, deliver: Deliver) -> None:
         self._plan, self._waiting, self._deliver = plan, waiting, deliver
         self._workers = min(workers, len(waiting))
-        self._suspects: deque[Batch] = deque()
-        self._cleared_at = 0.0
-        self._flying: dict[Future[Solved], Batch] = {}
+        self._suspected: deque[Batch] = deque()
+        self._suspicion_ends = 0.0
+        """Time of the monotonic clock, s."""
+        self._submitted: dict[Future[Solved], Batch] = {}
         self._deaths: Counter[int] = Counter()
+        """Number of deaths, by the first cell of the batch."""
         self._pool = new_pool(self._workers)
 
     def work(self) -> None:
         """Go on until all batches are done."""
-        while self._waiting or self._suspects or self._flying:
-            self._launch()
-            landed, _ = wait(self._flying, return_when=FIRST_COMPLETED)
-            lost = self._land(landed)
+        while self._waiting or self._suspected or self._submitted:
+            self._submit_next()
+            finished, _ = wait(self._submitted, return_when=FIRST_COMPLETED)
+            lost = self._collect(finished)
             if lost:
-                lost += self._land(wait(self._flying).done)
-                self._bury(lost)
+                lost += self._collect(wait(self._submitted).done)
+                self._recover(lost)
 
     def end(self) -> None:
         """End the processes at once, whatever they are doing."""
         end_pool(self._pool)
 
-    def _launch(self) -> None:
-        if self._suspects:
-            if not self._flying:
-                self._fly(self._suspects.popleft(), alone=True)
+    def _submit_next(self) -> None:
+        """Submit the next suspected batch once the pool is empty, or as many waiting batches as keep it busy."""
+        if self._suspected:
+            if not self._submitted:
+                self._submit(self._suspected.popleft(), alone=True)
             return
-        while self._waiting and len(self._flying) < self._workers + 1:
-            if not self._fly(self._waiting.popleft()):
+        while self._waiting and len(self._submitted) < self._workers + 1:
+            if not self._submit(self._waiting.popleft()):
                 break
 
-    def _fly(self, batch: Batch, alone: bool = False) -> bool:
-        """Whether the pool took a batch; it does not once it is broken."""
+    def _submit(self, batch: Batch, alone: bool = False) -> bool:
+        """Submit a batch, or its first cell only if it is `alone`; False if the pool is broken and did not take it."""
         try:
             with interrupts_held():
                 future = self._pool.submit(solve_batch, self._plan, batch.first() if alone else batch)
         except BrokenProcessPool:
             self._waiting.appendleft(batch)
-            if not self._flying:
+            if not self._submitted:
                 self._renew()
             return False
-        self._flying[future] = batch
+        self._submitted[future] = batch
         return True
 
-    def _land(self, landed: Iterable[Future[Solved]]) -> list[Batch]:
-        """Deliver what has come back; returns the batches that were lost."""
+    def _collect(self, finished: Iterable[Future[Solved]]) -> list[Batch]:
+        """Deliver the batches that were solved; returns those that were lost with their process."""
         lost = []
-        for future in landed:
-            batch = self._flying.pop(future)
+        for future in finished:
+            batch = self._submitted.pop(future)
             try:
                 solved = future.result()
             except BrokenProcessPool:
                 lost.append(batch)
                 continue
-            self._done(batch, solved)
+            self._take(batch, solved)
         return lost
 
-    def _done(self, batch: Batch, solved: Solved) -> None:
+    def _take(self, batch: Batch, solved: Solved) -> None:
+        """Deliver what was solved, and put what is left of the batch at the head of its queue."""
         self._deliver(solved)
         left = after(batch, len(solved.points), solved.section)
         if left is not None:
-            suspect = time.monotonic() < self._cleared_at
-            (self._suspects if suspect else self._waiting).appendleft(left)
+            suspected = time.monotonic() < self._suspicion_ends
+            (self._suspected if suspected else self._waiting).appendleft(left)
 
-    def _bury(self, lost: list[Batch]) -> None:
-        """Start anew after a death; a cell that was alone and died too often is given up."""
-        self._cleared_at = time.monotonic() + len(lost) * 2 * BATCH_SECONDS
+    def _recover(self, lost: list[Batch]) -> None:
+        """Renew the pool after a death, and suspect the lost batches, or give up a cell that died too often alone."""
+        self._suspicion_ends = time.monotonic() + len(lost) * 2 * BATCH_SECONDS
         self._renew()
         for batch in lost:
             cell = batch.cells[0]
             self._deaths[cell] += 1
             if len(lost) == 1 and self._deaths[cell] >= MOST_DEATHS:
-                self._done(batch, given_up(batch, f"the process that solved it died {self._deaths[cell]} times"))
+                self._take(batch, given_up(batch, f"the process that solved it died {self._deaths[cell]} times"))
             else:
-                self._suspects.append(batch)
+                self._suspected.append(batch)
 
     def _renew(self) -> None:
         end_pool(self._pool)

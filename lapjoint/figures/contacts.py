@@ -22,23 +22,23 @@ from lapjoint.figures.style import (
     room_of,
     style,
 )
-from lapjoint.figures.text import apart, key, literal, shortened, width_of
+from lapjoint.figures.text import apart, legend_label, literal, shortened, width_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_STEMS = 200
-"""With more contacts than this the markers are small and stand alone."""
+"""Number of contacts above which the markers are drawn small, and without the lines that join them to the axis."""
 _NAMES_SHARE = 0.3
-"""Of the width: the most that the names of the states take."""
+"""The names of the states take at most this part of the figure's width."""
 
 
 @style()
 def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
-    """Impulse of each contact over the time at which it starts, top positive, bottom negative.
+    """Draw the impulse of each contact over the time at which it starts, top positive, bottom negative.
 
-    A marker for each contact, of the stop's colour and shape; hollow where the history's ends cut the contact, so that
-    its impulse is a part only.
+    Each contact has a marker of its stop's colour and shape.  The marker is hollow where an end of the history cuts the
+    contact, so that the impulse is only a part of the whole.
 
     Parameters
     ----------
@@ -46,6 +46,11 @@ def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
         The motion.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, time in s and impulses in N s.
     """
     axes = new_axes() if axes is None else axes
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
@@ -53,7 +58,9 @@ def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
         mine = [contact for contact in history.contacts if contact.stop == stop]
         cut = [contact for contact in mine if contact.open_start or contact.open_end]
         size = 3.5 if len(history.contacts) <= MOST_STEMS else 1.8
-        _draw_impulses(axes, [contact for contact in mine if contact not in cut], stop, key(name), size, hollow=False)
+        _draw_impulses(
+            axes, [contact for contact in mine if contact not in cut], stop, legend_label(name), size, hollow=False
+        )
         _draw_impulses(axes, cut, stop, f"_{name}, cut", size, hollow=True)
         if len(history.contacts) <= MOST_STEMS:
             t, impulse = _impulses(mine)
@@ -90,9 +97,10 @@ def _impulses(contacts: list[Contact]) -> tuple[list[float], list[float]]:
 
 @style()
 def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
-    """The contact state over time: a row for each state that occurs, a bar where it is the one, its share at the side.
+    """Draw the contact state over time: a row for each state that occurs, with a bar for each of its intervals.
 
-    The rows of the paper's joint have its numbers of the states (Table 1); others the names of the closed stops.
+    The share of the time that each state takes stands at the end of its row.  The rows of the paper's joint are named
+    by the paper's numbers (Table 1), those of other joints by their closed stops.
 
     Parameters
     ----------
@@ -100,16 +108,21 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
         The motion.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, time in s.
     """
-    spans = state_spans(history)
-    states = sorted(spans, key=lambda state: state_order(history.problem, state))
+    intervals = state_intervals(history)
+    states = sorted(intervals, key=lambda state: state_order(history.problem, state))
     axes = new_axes(height=1.1 + 0.22 * len(states)) if axes is None else axes
-    span = history.end - history.start
+    duration = history.end - history.start
     for row, state in enumerate(states):
         colour = COLOURS[(len(state.closed) - 1) % len(COLOURS)] if state.closed else GREY
         # One collection for all bars: quick with thousands of switches.
-        axes.broken_barh(spans[state], (row - 0.36, 0.72), **faint_if_thin(colour))
-        share = sum(duration for _, duration in spans[state]) / span if span else 1.0
+        axes.broken_barh(intervals[state], (row - 0.36, 0.72), **faint_if_thin(colour))
+        share = sum(length for _, length in intervals[state]) / duration if duration else 1.0
         axes.text(1.01, row, f"{share:.1%}", transform=axes.get_yaxis_transform(), va="center", fontsize=7)
     names = [state_label(history.problem, state) for state in states]
     short = apart(names, lambda name: shortened(name, _NAMES_SHARE * room_of(axes)))
@@ -122,11 +135,22 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
     return axes
 
 
-def state_spans(history: History) -> dict[ContactState, list[tuple[float, float]]]:
-    """Start and duration, s, of every stay in each state; those of no duration are left out."""
+def state_intervals(history: History) -> dict[ContactState, list[tuple[float, float]]]:
+    """The intervals of time that a motion spends in each contact state.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+
+    Returns
+    -------
+    dict of ContactState to list of tuple of float
+        Start and duration of each interval, s, by its state.  Intervals of no duration are left out.
+    """
     edges = np.concatenate([[history.start], history.switch_times, [history.end]]).tolist()
-    spans: dict[ContactState, list[tuple[float, float]]] = {}
+    intervals: dict[ContactState, list[tuple[float, float]]] = {}
     for state, (start, end) in zip(history.states, pairwise(edges), strict=True):
         if end > start:
-            spans.setdefault(state, []).append((start, end - start))
-    return spans
+            intervals.setdefault(state, []).append((start, end - start))
+    return intervals

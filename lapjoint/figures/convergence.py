@@ -1,4 +1,4 @@
-"""Convergence: relative error over resolution, and the order that is observed."""
+"""Convergence figures: relative error over resolution, and the observed order of convergence."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def plot_convergence(
     label: str | None = None,
     floor: float = ROUNDING,
 ) -> Axes:
-    """Relative error over resolution on logarithmic axes, and the observed order in the key.
+    """Draw the relative error over resolution on logarithmic axes, with the observed order in the legend.
 
-    The order is the slope of the least-squares line through the logarithms of the drawn points whose error is above
-    `floor`.  Against the finest resolution, rather than a reference, it comes out too high: the last errors lack the
-    error of the finest.
+    The order of convergence is the slope of the least-squares line through the logarithms of the drawn points whose
+    error is above `floor`.  Where the errors are taken against the finest resolution instead of a reference, the order
+    comes out too high, because the last errors lack the error of the finest resolution.
 
     Parameters
     ----------
@@ -48,11 +48,16 @@ def plot_convergence(
     reference : float, optional
         What the error is relative to; by default the number of the finest resolution, which then is not drawn.
     order : float, optional
-        Order of a thin reference line through the coarsest point.
+        Order of convergence of a thin reference line through the coarsest point.
     label : str, optional
-        Name of the study in the key.
+        Name of the study in the legend.
     floor : float
-        Relative errors up to this are taken for rounding, and left out of the fit.
+        Relative errors up to this one are taken for rounding, and left out of the fit.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
 
     Raises
     ------

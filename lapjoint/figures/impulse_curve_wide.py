@@ -1,28 +1,32 @@
-"""A sweep as wide as a page: the impulse of each stop, and what was established at each point.
+"""A sweep drawn as wide as a page: the impulse of each stop, and the outcome at each point.
 
-A second swept field is drawn as one line for each value, or as a map where there are many; several starts as points.
+A second swept field is drawn as one line for each value, or as a map where it has many values.  Several starts are
+drawn as points.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lapjoint.figures.impulse_curve import draw_line, limit
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
-from lapjoint.figures.sweep_axes import axis_label, each_line, fields, held, in_order, short, units
+from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
 from lapjoint.figures.text import apart, literal, shortened, wrapped
+from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+IntArray = NDArray[np.int64]
 _NAME_ROOM = 4.5
-"""Width of a stop's name above its panel, inches: that of sixty characters and more."""
+"""Largest width of a stop's name above its panel, inches; sixty characters and more fit into it."""
 MOST_LINES = 7
-"""A second field with more values than this is drawn as a map."""
+"""A second field with more values than this is drawn as a map, because there are no more colours for lines."""
 OUTCOME_COLOURS = {
     "no_contact": "#DDDDDD",
     "periodic": "#56B4E9",
@@ -33,25 +37,25 @@ OUTCOME_COLOURS = {
     "undecided": "#F0E442",
     "failed": "#000000",
 }
-"""Colours of what was established; ``periodic_n`` repeats after several excitation periods."""
+"""Colour of each outcome; ``periodic_n`` is a periodic motion that repeats after several excitation periods."""
 _LABELS = {"no_contact": "no contact", "periodic": "periodic, 1", "periodic_n": "periodic, n"}
 
 
 @style()
 def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
-    """A panel for each stop, and a strip that says what was established at each point; as wide as a page.
+    """Draw a panel for each stop, and below them a strip with the outcome at each point, as wide as a page.
 
-    A second field is drawn as a line for each of its values, or as a map.
+    A second swept field is drawn as one line for each of its values, or as a map if it has more than `MOST_LINES`.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a sweep.
+        Dataset of a sweep, as `lapjoint.campaigns.sweep` returns it.
 
     Returns
     -------
     tuple of matplotlib.axes.Axes
-        One for each stop, and that of the strip.
+        The panels of the stops, in their order, and last the strip.
     """
     dataset = in_order(dataset)
     first, second = fields(dataset)
@@ -75,14 +79,25 @@ def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
     _certificate_strip(figure, panels[-1], dataset, first, second)
     panels[-1].set_xlabel(axis_label(dataset, first))
     limit(panels[-1], dataset[first].values)
-    if held(dataset):
-        lines = wrapped(", ".join(held(dataset)), PAGE_WIDTH - 0.5, STYLE["font.size"])
+    if constant_fields(dataset):
+        lines = wrapped(", ".join(constant_fields(dataset)), PAGE_WIDTH - 0.5, STYLE["font.size"])
         figure.suptitle("\n".join(literal(line) for line in lines), fontsize=STYLE["font.size"])
     return panels
 
 
-def certificates(dataset: xr.Dataset) -> Any:
-    """What was established at each point, as an index into `OUTCOME_COLOURS`."""
+def certificates(dataset: xr.Dataset) -> IntArray:
+    """The outcome at each point of a sweep, for a strip of colours.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a sweep.
+
+    Returns
+    -------
+    IntArray, shape (first field, second field, starts), as far as these exist
+        Indices into `OUTCOME_COLOURS`.
+    """
     keys = list(OUTCOME_COLOURS)
     meanings = dataset.outcome.attrs["flag_meanings"].split()
     codes = np.full(dataset.outcome.shape, keys.index("failed"))
@@ -101,7 +116,7 @@ def _panel(
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_ylabel("impulse [N s]")
     if second is not None and legend:
-        title = literal(f"{short(dataset, second)} [{units(dataset, second)}]")
+        title = literal(f"{short_name(dataset, second)} [{units(dataset, second)}]")
         axes.legend(title=title, title_fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.05))
 
 
@@ -121,7 +136,7 @@ def _rows(dataset: xr.Dataset, first: str) -> int:
 
 
 def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: str, second: str | None) -> None:
-    """A row for each value of the second field and each start, coloured by what was established."""
+    """Draw a row for each value of the second field and each start, coloured by the outcome."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -152,7 +167,7 @@ def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: s
 
 
 def _strip_ticks(axes: Axes, dataset: xr.Dataset, second: str | None, rows: int) -> None:
-    """Say at the strip's side what its rows are: some values of the second field, or starts."""
+    """Write beside the strip what its rows are: values of the second field, or starts."""
     if second is None:
         axes.set_yticks([])
         if rows > 1:
@@ -168,9 +183,9 @@ def _strip_ticks(axes: Axes, dataset: xr.Dataset, second: str | None, rows: int)
         axes.set_ylabel(axis_label(dataset, second))
 
 
-def _edges(values: Any) -> Any:
-    """The ends of the cells around ascending values, one more than these."""
+def _edges(values: FloatArray) -> FloatArray:
+    """The edges of the cells around ``n`` ascending values, shape ``(n + 1,)``."""
     if values.size == 1:
-        return values[0] + np.array([-0.5, 0.5])
+        return np.array([values[0] - 0.5, values[0] + 0.5])
     middles = (values[1:] + values[:-1]) / 2
     return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middles, [1.5 * values[-1] - 0.5 * values[-2]]])

@@ -1,4 +1,4 @@
-"""Keys that fit above their axes, whatever the number of entries and the length of their names."""
+"""Legends that fit above their axes, whatever the number of entries and the length of their names."""
 
 from __future__ import annotations
 
@@ -7,30 +7,43 @@ from typing import Any
 from lapjoint.figures.text import SMALL, apart, literal, shortened, width_of
 
 HANDLE, BETWEEN = 2.0, 1.2
-"""Widths of a sample of a line, and between two columns, in sizes of the text."""
+"""Width of a line's sample, and distance between two columns, in sizes of the text."""
 LINE = 1.5 * SMALL / 72.0
-"""Height of a line of a key, inches."""
+"""Height of a line of a legend, inches: one and a half times the size of its text."""
 _EM = SMALL / 72.0
 _SAMPLE = (HANDLE + 0.8) * _EM
-"""Width of a sample and the space after it, inches."""
+"""Width of a line's sample and of the space after it, inches."""
 
 
-def key_that_fits(handles: list[Any], labels: list[str], room: float, lines: int) -> tuple[list[Any], list[str], int]:
-    """Entries of a key, and in how many columns to write them, in a width of `room` inches.
+def legend_that_fits(
+    handles: list[Any], labels: list[str], room: float, lines: int
+) -> tuple[list[Any], list[str], int]:
+    """Shorten the entries of a legend, and find the number of columns that fit into a width.
 
-    The columns are as many as fit side by side.  Where that makes more than the given number of lines, the last entries
-    are left out, and the last label says how many.
+    There are as many columns as fit side by side.  Where the entries would take more than `lines` lines, the last ones
+    are left out, and the last label says how many they are.
 
     Parameters
     ----------
-    handles, labels : list
-        As matplotlib gives them; the labels are shown literally, the long ones shortened.
+    handles : list of matplotlib.artist.Artist
+        The samples, as matplotlib's ``get_legend_handles_labels`` gives them.
+    labels : list of str
+        Their labels, which are shown literally, the long ones shortened.
     room : float
-        Width, inches.
+        Width of the legend, inches.
     lines : int
-        Lines there is room for; two are always taken.
+        Number of lines there is room for; two are always taken.
+
+    Returns
+    -------
+    handles : list of matplotlib.artist.Artist
+        The samples that are kept, with an empty one where entries are left out.
+    labels : list of str
+        Their labels, ready for matplotlib.
+    columns : int
+        Number of columns.
     """
-    room -= 0.8 * _EM  # the key's own margins
+    room -= 0.8 * _EM  # the legend's own margins
     labels = apart(labels, lambda label: shortened(label, room - _SAMPLE))
     kept = len(labels)
     columns, rows = _columns(labels, room)

@@ -1,4 +1,4 @@
-"""Mode shapes: of one contact state, and of all states, those that share them in one panel."""
+"""Figures of mode shapes: those of one contact state, or those of all states, grouped by equal modes."""
 
 from __future__ import annotations
 
@@ -29,32 +29,39 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SAME = 1e-6
-"""Relative difference of frequencies up to which two states share them."""
+"""Two states share their modes if their frequencies differ relatively by at most this: far more than by rounding, far
+less than a closed stop changes them."""
 MOST_PANELS = 24
-"""More groups of states than this are not drawn in one figure."""
-_NAMED = 4  # states of a group whose closed stops are written out
+"""Largest number of groups of states that are drawn in one figure, for the panels to stay legible."""
+_NAMED = 4
+"""Number of states of a group whose closed stops are written out; the others are counted."""
 _UNBROKEN, _LONGEST = 16, 60
-"""Characters of a state's name up to which it is kept in one line, and up to which it is written out."""
+"""Number of characters up to which a state's name is kept on one line, and up to which it is written out."""
 _POINTS_AT_BEAM = {"bottom": 6, "top": 7}
 """Matplotlib's carets with their tip on the beam, by the stop's side."""
 
 
 @style()
 def plot_mode_shapes(problem: Problem, modes: Modes, axes: Axes | None = None, *, samples: int = 401) -> Axes:
-    """Mass-normalised mode shapes (16)-(17) of one contact state over the beam, the closed stops marked.
+    """Draw the mass-normalised mode shapes (16)-(17) of one contact state over the beam, and mark the closed stops.
 
-    The sign of a mode is arbitrary; each is drawn with its largest deflection upwards.
+    The sign of a mode is arbitrary; each mode is drawn with its largest deflection upwards.
 
     Parameters
     ----------
     problem : Problem
         The beam and its stops.
     modes : Modes
-        Of one contact state.
+        The modes of one contact state.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     samples : int
         Number of equidistant positions.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, positions in m and shapes in kg^(-1/2).
     """
     axes = new_axes() if axes is None else axes
     _draw_shapes(axes, problem, [modes], len(modes.angular_frequencies), samples)
@@ -66,26 +73,26 @@ def plot_mode_shapes(problem: Problem, modes: Modes, axes: Axes | None = None, *
 def plot_state_shapes(
     problem: Problem, states_modes: Sequence[Modes], axes: Sequence[Axes] | None = None, *, count: int = 3
 ) -> tuple[Axes, ...]:
-    """The first mode shapes of every contact state, a panel for each group of states that share them.
+    """Draw the first mode shapes of every contact state, with a panel for each group of states that share them.
 
-    The groups and their order are those of the paper's Table 4, if the joint is the paper's: state 1; 2 and 4; 3 and
-    5; 6 to 9.  Each is drawn with its largest deflection upwards; carets mark the closed stops of the group.
+    For the paper's joint the groups and their sequence are those of the paper's Table 4: state 1; 2 and 4; 3 and 5;
+    6 to 9.  Each mode is drawn with its largest deflection upwards.  Carets mark the closed stops of the group.
 
     Parameters
     ----------
     problem : Problem
         The beam and its stops.
     states_modes : sequence of Modes
-        One for each contact state, from any solver, in any order.
+        The modes of each contact state, from any solver, in any sequence.
     axes : sequence of matplotlib.axes.Axes, optional
-        Where to draw, a panel for each group, or an array of them; by default on a new figure.
+        Where to draw: a panel for each group, or an array of panels; by default on a new figure.
     count : int
-        Number of modes in a panel.
+        Number of modes drawn in a panel.
 
     Returns
     -------
     tuple of matplotlib.axes.Axes
-        One for each of `state_groups`.
+        The panel of each of `state_groups`.
 
     Raises
     ------
@@ -112,7 +119,7 @@ def plot_state_shapes(
 
 
 def _tidy(panels: tuple[Axes, ...], used: int, columns: int) -> None:
-    """The positions written only where no panel follows below, and nothing where a panel is not used."""
+    """Write the positions only where no panel follows below, and hide the panels that are not used."""
     for panel in panels[: used - columns]:
         panel.set_xlabel("")
         panel.tick_params(labelbottom=False)
@@ -121,7 +128,20 @@ def _tidy(panels: tuple[Axes, ...], used: int, columns: int) -> None:
 
 
 def state_groups(problem: Problem, states_modes: Sequence[Modes]) -> list[list[Modes]]:
-    """The states in order, those together that have springs at the same positions and the same frequencies."""
+    """Group the contact states that have springs at the same positions and the same natural frequencies.
+
+    Parameters
+    ----------
+    problem : Problem
+        The beam and its stops.
+    states_modes : sequence of Modes
+        The modes of each contact state, in any sequence.
+
+    Returns
+    -------
+    list of list of Modes
+        The groups, and the states in each group, in the sequence of `lapjoint.answers.contact_state.state_order`.
+    """
     groups: list[list[Modes]] = []
     for modes in sorted(states_modes, key=lambda each: state_order(problem, each.state)):
         for group in groups:
@@ -141,12 +161,36 @@ def _alike(problem: Problem, a: Modes, b: Modes) -> bool:
 
 
 def upright(shape: FloatArray) -> FloatArray:
-    """A shape, ``(n,)``, with the sign that turns its largest deflection upwards."""
+    """Give a mode shape the sign with which its largest deflection points upwards.
+
+    Parameters
+    ----------
+    shape : FloatArray, shape (n,)
+        Deflections, in any unit.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        The shape or its negative, in the same unit.
+    """
     return shape * (-1.0 if shape[np.argmax(np.abs(shape))] < 0 else 1.0)
 
 
 def group_title(problem: Problem, group: Sequence[Modes]) -> str:
-    """Which states these are: the paper's numbers where they have some, and their closed stops; what the key holds."""
+    """The title of a panel: the group's states by the paper's numbers, if they have some, and by their closed stops.
+
+    Parameters
+    ----------
+    problem : Problem
+        The beam and its stops.
+    group : sequence of Modes
+        The modes of the states of one group.
+
+    Returns
+    -------
+    str
+        The title, whose second line says what the legend lists.
+    """
     names = [_unbroken(modes.state.name(problem)) for modes in group]
     text = " or ".join(names[:_NAMED]) + (f" or {len(names) - _NAMED} more" if len(names) > _NAMED else "")
     word = "States" if len(group) > 1 else "State"
@@ -156,7 +200,7 @@ def group_title(problem: Problem, group: Sequence[Modes]) -> str:
 
 
 def _unbroken(name: str) -> str:
-    """A short name with fixed spaces, that a line's end divides no ``P2 + P3``."""
+    """A short name with fixed spaces, so that ``P2 + P3`` stays on one line; a long name is cut."""
     return name.replace(" ", "\u00a0") if len(name) <= _UNBROKEN else cut_to(name, _LONGEST)
 
 

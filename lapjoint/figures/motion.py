@@ -1,4 +1,4 @@
-"""Displacement over time, with gaps and contacts."""
+"""The figure of a motion: displacement over time, with gaps and contacts."""
 
 from __future__ import annotations
 
@@ -29,9 +29,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 STRIP = 0.11
-"""Height of the strip of one stop, inches: that of its name."""
-_NAME_SIZE, _NAMES_SHARE = 6.5, 0.2
-"""Size of the names of the stops, points, smaller where there are many; and the share of the width they may take."""
+"""Height of the strip of one stop, inches: the height of its name."""
+_NAME_SIZE = 6.5
+"""Size of the stops' names, points; smaller where there are too many stops for it."""
+_NAMES_SHARE = 0.2
+"""The names of the stops take at most this part of the figure's width."""
 
 
 @style()
@@ -43,7 +45,9 @@ def plot_motion(
     samples: int = 2000,
     label: str | None = None,
 ) -> Axes:
-    """Displacement over time, the gaps dotted, the contacts shaded, and below a strip of them for each stop.
+    """Draw the displacement over time, with the gaps dotted and the contacts shaded.
+
+    Below the curves each stop has a strip that is filled while the stop is closed.
 
     Parameters
     ----------
@@ -52,12 +56,17 @@ def plot_motion(
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     x : float or sequence of float, optional
-        Positions, m; by default those of the stops, or the tip where there are none.
+        Positions, m; by default those of the stops, or the tip where there are no stops.
     samples : int
-        Number of times drawn, equidistant; the switches are added to them, and more where an excitation period would
-        have fewer than 100 of them.
+        Number of equidistant times.  The times of the switches are added, and further times where an excitation period
+        would have fewer than 100.
     label : str, optional
-        Name of the motion in the key, before its positions; by default title and solver stand above.
+        Name of the motion in the legend, before its positions; without it, title and solver stand above the axes.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, time in s and displacement in mm.
 
     Raises
     ------
@@ -96,7 +105,7 @@ def _colour(i: int) -> str:
 
 
 def _shade_contacts(axes: Axes, history: History, positions: list[float], t: FloatArray, z: FloatArray) -> None:
-    """The area between a gap and the curve, in millimetres, while the stop is closed."""
+    """Shade the area between gap and curve while the stop is closed; `z` is in mm, shape ``(positions, m)``."""
     for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.stops, strict=True)):
         closed = in_contact([contact for contact in history.contacts if contact.stop == i], t)
         if stop.x in positions and closed.any():
@@ -108,7 +117,7 @@ def _shade_contacts(axes: Axes, history: History, positions: list[float], t: Flo
 
 
 def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
-    """A strip for each stop below the curves, filled while the stop is closed, its name on the right."""
+    """Draw a strip for each stop below the curves, filled while the stop is closed, with its name on the right."""
     stops = history.problem.stops
     low, high = axes.get_ylim()
     axes.set_yticks([tick for tick in axes.get_yticks() if low <= tick <= high])
@@ -133,6 +142,6 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
 
 
 def _height(axes: Axes) -> float:
-    """Height of the axes in inches, words above them left out; they are laid out only when they are drawn."""
+    """Height of the axes, inches, without the title: an estimate, because the layout is made only when drawn."""
     assert axes.figure is not None
     return 0.75 * float(axes.bbox.height) / axes.figure.dpi

@@ -1,4 +1,4 @@
-"""Velocity over displacement: the orbit, and where it stands once in every excitation period."""
+"""Figures of velocity over displacement: the phase portrait, and the Poincare section of the same motion."""
 
 from __future__ import annotations
 
@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 IN_CONTACT = "in contact"
-_ROUNDING = 1e-9  # excitation periods: a section this little before the start belongs to the history
-_LEAST_SPAN = 0.1  # of the orbit: points closer than this are not drawn apart, for their distance is rounding
+_ROUNDING = 1e-9
+"""Excitation periods.  A section point that lies outside the history by less than this belongs to it: the difference
+is rounding."""
+_LEAST_SHARE = 0.1
+"""The axes show at least this part of the orbit's size, so that differences by rounding are not drawn large."""
 
 
 @style()
@@ -30,7 +33,7 @@ def plot_phase_portrait(
     samples: int = 4000,
     label: str | None = None,
 ) -> Axes:
-    """Velocity over displacement at one position, the gaps as thin lines, the orbit broader while in contact.
+    """Draw velocity over displacement at one position: the gaps as thin lines, the orbit broad while in contact.
 
     Parameters
     ----------
@@ -40,12 +43,17 @@ def plot_phase_portrait(
         Where to draw; by default on a new figure.  Further portraits on the same axes take further colours.
     x : float, optional
         Position, m; by default that of the stop farthest from the root, or the tip where there are no stops.
-        In contact means: with a stop here, or with any stop where there is none here.
+        "In contact" means with a stop at this position, or with any stop if there is none at this position.
     samples : int
-        Number of times drawn, equidistant, at least; the switches are added to them, and more where an excitation
-        period would have fewer than 100 of them, or the orbit would be drawn with corners that it has not.
+        Least number of equidistant times.  The times of the switches are added, and further times where an excitation
+        period would have fewer than 100, or the drawn orbit would have corners that the true orbit has not.
     label : str, optional
-        Name of the orbit in the key; by default the position.
+        Name of the orbit in the legend; by default the position.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, displacement in mm and velocity in m/s.
 
     Raises
     ------
@@ -89,7 +97,7 @@ def plot_poincare_section(
     phase: float = 0.0,
     label: str | None = None,
 ) -> Axes:
-    """Velocity over displacement at one position, once in every excitation period.
+    """Draw the Poincare section at one position: velocity over displacement, once in every excitation period.
 
     Parameters
     ----------
@@ -100,14 +108,20 @@ def plot_poincare_section(
     x : float, optional
         Position, m; by default that of the stop farthest from the root, or the tip where there are no stops.
     phase : float
-        Phase of the excitation at the section, rad: it is taken at the times t with omega t = phase + 2 pi k.
+        Phase of the excitation, rad: a section point is drawn at each time t with omega t = phase + 2 pi k.
     label : str, optional
-        Name of the section in the key; by default the position and the phase.
+        Name of the section in the legend; by default the position and the phase.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, displacement in mm and velocity in m/s.
 
     Raises
     ------
     InputError
-        If the excitation has not one frequency, the history holds no section, or the position is outside the beam.
+        If the excitation has not one frequency, the history holds no section point, or the position is outside the
+        beam.
     """
     place = one_position(history.problem, x)
     t = section_times(history, phase)
@@ -122,10 +136,22 @@ def plot_poincare_section(
 
 
 def section_times(history: History, phase: float = 0.0) -> FloatArray:
-    """The times t of the history, s, with omega t = phase + 2 pi k, ascending.
+    """The times of the section points of a history: the times t with omega t = phase + 2 pi k.
 
-    A history that ends at a section and starts at one has whole periods, and its end is the start of what follows: it
-    is left out, so that a motion of three periods has three sections.
+    A history that starts and ends at such a time lasts for whole periods.  Its end is then left out, because it is the
+    start of the next period; so a motion of three periods has three section points.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    phase : float
+        Phase of the excitation at the section points, rad.
+
+    Returns
+    -------
+    FloatArray, shape (m,)
+        The times, s, ascending.
 
     Raises
     ------
@@ -135,9 +161,9 @@ def section_times(history: History, phase: float = 0.0) -> FloatArray:
     omega = history.problem.require_excitation_frequency("a Poincare section")
     if not math.isfinite(phase):
         raise InputError(f"phase = {phase}: must be finite, in rad")
-    turns = (np.array([history.start, history.end]) * omega - phase) / (2 * math.pi)
-    k = np.arange(math.ceil(turns[0] - _ROUNDING), math.floor(turns[1] + _ROUNDING) + 1)
-    if k.size > 1 and k[0] - turns[0] < _ROUNDING and turns[1] - k[-1] < _ROUNDING:
+    periods = (np.array([history.start, history.end]) * omega - phase) / (2 * math.pi)
+    k = np.arange(math.ceil(periods[0] - _ROUNDING), math.floor(periods[1] + _ROUNDING) + 1)
+    if k.size > 1 and k[0] - periods[0] < _ROUNDING and periods[1] - k[-1] < _ROUNDING:
         k = k[:-1]
     if not k.size:
         raise InputError(
@@ -160,8 +186,8 @@ def _state(history: History, x: float, t: FloatArray) -> tuple[FloatArray, Float
 
 
 def _widen(axes: Axes, z: FloatArray, v: FloatArray) -> None:
-    """Show at least a tenth of the orbit, given by `z` and `v`, around the points drawn."""
+    """Widen the axes to at least `_LEAST_SHARE` of the orbit's size; `z` (mm) and `v` (m/s) are the orbit."""
     for limits, set_limits, of in ((axes.get_xlim(), axes.set_xlim, z), (axes.get_ylim(), axes.set_ylim, v)):
-        lack = max(0.0, _LEAST_SPAN * float(np.ptp(of)) - (limits[1] - limits[0])) / 2
+        lack = max(0.0, _LEAST_SHARE * float(np.ptp(of)) - (limits[1] - limits[0])) / 2
         if lack:
             set_limits(limits[0] - lack, limits[1] + lack)

@@ -1,4 +1,4 @@
-"""Where and when a history is looked at: positions on its beam, and times between its ends."""
+"""Positions and times at which the figures evaluate a history, and the heading that they share."""
 
 from __future__ import annotations
 
@@ -11,20 +11,32 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 LEAST_SAMPLES = 100
-"""No excitation period is drawn with fewer times than this: a coarser curve shows a motion that is not there."""
+"""Least number of times in an excitation period: a coarser curve shows a motion that is not there."""
 
 SMOOTH = 0.002
-"""Of an orbit's size: how far it may be from the chord that is drawn for it, about a pixel."""
+"""Largest distance of an orbit from the chord that is drawn for it, as a part of the orbit's size: about a pixel."""
 
 MOST_TIMES = 50_000
-"""No orbit is refined further than this."""
+"""Number of times at which the refinement of an orbit ends, to bound the time that a figure takes."""
 
 MANY = 100
-"""With more contacts than this the curves are thin."""
+"""Number of contacts above which the curves are drawn thin."""
 
 
 def checked_position(problem: Problem, x: float) -> float:
-    """The position `x`, m.
+    """Check that a position lies on the beam.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem whose beam it is.
+    x : float
+        Position from the root, m.
+
+    Returns
+    -------
+    float
+        The position, m.
 
     Raises
     ------
@@ -37,16 +49,47 @@ def checked_position(problem: Problem, x: float) -> float:
 
 
 def one_position(problem: Problem, x: float | None) -> float:
-    """The position asked for; by default that of the stop farthest from the root, or the tip where there is none."""
+    """The position asked for; by default the position of the stop farthest from the root, or the tip without stops.
+
+    Parameters
+    ----------
+    problem : Problem
+        The beam and its stops.
+    x : float or None
+        Position, m, or None for the default.
+
+    Returns
+    -------
+    float
+        Position, m.
+
+    Raises
+    ------
+    InputError
+        If `x` is outside the beam.
+    """
     if x is not None:
         return checked_position(problem, x)
     return max((stop.x for stop in problem.stops), default=problem.beam.length)
 
 
 def times_drawn(history: History, samples: int) -> FloatArray:
-    """Equidistant times, s, ascending: `samples`, or more if an excitation period has fewer than `LEAST_SAMPLES`.
+    """Equidistant times at which a motion is drawn, with the switches among them.
 
-    The switches are added, and a time between each two, so that no flight or contact is left out.
+    There are `samples` equidistant times, or more if an excitation period would have fewer than `LEAST_SAMPLES`.  The
+    switches are added, and the middle between each two of them, so that no flight and no contact is left out.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    samples : int
+        Least number of equidistant times, at least 2.
+
+    Returns
+    -------
+    FloatArray, shape (m,)
+        The times, s, ascending.
 
     Raises
     ------
@@ -63,10 +106,25 @@ def times_drawn(history: History, samples: int) -> FloatArray:
 
 
 def smooth_times(history: History, x: float, t: FloatArray) -> FloatArray:
-    """The times `t`, s, and more where the orbit at position `x`, m, is drawn with corners that it has not.
+    """Add times where the orbit at one position would be drawn with corners that the true orbit has not.
 
-    Where the state a quarter, half or three quarters of the way between two times is farther from the chord than
-    `SMOOTH` of the orbit's size, the time half-way is added, and so on until all is smooth, or there are `MOST_TIMES`.
+    Between two times the orbit is drawn as a chord.  Where the state a quarter, half or three quarters of the way is
+    farther from the chord than `SMOOTH` of the orbit's size, the time half-way is added.  This repeats until the whole
+    orbit is smooth, or there are `MOST_TIMES`.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    x : float
+        Position, m.
+    t : FloatArray, shape (n,)
+        Times to begin with, s, ascending.
+
+    Returns
+    -------
+    FloatArray, shape (m,)
+        The times, s, ascending, with those of `t` among them.
     """
     orbit = _orbit(history, x, t)
     size = np.ptp(orbit, axis=1, keepdims=True)
@@ -97,16 +155,51 @@ def _distance(chord: FloatArray, off: FloatArray) -> FloatArray:
 
 
 def in_contact(contacts: list[Contact], t: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Whether any of the contacts lasts at each time of `t`, their ends included, shape ``(m,)``."""
+    """Whether any contact lasts at each time, the ends of the contacts included.
+
+    Parameters
+    ----------
+    contacts : list of Contact
+        The contacts, in any sequence.
+    t : FloatArray, shape (m,)
+        Times, s.
+
+    Returns
+    -------
+    ndarray of bool, shape (m,)
+        True while a contact lasts.
+    """
     starts, ends = np.sort([c.start for c in contacts]), np.sort([c.end for c in contacts])
     return np.asarray(np.searchsorted(starts, t, side="right") > np.searchsorted(ends, t, side="left"))
 
 
 def line_width(history: History) -> float:
-    """Width of a curve, points: thin where there are many contacts, and so many turns of the curve."""
+    """The width of a motion's curve, which is thin where many contacts bring many loops.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+
+    Returns
+    -------
+    float
+        Width, points.
+    """
     return 1.1 if len(history.contacts) <= MANY else 0.4
 
 
 def heading(history: History) -> str:
-    """Title of the problem, and below it the solver."""
+    """The title of a motion's problem, and below it its solver.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+
+    Returns
+    -------
+    str
+        One or two lines.
+    """
     return f"{history.problem.title}\n{history.solver}".strip()

@@ -1,12 +1,12 @@
-"""Amplitude spectra: the Fourier coefficients of a motion that repeats, or a windowed transform of one that does not.
+"""Amplitude spectra: Fourier coefficients of a motion that repeats, or a windowed transform of one that does not.
 
-A motion of n excitation periods that repeats is a sum of lines at the multiples of omega / n.  Their amplitudes are
-Fourier coefficients, which the discrete transform of one whole span, without a window, gives but for aliasing; the
-number of samples is doubled until none of those drawn changes by more than `TOLERANCE` of the largest.
+A motion that repeats after n excitation periods is a sum of lines at the multiples of omega / n.  Their amplitudes are
+Fourier coefficients, which the discrete transform of one repetition, without a window, gives except for aliasing.  The
+number of samples is doubled until no drawn amplitude changes by more than `TOLERANCE` of the largest.
 
-Any other motion is seen through a Hann window over the whole history, after its weighted mean is taken off, and scaled
-so that a sine far from its neighbours has a peak of its own amplitude; lines closer than 4 pi over the history's
-duration run into one.
+Of any other motion the weighted mean is subtracted, and the whole history is multiplied by a Hann window.  The
+transform is scaled so that a sine far from its neighbours has a peak of its own amplitude.  Lines that are closer than
+4 pi over the history's duration merge.
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 TOLERANCE = 1e-7
-"""Of the largest amplitude: the sampling error of those drawn."""
+"""Largest sampling error of the drawn amplitudes, relative to the largest of them; far below what a plot resolves."""
 REPEATS = 1e-3
-"""Of the motion's size: how well its state must return for the motion to be taken as repeating."""
+"""A motion is taken as repeating if its state returns to within this part of the motion's size."""
 DECADES = 6.5
-"""How far below the largest amplitude the axis goes."""
+"""Number of decades below the largest amplitude at which the axis ends: short of `TOLERANCE`."""
 _EXCITATION = "excitation"
-_FEWEST, _MOST = 2**10, 2**18  # samples
+_FEWEST, _MOST = 2**10, 2**18
+"""Number of samples of the transform: the first trial, and the number after which no doubling follows."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +44,12 @@ class Spectrum:
     angular_frequencies: FloatArray
     """rad/s, ascending from 0, shape ``(n,)``."""
     amplitudes: FloatArray
-    """Of the displacement, m, shape ``(n,)``; the first is the modulus of the mean."""
+    """Amplitudes of the displacement, m, shape ``(n,)``; the first is the modulus of the mean."""
     periods: int
-    """Excitation periods that repeat, whose Fourier coefficients these are; 0: a windowed transform."""
+    """Number of excitation periods after which the motion repeats; 0 for a windowed transform."""
     mismatch: float
-    """How far from its start the span ends, relative to the motion's size; NaN for a windowed transform."""
+    """Distance of the state at the end of the repetition from that at its start, relative to the motion's size; NaN
+    for a windowed transform."""
 
 
 @style()
@@ -59,24 +61,29 @@ def plot_spectrum(
     harmonics: int = 20,
     label: str | None = None,
 ) -> Axes:
-    """Amplitude spectrum of the displacement at one position; see the module's head for how it is computed.
+    """Draw the amplitude spectrum of the displacement at one position, computed as the module's head says.
 
     Where the end of the history repeats after some whole number of excitation periods, the lines are the Fourier
-    coefficients of the last such span, and the title says how many periods it has.
+    coefficients of the last repetition, and the title gives its number of periods.
 
     Parameters
     ----------
     history : History
-        The motion; of a steady state its ``history``.
+        The motion; for a steady state, its ``history``.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     x : float, optional
         Position, m; by default the tip.
     harmonics : int
-        Up to which multiple of the excitation frequency to draw; of the largest line's frequency where the excitation
-        has not one frequency.
+        Largest multiple of the excitation frequency to be drawn; where the excitation has not one frequency, largest
+        multiple of the frequency with the largest amplitude.
     label : str, optional
-        Name of the spectrum in the key; by default the position.
+        Name of the spectrum in the legend; by default the position.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, angular frequency in rad/s and amplitude in mm.
 
     Raises
     ------
@@ -106,7 +113,7 @@ def plot_spectrum(
 
 
 def _scale(axes: Axes, amplitude: FloatArray, floor: float) -> None:
-    """Logarithmic from `floor` on; of a beam at rest, which has no amplitudes, a line at zero that is called so."""
+    """Scale the axis logarithmically from `floor`, mm; a beam at rest has no amplitudes, and gets a line at zero."""
     if floor > 0:
         axes.set_yscale("log")
         axes.set_ylim(floor, 3 * float(np.max(amplitude)))
@@ -117,7 +124,21 @@ def _scale(axes: Axes, amplitude: FloatArray, floor: float) -> None:
 
 
 def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
-    """The amplitudes at position `x`, m, up to `harmonics` times the excitation frequency; see the module's head.
+    """Compute the amplitude spectrum of the displacement at one position, as the module's head says.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    x : float
+        Position, m.
+    harmonics : int
+        Largest multiple of the excitation frequency to be computed; at least 1.
+
+    Returns
+    -------
+    Spectrum
+        Amplitudes, m, over angular frequencies, rad/s.
 
     Raises
     ------
@@ -135,10 +156,22 @@ def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
 
 
 def repeating_periods(history: History) -> tuple[int, float]:
-    """The least number of excitation periods after which the end of the history repeats, and how well; or 0 and NaN.
+    """The least number of excitation periods after which the end of the history repeats.
 
     States are compared: displacement and velocity at some points of the beam, each relative to its largest value there.
-    Where the state and the phase of the excitation return, so does all that follows.
+    Where the state and the phase of the excitation return, all that follows returns too.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+
+    Returns
+    -------
+    periods : int
+        Number of excitation periods; 0 if the motion is not found to repeat.
+    mismatch : float
+        Distance between the two states, relative to the motion's size; NaN if the motion is not found to repeat.
     """
     omega = history.problem.excitation_frequency
     whole = 0 if omega is None else math.floor((history.end - history.start) * omega / (2 * math.pi) + 1e-9)
@@ -158,7 +191,7 @@ def repeating_periods(history: History) -> tuple[int, float]:
 
 
 def _fourier(history: History, x: float, periods: int, mismatch: float, count: int) -> Spectrum:
-    """The first `count` Fourier coefficients of the last `periods` excitation periods."""
+    """The moduli of the first `count` Fourier coefficients of the last `periods` excitation periods."""
     omega = float(history.problem.excitation_frequency or math.nan)
     start = max(history.end - 2 * math.pi / omega * periods, history.start)
     samples, amplitudes = max(_FEWEST, 2 ** math.ceil(math.log2(4 * count))), np.full(count, np.inf)
@@ -188,7 +221,7 @@ def _windowed(history: History, x: float, harmonics: int) -> Spectrum:
 
 
 def _hann(history: History, x: float, samples: int) -> tuple[float, FloatArray]:
-    """The weighted mean, m, and the amplitudes, the mean's modulus first."""
+    """The weighted mean, m, and the amplitudes, m, shape ``(samples // 2 + 1,)``, with the mean's modulus first."""
     z = history.displacement(x, np.linspace(history.start, history.end, samples, endpoint=False))[0]
     window = 0.5 - 0.5 * np.cos(2 * math.pi * np.arange(samples) / samples)
     mean = float(window @ z / window.sum())
@@ -198,7 +231,7 @@ def _hann(history: History, x: float, samples: int) -> tuple[float, FloatArray]:
 
 
 def _amplitudes(z: FloatArray, window: FloatArray) -> FloatArray:
-    """Moduli of the one-sided transform, scaled to amplitudes, shape ``(samples // 2 + 1,)``."""
+    """Moduli of the one-sided transform of `z`, shape ``(n,)``, scaled to amplitudes, m, shape ``(n // 2 + 1,)``."""
     amplitudes: FloatArray = 2 * np.abs(np.fft.rfft(window * z)) / window.sum()
     amplitudes[0] /= 2
     return amplitudes
@@ -215,5 +248,5 @@ def _mark_excitation(axes: Axes, omega: float | None) -> None:
 def _how(history: History, found: Spectrum) -> str:
     if not found.periods:
         return f"Hann window over {history.end - history.start:.4g} s"
-    span = "1 period" if found.periods == 1 else f"{found.periods} periods"
-    return f"Fourier series of {span}, repeating to {found.mismatch:.1g}"
+    duration = "1 period" if found.periods == 1 else f"{found.periods} periods"
+    return f"Fourier series of {duration}, repeating to {found.mismatch:.1g}"

@@ -1,4 +1,4 @@
-"""How every figure looks: sizes, colours, lines, and files that are the same bytes each time.
+"""The style of all figures: sizes, colours and lines, and files that are the same bytes each time.
 
 The colours are those of Okabe and Ito (2008), which colour-blind readers tell apart; line styles and markers repeat
 the distinction.  Text has its final size at any width, so a figure is made as wide as it will be printed.
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.figures.legend import BETWEEN, HANDLE, LINE, key_that_fits
+from lapjoint.figures.legend import BETWEEN, HANDLE, LINE, legend_that_fits
 from lapjoint.figures.text import SMALL, boxes_for_unknown_signs, literal, wrapped
 from lapjoint.output_files import completed, unwritable
 
@@ -26,16 +26,18 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 STYLES = ("-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
-"""Filled, so that they can be hollow.  The number of colours has no divisor in common with that of styles, nor with
-that of markers, so that a pair returns only when all pairs have been drawn."""
+"""Markers that have an area, so that they can be hollow.  The number of colours has no divisor in common with the
+number of line styles, nor with the number of markers, so that a pair returns only when all pairs have been drawn."""
 FORMATS = (".png", ".svg", ".pdf")
-COLUMN_WIDTH, PAGE_WIDTH = 3.4, 7.0  # inches
+COLUMN_WIDTH, PAGE_WIDTH = 3.4, 7.0
+"""Widths of a figure, inches: one column, and both columns of a printed page."""
 GREY = "0.55"
-THIN = 0.6  # points: gaps, zero lines, reference slopes
+THIN = 0.6
+"""Width of gaps, zero lines and reference slopes, points."""
 _LABELS_WIDE = 0.65
-"""Width that the labels left of axes take, inches."""
-_KEY_SHARE = 0.45
-"""Of the height of axes and key together: the most that the key takes."""
+"""Width that the labels on the left of the axes take, inches."""
+_LEGEND_SHARE = 0.45
+"""A legend takes at most this part of the height of axes and legend together."""
 
 STYLE: dict[str, Any] = {
     "font.size": 8,
@@ -67,12 +69,12 @@ STYLE: dict[str, Any] = {
     "svg.hashsalt": "lapjoint",
     "pdf.fonttype": 42,
 }
-"""Matplotlib's settings; the colours and line styles of successive lines come besides."""
+"""Matplotlib's settings, except for the colours and styles of successive lines, which `style` adds."""
 
 
 @contextmanager
 def style() -> Iterator[None]:
-    """The style of all figures, while they are made and while they are written; a decorator too."""
+    """Give figures their style while they are made and written; it is a context manager and a decorator."""
     import matplotlib
     from cycler import cycler
 
@@ -83,13 +85,45 @@ def style() -> Iterator[None]:
 
 
 def new_axes(width: float = PAGE_WIDTH, height: float = 3.2) -> Axes:
-    """Axes on a figure of their own, `width` by `height` inches, that belongs to no window."""
+    """Axes on a figure of their own, which belongs to no window.
+
+    Parameters
+    ----------
+    width : float
+        Width of the figure, inches.
+    height : float
+        Height of the figure, inches.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The only axes of the figure.
+    """
     return new_panels(1, 1, width, height)[0]
 
 
 @style()
 def new_panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Axes, ...]:
-    """Axes row by row on a figure of their own, `width` by `height` inches; `options` as for ``Figure.subplots``."""
+    """Several axes on a figure of their own, which belongs to no window.
+
+    Parameters
+    ----------
+    rows : int
+        Number of rows of axes.
+    columns : int
+        Number of columns of axes.
+    width : float
+        Width of the figure, inches.
+    height : float
+        Height of the figure, inches.
+    **options : Any
+        Further options of ``matplotlib.figure.Figure.subplots``.
+
+    Returns
+    -------
+    tuple of matplotlib.axes.Axes
+        The axes, row by row.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
@@ -97,14 +131,21 @@ def new_panels(rows: int, columns: int, width: float, height: float, **options: 
 
 
 def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
-    """Write the figure that `axes`, one or several, belong to, as PNG, SVG or PDF by the ending of `path`.
+    """Write a figure as PNG, SVG or PDF, by the ending of `path`.
 
-    The file takes its name when it is complete; until then one of that name stays as it is.
+    The file takes its name when it is complete.  Until then an older file of that name stays as it is.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or sequence of them
+        Any axes of the figure.
+    path : str or Path
+        The file, which ends in ``.png``, ``.svg`` or ``.pdf``.
 
     Raises
     ------
     InputError
-        If the ending is another one, or no file can be written there.
+        If the path has another ending, or no file can be written there.
     OutputError
         If the file cannot be completed, as on a full disk.
     """
@@ -119,7 +160,18 @@ def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
 
 
 def svg_of(axes: Axes | Sequence[Axes]) -> str:
-    """The figure that `axes` belong to as an SVG element on a transparent ground, for a page of HTML."""
+    """A figure as an SVG element on a transparent ground, for a page of HTML.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or sequence of them
+        Any axes of the figure.
+
+    Returns
+    -------
+    str
+        The element, from ``<svg`` on.
+    """
     out = io.StringIO()
     _write(axes, out, "svg", transparent=True)
     svg = out.getvalue()
@@ -128,19 +180,41 @@ def svg_of(axes: Axes | Sequence[Axes]) -> str:
 
 @style()
 def _write(axes: Axes | Sequence[Axes], target: str | Path | io.StringIO, form: str, **options: Any) -> None:
-    """The file without the date, so that equal figures are equal files."""
+    """Write the file without a date, so that equal figures are equal files."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with boxes_for_unknown_signs():
         figure_of(axes).savefig(target, format=form, metadata=dates.get(form), **options)
 
 
 def each_axes(axes: Axes | Sequence[Axes]) -> tuple[Axes, ...]:
-    """One Axes, a sequence of them, or an array of them of any shape, row by row."""
+    """The axes in one, a sequence, or an array of axes, row by row.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes, or sequence or array of them
+        One or several axes.
+
+    Returns
+    -------
+    tuple of matplotlib.axes.Axes
+        The axes.
+    """
     return tuple(np.ravel(np.asarray(axes, dtype=object)))
 
 
 def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
-    """The figure that `axes`, one or several, belong to."""
+    """The figure that axes belong to.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes or sequence of them
+        One or several axes of one figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure, also where the axes stand in a subfigure.
+    """
     from matplotlib.figure import Figure
 
     figure: Any = each_axes(axes)[0].figure
@@ -150,10 +224,18 @@ def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
 
 
 def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
-    """What is drawn, and the key to its lines below, both above the axes, where no curve can be.
+    """Put a title and, below it, the legend above the axes, where no curve can be.
 
-    Title and labels are drawn as they are, no part of them as mathematics; see `lapjoint.figures.text`.  The labels
-    beside the axes are `beside` inches wide.
+    Title and labels are drawn literally, and no part of them as mathematics; `lapjoint.figures.text` says how.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        The axes, all of whose lines are drawn.
+    title : str
+        The title; it may have several lines, and long ones are wrapped.
+    beside : float
+        Width of the labels beside the axes, inches.
     """
     room = max(1.0, room_of(axes) - beside)
     lines = [literal(line) for line in wrapped(title, room)]
@@ -161,7 +243,7 @@ def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
     if not labels:
         axes.set_title("\n".join(lines), fontsize=SMALL)
         return
-    handles, labels, columns = key_that_fits(handles, labels, room, _lines_high(axes) - len(lines))
+    handles, labels, columns = legend_that_fits(handles, labels, room, _lines_high(axes) - len(lines))
     axes.legend(
         handles,
         labels,
@@ -174,26 +256,62 @@ def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
 
 
 def room_of(axes: Axes) -> float:
-    """Width of the part of the figure that the axes have for themselves and what is beside them, inches."""
+    """The width of the part of the figure that belongs to the axes and to the labels beside them.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        The axes.
+
+    Returns
+    -------
+    float
+        Width, inches.
+    """
     figure = figure_of(axes)
     share = axes.get_position().width / (figure.subplotpars.right - figure.subplotpars.left)
     return float(share * figure.get_figwidth())
 
 
 def _lines_high(axes: Axes) -> int:
-    """Lines of a key and its title together."""
+    """Largest number of lines of a legend and its title together."""
     figure = figure_of(axes)
     share = axes.get_position().height / (figure.subplotpars.top - figure.subplotpars.bottom)
-    return int(_KEY_SHARE * share * figure.get_figheight() / LINE)
+    return int(_LEGEND_SHARE * share * figure.get_figheight() / LINE)
 
 
 def faint_if_thin(colour: str, alpha: float = 1.0) -> dict[str, Any]:
-    """How bars are filled: those thinner than a pixel are faint, neither lost nor as broad as one."""
+    """Settings for bars whose edges are faint, so that a bar thinner than a pixel is neither lost nor drawn too broad.
+
+    Parameters
+    ----------
+    colour : str
+        Colour of the bars, as matplotlib names it.
+    alpha : float
+        Opacity of the bars, from 0 to 1.
+
+    Returns
+    -------
+    dict of str to Any
+        Arguments of a matplotlib collection.
+    """
     return {"facecolor": (colour, alpha), "edgecolor": (colour, 0.25 * alpha), "linewidth": 0.15, "snap": False}
 
 
 def draw_time(axes: Axes, start: float, end: float, label: str = "time t [s]") -> None:
-    """The axis of time from `start` to `end`, s, with few enough ticks for a column."""
+    """Let the horizontal axis show time, with few enough ticks for a column.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        The axes.
+    start : float
+        First time, s.
+    end : float
+        Last time, s.
+    label : str
+        Label of the axis.
+    """
     axes.set_xlim(start, end)
     axes.set_xlabel(label)
     axes.locator_params(axis="x", nbins=6)

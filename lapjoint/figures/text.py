@@ -1,6 +1,6 @@
-"""Words in figures: names as they were given, whatever signs are in them, and no wider than the room there is.
+"""Text in figures: names are drawn as they were given, whatever characters they hold, and cut to the width they have.
 
-Widths are measured in matplotlib's own font, for a W is four times as wide as an l.
+Widths are measured in matplotlib's own font, because a W is four times as wide as an l.
 """
 
 from __future__ import annotations
@@ -13,39 +13,89 @@ from functools import cache, lru_cache
 from typing import Any
 
 SMALL = 7.0
-"""Size of the words above axes, of keys and of tick labels, points."""
+"""Size of titles, legends and tick labels, points."""
 _MOST_LINES = 4
-"""Of a title; the last has an ellipsis where it goes on."""
-_DPI, _SPREAD = 100.0, 1.04
-"""Where text is measured, and how much wider it can be at another resolution, which rounds each letter's width."""
+"""Largest number of lines of a title; an ellipsis in the last one says that there is more."""
+_DPI = 100.0
+"""Resolution at which text is measured, dots per inch."""
+_WIDER = 1.04
+"""Factor by which text can be wider at another resolution, because each letter's width is rounded to pixels."""
 _BREAKS = "_/-.,:;"
-"""After these a word may go on in the next line, where it is too long for one."""
+"""Characters after which a word that is too long for a line may be broken."""
 
 
 def literal(text: str) -> str:
-    """The text for matplotlib to draw as it is: in one line, and no part of it as mathematics."""
+    """Text for matplotlib to draw as it is: on one line, and no part of it as mathematics.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The text with its dollar signs escaped.
+    """
     return plain(text).replace("$", r"\$")
 
 
 def plain(text: str) -> str:
-    """The text in one line: a space for every run of white space and signs that cannot be drawn."""
+    """Text on one line, with a space for every run of white space and characters that cannot be drawn.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The text on one line.
+    """
     drawn = "".join(sign if sign.isprintable() or sign == "\u00a0" else "\n" for sign in text)
     return re.sub("\n+", " ", drawn).strip(" ")
 
 
-def key(name: str) -> str:
-    """A name for a key: matplotlib leaves out those that begin with an underscore, so that a thin space goes before."""
+def legend_label(name: str) -> str:
+    """A name that matplotlib shows in a legend.
+
+    Matplotlib leaves out names that begin with an underscore; these get a thin space before it.
+
+    Parameters
+    ----------
+    name : str
+        Any name.
+
+    Returns
+    -------
+    str
+        The name, with a thin space before it if it begins with an underscore.
+    """
     return f"\u200a{name}" if name.startswith("_") else name
 
 
 @lru_cache(maxsize=4096)
 def width_of(text: str, size: float = SMALL) -> float:
-    """Width of a line of text, inches; what is between dollar signs is no mathematics here."""
+    """The width of one line of text; dollar signs in it do not make it mathematics.
+
+    Parameters
+    ----------
+    text : str
+        One line.
+    size : float
+        Size of the font, points.
+
+    Returns
+    -------
+    float
+        Width, inches.
+    """
     from matplotlib.font_manager import FontProperties
 
     with boxes_for_unknown_signs():
         width, _, _ = _renderer().get_text_width_height_descent(text, FontProperties(size=size), ismath=False)
-    return _SPREAD * float(width) / _DPI
+    return _WIDER * float(width) / _DPI
 
 
 @cache
@@ -58,14 +108,29 @@ def _renderer() -> Any:
 
 @contextmanager
 def boxes_for_unknown_signs() -> Iterator[None]:
-    """Signs that the font has not are drawn as boxes, which anyone sees, without a warning on the console."""
+    """Silence matplotlib's warning about characters that the font lacks; they are drawn as boxes, which anyone sees."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=r"Glyph \d+ .* missing from", category=UserWarning)
         yield
 
 
 def shortened(text: str, room: float, size: float = SMALL) -> str:
-    """The text in one line, with an ellipsis for its middle if it is wider than `room`, inches."""
+    """Text on one line, with an ellipsis for its middle if it is too wide.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+    room : float
+        Largest width, inches.
+    size : float
+        Size of the font, points.
+
+    Returns
+    -------
+    str
+        The text or its two ends.
+    """
     text = plain(text)
     if width_of(text, size) <= room:
         return text
@@ -73,13 +138,26 @@ def shortened(text: str, room: float, size: float = SMALL) -> str:
 
 
 def cut_to(text: str, most: int) -> str:
-    """The text in one line, with an ellipsis for its middle if it has more than `most` characters."""
+    """Text on one line, with an ellipsis for its middle if it has too many characters.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+    most : int
+        Largest number of characters.
+
+    Returns
+    -------
+    str
+        The text or its two ends.
+    """
     text = plain(text)
     return text if len(text) <= most else _longest_cut(text, lambda cut: len(cut) <= most)
 
 
 def _longest_cut(text: str, fits: Callable[[str], bool]) -> str:
-    """As many characters from both ends as fit, by bisection; three fifths of them from the start."""
+    """The text with as many characters of both ends as fit, found by bisection; three fifths are from the start."""
     fewest, most = 1, len(text) - 1
     while fewest < most:
         middle = (fewest + most + 1) // 2
@@ -93,7 +171,20 @@ def _cut(text: str, kept: int) -> str:
 
 
 def apart(names: Sequence[str], shorten: Callable[[str], str]) -> list[str]:
-    """The names shortened; where two of them became one, with their numbers before them."""
+    """Shorten names so that they stay different: those that become equal get their numbers before them.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The names.
+    shorten : callable
+        From a name to the short one, with an ellipsis where it is cut.
+
+    Returns
+    -------
+    list of str
+        A short name for each.
+    """
     short = [shorten(name) for name in names]
     return [
         shorten(f"{i + 1}: {plain(name)}") if short.count(cut) > 1 and "…" in cut else cut
@@ -102,7 +193,22 @@ def apart(names: Sequence[str], shorten: Callable[[str], str]) -> list[str]:
 
 
 def wrapped(text: str, room: float, size: float = SMALL) -> list[str]:
-    """The text in lines no wider than `room`, inches; each of its own lines goes on in a few more at most."""
+    """Wrap text; each of its own lines takes a few lines at most, and an ellipsis stands for the rest.
+
+    Parameters
+    ----------
+    text : str
+        Text of one or several lines.
+    room : float
+        Largest width of a line, inches.
+    size : float
+        Size of the font, points.
+
+    Returns
+    -------
+    list of str
+        The lines.
+    """
     return [line for part in text.splitlines() for line in _first(_filled(part, room, size), room, size)]
 
 
@@ -125,9 +231,10 @@ def _filled(text: str, room: float, size: float) -> list[str]:
 
 
 def _pieces(text: str, room: float, size: float) -> list[str]:
-    """What lines are made of, with the spaces before: words; of wide words their parts; of wide parts what fits.
+    """The pieces that lines are made of, each with the space before it.
 
-    The parts are those between fixed spaces, else those that end with an underscore, a hyphen and the like.
+    A piece is a word.  A word that is wider than `room`, inches, is split at fixed spaces, then after the characters
+    `_BREAKS`, and at last anywhere.
     """
     pieces = [f" {word}" for word in plain(text).split(" ") if word]
     for between in ("(?=\u00a0)", f"(?<=[{re.escape(_BREAKS)}])"):
@@ -137,7 +244,7 @@ def _pieces(text: str, room: float, size: float) -> list[str]:
 
 
 def _forced(piece: str, room: float, size: float) -> list[str]:
-    """The piece in parts that fit, broken anywhere."""
+    """The piece broken anywhere into parts that fit into `room`, inches."""
     parts = []
     while width_of(piece, size) > room and len(piece) > 1:
         end = max(1, next(n for n in range(1, len(piece) + 1) if width_of(piece[:n], size) > room) - 1)

@@ -1,4 +1,4 @@
-"""How a motion is shown: what colours the beam, at which scale, from where."""
+"""The options of pictures and films: what colours the beam, the scale, the frame of reference, and the size."""
 
 from __future__ import annotations
 
@@ -11,22 +11,29 @@ from lapjoint.errors import InputError
 Colour = Literal["stress", "velocity", "moment", "displacement"]
 Frame = Literal["relative", "absolute"]
 LEAST_PIXELS, MOST_PIXELS = 200, 8192
+"""Least and largest width and height, pixels: the text needs the least, and graphics memory holds the largest."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """How a motion is shown."""
+    """How a motion is shown.
+
+    Raises
+    ------
+    InputError
+        If an option is not one of those allowed, or out of its range.
+    """
 
     colour: Colour | None = None
-    """What colours the beam: ``stress`` (the default where the problem gives a section), ``velocity``, ``moment`` or
-    ``displacement``."""
+    """Value that colours the beam: ``stress``, ``velocity``, ``moment`` or ``displacement``.  By default it is
+    ``stress`` if the problem gives a cross-section, else ``moment``."""
     scale: float | None = None
-    """Factor of all displacements and gaps, 1 for true scale; by default what makes them visible: 1, 2 or 5 times a
-    power of ten, never less than 1.  The picture states it."""
+    """Factor of all displacements and gaps, 1 for true scale.  By default it makes them visible: it is 1, 2 or 5 times
+    a power of ten, and at least 1.  The picture states the factor."""
     frame: Frame = "relative"
-    """``relative`` to the base, or ``absolute``."""
+    """Frame of reference: displacements ``relative`` to the base, or ``absolute`` ones."""
     size: tuple[int, int] | None = None
-    """Width and height, pixels; by default 1200 by 520, films 900 by 400."""
+    """Width and height, pixels; by default 1200 by 520 for a picture or window, 900 by 400 for a film."""
 
     def __post_init__(self) -> None:
         for name, value, allowed in (("colour", self.colour, get_args(Colour)), ("frame", self.frame, get_args(Frame))):

@@ -1,4 +1,6 @@
-"""Motions and mode shapes as files that ParaView, pyvista and meshio open; what they hold: `lapjoint.scene.parts`.
+"""Motions and mode shapes as files that ParaView, pyvista and meshio open.
+
+`lapjoint.scene.parts` lists what the files hold.
 
 ========== ============================================== ===================================================
 format     files                                          opened by
@@ -31,7 +33,7 @@ from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_
 from lapjoint.solver import Progress
 
 ROOM = 1_000_000
-"""Bytes that are left free on a disk."""
+"""Bytes that an export leaves free on a disk, for what the formats write besides the values."""
 Format = Literal["pvd", "vtkhdf", "xdmf"]
 
 
@@ -46,24 +48,29 @@ def export_motion(
     points: int = 81,
     progress: Progress | None = None,
 ) -> Path:
-    """Write a motion, or several side by side, as a time series.
+    """Write a motion, or several side by side, as a time series for ParaView and other programs.
 
     Parameters
     ----------
     motion : History or mapping
-        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``: these stand side by side, and those
-        after the first carry their ``difference`` from it.
-    directory : path
-        Where the files go; made if it is not there.  Files of an earlier export are replaced.
-    format : str
-        ``pvd``, ``vtkhdf`` or ``xdmf``; see the head of this module.
-    times, frames, tolerance
-        One of three ways to choose the times; by default, as many as the motion needs.  Every switch of the contact
-        state is always among them.  See `lapjoint.scene.frame_times.chosen_times`.
+        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``.  Several motions stand side by side,
+        and each one after the first carries its ``difference`` from the first.
+    directory : str or Path
+        Folder of the files; it is made if it is not there.  Files of an earlier export are replaced.
+    format : {"pvd", "vtkhdf", "xdmf"}
+        Format of the files; the head of this module compares them.
+    times : FloatArray or sequence of float, shape (m,), optional
+        Times to be written, s.  At most one of `times`, `frames` and `tolerance` may be given; without any, there are
+        as many times as the motion needs.  The switches of the contact state are always among them.
+    frames : int, optional
+        Number of equidistant times.
+    tolerance : float, optional
+        Largest error of straight lines between two times, relative to the largest value, as
+        `lapjoint.scene.frame_times.chosen_times` explains.
     points : int
-        Equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
     progress : callable, optional
-        Called now and then with the number of frames done and of all.
+        Called now and then with the number of frames done and the number of all.
 
     Returns
     -------
@@ -93,9 +100,33 @@ def export_modes(
 ) -> tuple[Path, ...]:
     """Write mass-normalised mode shapes, a series for each contact state; the time of a mode is its number.
 
-    Values are those of a unit of the modal coordinate, 1 m kg^1/2; the field ``angular_frequency`` holds the natural
-    angular frequency, rad/s.  `solver` is a note in the files; for the other parameters, what is returned and raised,
-    see `export_motion`.
+    The values belong to a modal coordinate of 1 m kg^1/2.  The field ``angular_frequency`` holds the natural angular
+    frequency, rad/s.
+
+    Parameters
+    ----------
+    problem : Problem
+        The beam and its stops.
+    modes : sequence of Modes
+        The modes of each contact state.
+    directory : str or Path
+        Folder of the files; it is made if it is not there.  Files of an earlier export are replaced.
+    solver : str
+        Name of the solver, which the files hold as a note.
+    format : {"pvd", "vtkhdf", "xdmf"}
+        Format of the files; the head of this module compares them.
+    points : int
+        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+
+    Returns
+    -------
+    tuple of Path
+        The file to open, for each contact state.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of its range, or the files cannot be written.
     """
     names = _file_names(problem, modes)
     paths = []
@@ -108,7 +139,7 @@ def export_modes(
 
 
 def _file_names(problem: Problem, modes: Sequence[Modes]) -> list[str]:
-    """Names of files for contact states, ``modes_6_P2+P3``, all different however like the names of stops are."""
+    """Names of files for contact states, ``modes_6_P2+P3``; they differ even where names of stops are alike."""
     names: list[str] = []
     for one in modes:
         name = "modes_" + re.sub(r"[^\w+]+", "_", state_label(problem, one.state).replace(" + ", "+"))
@@ -135,15 +166,15 @@ def _write(
     folder = Path(directory)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return write(scene, _shown(scene, times, folder, progress), folder, name, plain(note))
+        return write(scene, _blocks_with_room(scene, times, folder, progress), folder, name, plain(note))
     except OSError as error:
         raise InputError(f"{folder}: cannot be written: {error.strerror or error}") from None
 
 
-def _shown(scene: Scene, times: FloatArray, folder: Path, progress: Progress | None) -> Iterator[Block]:
-    """The blocks of a scene, one after the other, and how far that is.
+def _blocks_with_room(scene: Scene, times: FloatArray, folder: Path, progress: Progress | None) -> Iterator[Block]:
+    """The blocks of a scene, one after the other; `progress` is told when each has been written.
 
-    HDF5 ends the process if it meets a full disk, so there must be room for a block before it is written.
+    HDF5 ends the process if it meets a full disk, so a block is given only if the disk has room for it.
     """
     done = 0
     for block in scene.blocks(times):
@@ -156,5 +187,5 @@ def _shown(scene: Scene, times: FloatArray, folder: Path, progress: Progress | N
 
 
 def _size(block: Block) -> int:
-    """Bytes of all values of a block."""
+    """Number of bytes of all values of a block."""
     return sum(array.nbytes for values in block.values for array in (*values.point.values(), *values.cell.values()))

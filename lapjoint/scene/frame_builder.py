@@ -1,4 +1,4 @@
-"""What a motion looks like in numbers: everything that is drawn, for each frame of a picture, a film or a window."""
+"""The contents of each frame of a picture, a film or a window, as numbers and text, built from a motion."""
 
 from __future__ import annotations
 
@@ -22,20 +22,25 @@ from lapjoint.scene.scene import Scene, histories_of, motion_scene
 from lapjoint.scene.section_mesh import IntArray
 
 DEFLECTION, PENETRATION = 0.12, 0.6
-"""An exaggerated motion takes this part of the beam's length, and of a spring's, at most."""
+"""Largest deflection, as a part of the beam's length, and largest penetration of a stop, as a part of its spring's
+length, in the scale that is chosen by default: visible, while the picture keeps its shape."""
 FARTHEST = 10.0
-"""Displacements are not drawn larger than this, in lengths of the beam."""
+"""Largest displacement that is drawn, in lengths of the beam: beyond it nothing could be recognised."""
 FEWEST_A_PERIOD = 8
-"""Fewer frames a period of the excitation may show another motion than there is, which is said."""
+"""A film with fewer frames in an excitation period says so, because it may show another motion than there is."""
 LONGEST_NAME = 24
+"""Largest number of characters of a name in a picture, for names not to cover the joint."""
 
 
 class _Shade(NamedTuple):
     """How a value becomes a colour."""
 
     field: str
+    """Name of the point value, as in `lapjoint.scene.parts`."""
     factor: float
+    """Factor from the SI unit to the unit of the label."""
     label: str
+    """Label of the colour scale, with its unit."""
 
 
 _SHADES = {
@@ -55,7 +60,35 @@ def job_of(
     pace: float,
     output: Path | None,
 ) -> Job:
-    """All that is drawn: `times` are those of the frames, `step` the time between two of them."""
+    """Everything that is drawn of a motion, for the process that draws.
+
+    Parameters
+    ----------
+    motion : History or mapping
+        One motion, or several by short names, which stand side by side.
+    times : FloatArray, shape (frames,)
+        Times of the frames, s, ascending.
+    step : float
+        Time between two frames, s; 0 for a picture.
+    look : Look
+        Colours, scale, frame of reference and size.
+    size : tuple of int
+        Width and height where `look` has none, pixels.
+    pace : float
+        Frames a second of a film or window; 0 for a picture.
+    output : Path or None
+        File of the picture or film; None for a window.
+
+    Returns
+    -------
+    Job
+        The contents of all frames.
+
+    Raises
+    ------
+    InputError
+        If `look` asks for stresses of a beam without a cross-section, or for a scale that is too large.
+    """
     scene, histories = motion_scene(motion), histories_of(motion)
     shade = _SHADES[_colour(look, histories)]
     block = scene.block(times)
@@ -109,7 +142,7 @@ def _colour(look: Look, histories: Sequence[History]) -> Colour:
 
 
 def _scale(look: Look, scene: Scene, values: Sequence[Values], carried: str) -> float:
-    """The scale asked for, or the largest of 1, 2 or 5 times a power of ten that keeps the scene in shape."""
+    """The scale asked for, or the largest 1, 2 or 5 times a power of ten within `DEFLECTION` and `PENETRATION`."""
     if look.scale is not None:
         length = max(layout.problem.beam.length for layout in scene.layouts)
         largest = max(float(np.abs(carries.point[carried]).max(initial=0.0)) for carries in values)
@@ -138,7 +171,7 @@ def _round_down(limit: float) -> float:
 
 
 def _round_up(value: float) -> float:
-    """The next number of two digits; 1 for 0."""
+    """The least number of two digits that is not below `value`; 1 for 0."""
     if value == 0:
         return 1.0
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
@@ -151,7 +184,7 @@ def _three_digits(value: float) -> str:
 
 
 def _scale_note(scale: float, look: Look, histories: Sequence[History], slowed: float) -> str:
-    """Scale, point of view (where the base moves) and pace, in words."""
+    """A note on the scale, the frame of reference (where the base moves) and the pace."""
     words = "true scale" if scale == 1 else f"displacements and gaps ×{scale:g}, beam at true scale"
     if any(history.problem.base_motion for history in histories):
         words += ", seen from the base" if look.frame == "relative" else ", seen from outside"
@@ -161,7 +194,7 @@ def _scale_note(scale: float, look: Look, histories: Sequence[History], slowed: 
 
 
 def _stop_words(springs: Springs, layout: Layout) -> list[Word]:
-    """The names of the stops, a little beyond the feet of their springs; those at one place share a word."""
+    """The names of the stops, a little beyond the feet of their springs; stops at one position share a label."""
     stops = layout.problem.stops
     places: dict[tuple[float, int], list[int]] = {}
     for i, stop in enumerate(stops):
@@ -196,9 +229,9 @@ def _springs(part: Part, values: Values, layout: Layout, scale: float, carried: 
 
 
 def _acting(history: History, times: FloatArray, step: float) -> IntArray:
-    """Which stops are closed at each time (2), or only within half a step of it (1), ``(frames, stops)``.
+    """2 where a stop is closed at a time, 1 where it is closed only within half a step of it, else 0.
 
-    The last time also stands for what is left after it.
+    The array has the shape ``(frames, stops)``.  The last time also stands for the whole step after it.
     """
     acts = np.zeros((times.size, len(history.problem.stops)), dtype=np.int64)
     first, last = times - step / 2, times + step / 2
@@ -212,7 +245,7 @@ def _acting(history: History, times: FloatArray, step: float) -> IntArray:
 
 
 def _captions(history: History, times: FloatArray, acts: IntArray | None) -> Iterator[str]:
-    """Time and contact state of each frame, and which stops closed only in between."""
+    """The time and contact state of each frame, and the stops that are closed only between two frames."""
     seconds = float(np.abs(times).max()) >= 10
     for at, time in enumerate(times):
         clock = f"t = {time:.4f} s" if seconds else f"t = {1e3 * time:.3f} ms"

@@ -1,6 +1,6 @@
-"""At which times a motion is shown: those a person asks for, or as many as the motion itself needs.
+"""The times at which a motion is shown: those that a person asks for, or as many as the motion itself needs.
 
-Switches of the contact state are always among them, whoever chose the others.
+The switches of the contact state are always among them.
 """
 
 from __future__ import annotations
@@ -14,23 +14,38 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
 
 MOST_FRAMES = 100_000
+"""Largest number of times of a motion, so that its files stay of a size that can be opened."""
 TOLERANCE = 0.01
-"""Default largest error of straight lines between frames, over the largest value."""
+"""Default of the largest error of straight lines between frames, relative to the largest value: one per cent."""
 _FEWEST = 33
+"""Number of equidistant times at which halving intervals begins."""
 _STATIONS = 33
+"""Number of equidistant positions on the beam at which errors are measured."""
 _INSIDE = (0.2, 0.4, 0.6, 0.8)
-"""Where an interval is tried: at several places, so that no inflection hides a curve."""
+"""Parts of an interval at which the error is measured; there are several, so that no inflection hides a curve."""
 _MARGIN = 0.8
-"""Of the tolerance, for what lies between these places and stations."""
+"""Part of the tolerance that measured errors may take; the rest is for what lies between the measured points."""
 
 
-def span_of(histories: Sequence[History]) -> tuple[float, float]:
-    """The time, s, that all histories cover.
+def common_time(histories: Sequence[History]) -> tuple[float, float]:
+    """The interval of time that all histories cover.
+
+    Parameters
+    ----------
+    histories : sequence of History
+        The motions.
+
+    Returns
+    -------
+    start : float
+        Its start, s.
+    end : float
+        Its end, s.
 
     Raises
     ------
     InputError
-        If they have none in common.
+        If the histories have no time in common.
     """
     start, end = max(h.start for h in histories), min(h.end for h in histories)
     if start > end:
@@ -45,19 +60,24 @@ def chosen_times(
     frames: int | None = None,
     tolerance: float | None = None,
 ) -> FloatArray:
-    """Times of the frames, s, ascending: the switches, and those of one choice of three.
+    """The times of the frames: the switches, and the times of one choice of three.
 
     Parameters
     ----------
     histories : sequence of History
-        The motions to be shown; times are within all of them.
-    times : array_like, optional
+        The motions to be shown; the times lie within all of them.
+    times : FloatArray or sequence of float, shape (m,), optional
         The times themselves, s; the switches between the first and the last of them are added.
     frames : int, optional
-        This many equidistant times.
+        Number of equidistant times.
     tolerance : float, optional
-        As many times as the motion needs (and the default, with `TOLERANCE`): between two frames, displacement and
-        velocity differ from a straight line by this part of their largest value along the beam, at most.
+        As many times as the motion needs, by default with `TOLERANCE`: between two frames, displacement and velocity
+        differ from a straight line by at most this part of their largest value along the beam.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        The times, s, ascending.
 
     Raises
     ------
@@ -66,7 +86,7 @@ def chosen_times(
     """
     if sum(choice is not None for choice in (times, frames, tolerance)) > 1:
         raise InputError("frames: give times, frames or tolerance, and not two of them")
-    start, end = span_of(histories)
+    start, end = common_time(histories)
     if times is not None:
         found = _given(times, start, end)
         start, end = float(found[0]), float(found[-1])
@@ -81,7 +101,20 @@ def chosen_times(
 
 
 def check_frames(frames: int, most: int = MOST_FRAMES) -> None:
-    """Refuse a number of frames that is not 2 to `most`."""
+    """Refuse a number of frames that is out of its range.
+
+    Parameters
+    ----------
+    frames : int
+        Number of frames.
+    most : int
+        Largest number that is allowed; the least is 2.
+
+    Raises
+    ------
+    InputError
+        If the number is not allowed.
+    """
     if not 2 <= frames <= most:
         raise InputError(f"frames = {frames}: allowed are 2 to {most}")
 
@@ -100,7 +133,7 @@ def _not_too_many(times: FloatArray) -> FloatArray:
 
 
 def _resolved(history: History, start: float, end: float, tolerance: float | None) -> FloatArray:
-    """Times between which straight lines are as good as `tolerance` says, found by halving intervals."""
+    """Times, s, ascending, between which straight lines err by at most `tolerance`, found by halving intervals."""
     allowed = TOLERANCE if tolerance is None else tolerance
     if not 0 < allowed < 1:
         raise InputError(f"tolerance = {allowed:g}: must be between 0 and 1")

@@ -1,4 +1,4 @@
-"""What is drawn, frame by frame: numbers and words only, so that drawing can happen in a process of its own."""
+"""The contents of pictures and films as numbers and text only, so that another process can draw them."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from lapjoint.scene.section_mesh import IntArray
 
 @dataclass(frozen=True)
 class Skin:
-    """A beam, coloured by a value: its solid's surface, or a tube about its axis."""
+    """A beam, coloured by a value: the surface of its solid, or a tube about its axis."""
 
     cells: IntArray
-    """Hexahedra ``(cells, 8)`` of a solid, or lines ``(cells, 2)`` of an axis."""
+    """Indices of points: hexahedra of a solid, shape ``(cells, 8)``, or lines of an axis, shape ``(cells, 2)``."""
     points: FloatArray
-    """Where the points are, m, ``(frames, points, 3)``."""
+    """Positions of the points, m, shape ``(frames, points, 3)``."""
     values: FloatArray
-    """What colours them, in the unit of the label, ``(frames, points)``."""
+    """Values that colour the points, in the unit of the label, shape ``(frames, points)``."""
     radius: float
-    """Of the tube about an axis, m."""
+    """Radius of the tube about an axis, m."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,14 @@ class Springs:
     """The stops of a joint: springs between a face and a rail, which light up while they act."""
 
     names: tuple[str, ...]
+    """Names of the stops."""
     points: FloatArray
-    """Face and foot of each, m, ``(frames, stops, 2, 3)``."""
+    """Positions of the face and the foot of each spring, m, shape ``(frames, stops, 2, 3)``."""
     acts: IntArray
-    """2 where the stop is closed, 1 where it was between this frame and the next or the last, ``(frames, stops)``."""
+    """2 where the stop is closed at the frame, 1 where it is closed only between this frame and its neighbours, else 0;
+    shape ``(frames, stops)``."""
     radius: float
-    """Of the coil, m."""
+    """Radius of the coils, m."""
 
 
 @dataclass(frozen=True)
@@ -41,44 +43,50 @@ class Plates:
     """Rails, walls and posts."""
 
     cells: IntArray
+    """Indices of points: quadrilaterals, shape ``(cells, 4)``."""
     points: FloatArray
-    """m, ``(frames, points, 3)``."""
+    """Positions of the points, m, shape ``(frames, points, 3)``."""
 
 
 @dataclass(frozen=True)
 class Word:
-    """A name that stands beside something, and goes with it."""
+    """A name that stands beside a part of the scene, and moves with it."""
 
     text: str
+    """The name."""
     places: FloatArray
-    """m, ``(frames, 3)``."""
+    """Positions of the name, m, shape ``(frames, 3)``."""
     side: str
-    """Where the place is: at the ``right`` end of the word, or in its ``center``."""
+    """The point of the name that lies at its position: its ``right`` end or its ``center``."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A picture, a film or a window."""
+    """Everything that the drawing process needs for a picture, a film or a window."""
 
     skins: tuple[Skin, ...]
+    """The beams, one for each joint."""
     springs: tuple[Springs, ...]
+    """The stops, for each joint that has some."""
     plates: tuple[Plates, ...]
+    """The bases, for each joint that has one."""
     words: tuple[Word, ...]
     """Names of stops, and of joints that stand side by side."""
     title: str
+    """Title of the motion."""
     notes: tuple[str, ...]
-    """What every frame says: whose motion it is, at which scale."""
+    """Text that stands in every frame: the solvers, and the scale."""
     times: FloatArray
-    """Of the frames, s."""
+    """Times of the frames, s, shape ``(frames,)``."""
     captions: tuple[str, ...]
-    """What each frame says of itself."""
+    """Text of each frame: its time and contact state."""
     label: str
-    """What the colours are, with its unit."""
+    """Name of the value that colours the beams, with its unit."""
     limits: tuple[float, float]
     """Ends of the colour scale, in the unit of the label."""
     size: tuple[int, int]
     """Width and height, pixels."""
     pace: float
-    """Frames a second of a film."""
+    """Frames a second of a film or window; 0 for a picture."""
     output: Path | None
-    """A picture (.png), a film (.gif, .mp4), or None for a window."""
+    """File of a picture (``.png``) or a film (``.gif``, ``.mp4``); None for a window."""

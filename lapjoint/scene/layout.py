@@ -1,4 +1,4 @@
-"""Where the parts of a scene stand: stations along the beam, and sizes of what the problem gives no size."""
+"""The layout of a joint at rest: stations along the beam, and sizes of the parts to which the problem gives none."""
 
 from __future__ import annotations
 
@@ -13,19 +13,27 @@ from lapjoint.problem.beam import Rectangle
 from lapjoint.scene.section_mesh import IntArray
 
 MOST_POINTS = 100_000
+"""Largest number of stations along a beam, so that a frame stays of a size that can be drawn."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The joint at rest."""
+    """The joint at rest.
+
+    Raises
+    ------
+    InputError
+        If the number of stations is out of its range.
+    """
 
     problem: Problem
+    """The joint."""
     points: int = 81
-    """Equidistant stations along the beam; the positions of supports and stops are added."""
+    """Number of equidistant stations along the beam; the positions of supports and stops are added."""
     offset: float = 0.0
-    """Shift along y, m, of a scene that stands beside another."""
+    """Shift along y of a joint that stands beside another, m."""
     pressed: float = 0.0
-    """How far a stop is pressed at most, m; its spring is longer."""
+    """Largest penetration of a stop, m; the springs are made longer than this."""
 
     def __post_init__(self) -> None:
         check_points(self.points)
@@ -47,23 +55,23 @@ class Layout:
 
     @cached_property
     def across(self) -> FloatArray:
-        """Position of each stop across the beam, m, ``(stops,)``: those at one place stand side by side."""
+        """Position of each stop across the beam, m, shape ``(stops,)``; stops at one position stand side by side."""
         stops = self.problem.stops
         places = [(stop.x, stop.sign) for stop in stops]
-        order = np.array([places[:i].count(place) for i, place in enumerate(places)], dtype=float)
-        number = np.array([places.count(place) for place in places], dtype=float)
-        across: FloatArray = self.breadth * ((order + 0.5) / number - 0.5)
+        number = np.array([places[:i].count(place) for i, place in enumerate(places)], dtype=float)
+        count = np.array([places.count(place) for place in places], dtype=float)
+        across: FloatArray = self.breadth * ((number + 0.5) / count - 0.5)
         return across
 
     @property
     def half_depth(self) -> float:
-        """Height of the beam's surface above its axis, m; 0 where the problem gives no section."""
+        """Height of the beam's surface above its axis, m; 0 where the problem gives no cross-section."""
         section = self.problem.beam.section
         return section.depth / 2 if section else 0.0
 
     @property
     def breadth(self) -> float:
-        """Breadth of the beam, m; a thirtieth of its length where the problem gives no section."""
+        """Breadth of the beam, m; a thirtieth of its length where the problem gives no cross-section."""
         section = self.problem.beam.section
         if section is None:
             return self.problem.beam.length / 30
@@ -75,15 +83,52 @@ class Layout:
         return max(2 * self.half_depth, self.problem.beam.length / 15, 1.6 * self.pressed)
 
     def widest_gap(self, sign: int) -> float:
-        """The widest gap above (1) or below (-1) the beam, m; 0 where there is no stop.  It sets off the rail."""
+        """The widest gap on one side of the beam, by which the rail of that side is set off.
+
+        Parameters
+        ----------
+        sign : int
+            1 for the side above the beam, -1 for the side below it.
+
+        Returns
+        -------
+        float
+            The gap, m; 0 where there is no stop.
+        """
         return max((stop.gap for stop in self.problem.stops if stop.sign == sign), default=0.0)
 
     def place(self, x: FloatArray, y: FloatArray | float, z: FloatArray | float) -> FloatArray:
-        """Points of the scene, m, shape ``(n, 3)``, from coordinates of this joint."""
+        """Points of the scene from coordinates of this joint.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Positions along the beam, m.
+        y : FloatArray or float, shape (n,) or ()
+            Positions across the beam, m, from the middle of this joint.
+        z : FloatArray or float, shape (n,) or ()
+            Heights above the beam's axis, m.
+
+        Returns
+        -------
+        FloatArray, shape (n, 3)
+            Coordinates in the scene, m.
+        """
         return np.column_stack(np.broadcast_arrays(x, np.asarray(y) + self.offset, z)).astype(float)
 
 
 def check_points(points: int) -> None:
-    """Refuse a number of stations that is not 2 to `MOST_POINTS`."""
+    """Refuse a number of stations that is out of its range.
+
+    Parameters
+    ----------
+    points : int
+        Number of equidistant stations along a beam.
+
+    Raises
+    ------
+    InputError
+        If it is not 2 to `MOST_POINTS`.
+    """
     if not 2 <= points <= MOST_POINTS:
         raise InputError(f"points = {points}: allowed are 2 to {MOST_POINTS}")

@@ -1,23 +1,23 @@
 """The parts of a scene: fixed points and cells, and the values that they carry at any time.
 
-Points lie where the joint is at rest with all gaps at zero: the axis of the beam on z = 0, the face of each stop on the
-beam's surface.  Every part carries ``displacement``; so the filter Warp By Vector moves them all together, at true
-or at any exaggerated scale, and a beam that presses a stop touches it at every scale.
+The points lie where the joint is at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
+each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector moves all parts
+together, at true scale or any other, and a beam that presses a stop touches it at every scale.
 
 ================== ====================== ==============================================================
 part               cells                  what it is
 ================== ====================== ==============================================================
 ``beam``           lines                  the axis
-``solid``          hexahedra              the beam in its true section; only where the problem gives one
+``solid``          hexahedra              the beam in its true cross-section, if the problem gives one
 ``stops``          a line for each stop   the spring, from its face to the rail that carries it
-``gaps``           a line for each stop   from the beam's surface to the stop's face: what is still open
+``gaps``           a line for each stop   from the beam's surface to the stop's face: the opening
 ``base``           quadrilaterals         rails, walls at fixed ends, and posts of other supports
 ================== ====================== ==============================================================
 
 ======================== ========== ===============================================================================
 point value              unit       meaning
 ======================== ========== ===============================================================================
-``displacement``         m          vector, relative to the base; on the solid with the rotation of its section
+``displacement``         m          vector, relative to the base; on the solid with its cross-sections' rotation
 ``displacement_absolute`` m         vector, the base's own motion included
 ``velocity``             m/s        vector, relative to the base (beam and solid)
 ``velocity_absolute``    m/s        vector, the base's own motion included (beam and solid)
@@ -25,7 +25,7 @@ point value              unit       meaning
 ``moment``               N m        EI z_xx (14a) (beam and solid)
 ``shear``                N          EI z_xxx (14b), to the left of a concentrated force (beam and solid)
 ``bending_stress``       Pa         -E zeta z_xx at the height zeta above the axis, tension positive; on the beam's
-                                    line that of the top surface (where the problem gives a section)
+                                    line that of the top surface (if the problem gives a cross-section)
 ``contact_force``        N          vector, of the stops on the beam (beam only)
 ``difference``           m          vector, of a later motion from the first (beam and solid of the later one)
 ======================== ========== ===============================================================================
@@ -35,8 +35,8 @@ cell value         unit   meaning
 ================== ====== =================================================================
 ``contact_force``  N      vector, of the stop on the beam (stops)
 ``closed``         1      1 while the stop is closed, else 0 (stops, gaps)
-``penetration``    m      how far the beam has pressed the stop (stops)
-``opening``        m      what is left between beam and stop, 0 while it is closed (gaps)
+``penetration``    m      distance by which the beam has pressed in the stop (stops)
+``opening``        m      distance of the beam from the stop, 0 while it is closed (gaps)
 ``stop``           1      number of the stop in the problem, from 0 (stops, gaps)
 ================== ====== =================================================================
 """
@@ -54,7 +54,9 @@ from lapjoint.scene.sampled_motion import Sample
 from lapjoint.scene.section_mesh import IntArray, section_mesh
 
 PARTS = ("beam", "solid", "stops", "gaps", "base")
+"""Names of all kinds of parts."""
 Arrays = dict[str, FloatArray | IntArray]
+"""Values by name."""
 UNITS = {
     "displacement": "m",
     "displacement_absolute": "m",
@@ -71,25 +73,28 @@ UNITS = {
     "opening": "m",
     "stop": "1",
 }
+"""SI unit of each value of a motion, by name."""
 
 
 class Values(NamedTuple):
-    """What a part carries at ``m`` times."""
+    """The values of a part at ``m`` times, in the units of `UNITS`."""
 
     point: Arrays
-    """By name, ``(m, points)`` or ``(m, points, 3)``."""
+    """Values at the points by name, shape ``(m, points)``, or ``(m, points, 3)`` for vectors."""
     cell: Arrays
-    """By name, ``(m, cells)`` or ``(m, cells, 3)``."""
+    """Values of the cells by name, shape ``(m, cells)``, or ``(m, cells, 3)`` for vectors."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """A piece of the scene that can be seen for itself."""
+    """A part of the scene, which a program can show or hide: see the head of this module."""
 
     layout: Layout
+    """The joint to which the part belongs."""
     name: str = field(init=False, default="")
+    """Kind of the part, one of `PARTS`."""
     points: FloatArray = field(init=False, repr=False)
-    """m, shape ``(points, 3)``."""
+    """Positions at rest, m, shape ``(points, 3)``."""
     cells: IntArray = field(init=False, repr=False)
     """Indices of points, shape ``(cells, corners)``: 2 for lines, 4 for quadrilaterals, 8 for hexahedra."""
 
@@ -103,7 +108,18 @@ class Part:
         raise NotImplementedError
 
     def values(self, sample: Sample) -> Values:
-        """What the part carries at the times of `sample`."""
+        """The values of the part at the times of a sample; the head of this module lists them with their units.
+
+        Parameters
+        ----------
+        sample : Sample
+            The motion of the joint at ``m`` times.
+
+        Returns
+        -------
+        Values
+            Values at the points and of the cells.
+        """
         raise NotImplementedError
 
 
@@ -116,7 +132,7 @@ class Beam(Part):
         return self.layout.place(x, 0.0, 0.0), np.column_stack([first, first + 1])
 
     def values(self, sample: Sample) -> Values:
-        """See the head of this module."""
+        """See `lapjoint.scene.parts.Part.values`."""
         beam, problem = sample.beam, self.layout.problem
         z = beam["z"]
         point = _displacements(_upwards(z), sample)
@@ -136,7 +152,7 @@ class Beam(Part):
 
 
 class Solid(Part):
-    """The beam in its true section, which stays plane and at right angles to the axis."""
+    """The beam in its true cross-section, which stays plane and at right angles to the axis."""
 
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         section = self.layout.problem.beam.section
@@ -148,20 +164,21 @@ class Solid(Part):
         return points, np.concatenate([behind, behind + len(flat.points)], axis=2).reshape(-1, 8)
 
     def values(self, sample: Sample) -> Values:
-        """See the head of this module."""
+        """See `lapjoint.scene.parts.Part.values`."""
         beam, problem = sample.beam, self.layout.problem
         assert problem.beam.material is not None
         height, number = self.points[:, 2], len(self.points) // self.layout.stations.size
 
-        def spread(values: FloatArray) -> FloatArray:
+        def on_points(values: FloatArray) -> FloatArray:
+            """Values at the stations, ``(m, n)``, repeated over the points of each cross-section."""
             return np.repeat(values, number, axis=1)
 
-        z_x, z_xx = spread(beam["z_x"]), spread(beam["z_xx"])
-        point = _displacements(_turned(spread(beam["z"]), -height * z_x), sample)
+        z_x, z_xx = on_points(beam["z_x"]), on_points(beam["z_xx"])
+        point = _displacements(_vectors(on_points(beam["z"]), -height * z_x), sample)
         if "z_t" in beam:
-            point |= _velocities(_turned(spread(beam["z_t"]), -height * spread(beam["z_xt"])), sample)
+            point |= _velocities(_vectors(on_points(beam["z_t"]), -height * on_points(beam["z_xt"])), sample)
         EI = problem.beam.EI
-        point |= {"slope": z_x, "moment": EI * z_xx, "shear": EI * spread(beam["z_xxx"])}
+        point |= {"slope": z_x, "moment": EI * z_xx, "shear": EI * on_points(beam["z_xxx"])}
         return Values(point | {"bending_stress": -problem.beam.material.youngs_modulus * height * z_xx}, {})
 
 
@@ -172,7 +189,7 @@ class Stops(Part):
         return _posts(self.layout, self.layout.reach)
 
     def values(self, sample: Sample) -> Values:
-        """See the head of this module."""
+        """See `lapjoint.scene.parts.Part.values`."""
         stops = self.layout.problem.stops
         feet = sample.gapped * np.array([stop.sign * self.layout.widest_gap(stop.sign) for stop in stops])
         moved = np.stack([sample.faces, np.broadcast_to(feet, sample.faces.shape)], axis=2)
@@ -189,13 +206,13 @@ class Stops(Part):
 
 
 class Gaps(Part):
-    """What is open between the beam and each stop."""
+    """The openings between the beam and each stop."""
 
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         return _posts(self.layout, 0.0)
 
     def values(self, sample: Sample) -> Values:
-        """See the head of this module."""
+        """See `lapjoint.scene.parts.Part.values`."""
         surface = sample.beam["z"][:, self.layout.at_stops]
         moved = np.stack([surface, sample.faces], axis=2)
         opening = np.abs(sample.faces - surface)
@@ -206,7 +223,7 @@ class Gaps(Part):
 
 
 class Base(Part):
-    """What shakes the joint: rails above and below, walls at fixed ends, posts under other supports."""
+    """The base, which shakes the joint: rails above and below, walls at fixed ends, posts under other supports."""
 
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         layout, problem = self.layout, self.layout.problem
@@ -225,7 +242,7 @@ class Base(Part):
         return layout.place(x, y, z), np.arange(4 * len(plates)).reshape(-1, 4)
 
     def values(self, sample: Sample) -> Values:
-        """See the head of this module.  The end of a post that holds the beam moves with it."""
+        """See `lapjoint.scene.parts.Part.values`.  The end of a post that holds the beam moves with the beam."""
         side = np.sign(self.points[:, 2]).astype(int)
         rails = sample.gapped * np.array([sign * self.layout.widest_gap(sign) for sign in side])
         z = np.tile(rails, (sample.times.size, 1))
@@ -239,7 +256,20 @@ class Base(Part):
 
 
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
-    """The parts of a joint: a solid where there is a section, stops and their gaps where there are stops."""
+    """The parts of a joint: a solid if there is a cross-section, and stops with their gaps if there are stops.
+
+    Parameters
+    ----------
+    layout : Layout
+        The joint at rest.
+    gaps : bool
+        Whether to include the gaps.
+
+    Returns
+    -------
+    tuple of Part
+        The parts.
+    """
     problem = layout.problem
     solid = (Solid(layout),) if problem.beam.section else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.stops else ()
@@ -252,7 +282,7 @@ def _is_wall(support: Support, L: float) -> bool:
 
 
 def _posts(layout: Layout, length: float) -> tuple[FloatArray, IntArray]:
-    """For each stop a line from the beam's surface at rest, `length` m away from the beam."""
+    """For each stop a line of `length`, m, that leads from the beam's surface at rest away from the beam."""
     sign = np.array([stop.sign for stop in layout.problem.stops])
     x = np.repeat([stop.x for stop in layout.problem.stops], 2)
     z = np.column_stack([sign * layout.half_depth, sign * (layout.half_depth + length)]).ravel()
@@ -264,25 +294,25 @@ def _numbers(sample: Sample) -> IntArray:
 
 
 def _upwards(z: FloatArray) -> FloatArray:
-    """Vectors along z, ``(m, n, 3)``, from their lengths, ``(m, n)``."""
-    return _turned(z, np.zeros_like(z))
+    """Vectors along z, shape ``(m, n, 3)``, from their lengths, shape ``(m, n)``."""
+    return _vectors(z, np.zeros_like(z))
 
 
-def _turned(z: FloatArray, x: FloatArray) -> FloatArray:
-    """Vectors ``(m, n, 3)`` from their z- and x-components."""
+def _vectors(z: FloatArray, x: FloatArray) -> FloatArray:
+    """Vectors, shape ``(m, n, 3)``, from their z- and x-components, each of shape ``(m, n)``."""
     return np.stack([x, np.zeros_like(z), z], axis=2)
 
 
 def _displacements(relative: FloatArray, sample: Sample) -> Arrays:
-    return {"displacement": relative, "displacement_absolute": _carried(relative, sample.base[0])}
+    return {"displacement": relative, "displacement_absolute": _with_base(relative, sample.base[0])}
 
 
 def _velocities(relative: FloatArray, sample: Sample) -> Arrays:
-    return {"velocity": relative, "velocity_absolute": _carried(relative, sample.base[1])}
+    return {"velocity": relative, "velocity_absolute": _with_base(relative, sample.base[1])}
 
 
-def _carried(vectors: FloatArray, base: FloatArray) -> FloatArray:
-    """Vectors with the motion of the base, ``(m,)``, added."""
+def _with_base(vectors: FloatArray, base: FloatArray) -> FloatArray:
+    """Vectors, shape ``(m, n, 3)``, to which the motion of the base along z, shape ``(m,)``, is added."""
     moved = vectors.copy()
     moved[:, :, 2] += base[:, None]
     return moved

@@ -1,6 +1,6 @@
-"""A motion made visible: a picture, a film, or a window where there is a display; drawn by pyvista.
+"""Pictures and films of a motion, and a window where there is a display; pyvista draws them.
 
-Nothing is drawn in this process: VTK ends its process when it finds no graphics, and that must not end yours.
+Another process does the drawing.  VTK ends its process when it finds no graphics, and that must not end the user's.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from lapjoint.output_files import completed, unwritable
 from lapjoint.problem import FloatArray
 from lapjoint.scene.appearance import Look
 from lapjoint.scene.frame_builder import job_of
-from lapjoint.scene.frame_times import check_frames, span_of
+from lapjoint.scene.frame_times import check_frames, common_time
 from lapjoint.scene.frames import Job
 from lapjoint.scene.render_process import check_can_show, draw
 from lapjoint.scene.scene import histories_of
@@ -26,11 +26,12 @@ from lapjoint.solver import Progress
 PICTURES = (".png",)
 FILMS = (".gif", ".mp4")
 PICTURE_SIZE, FILM_SIZE = (1200, 520), (900, 400)
+"""Default width and height of a picture or window, and of a film, pixels."""
 DEFAULT = Look()
 MOST_FRAMES = 5000
-"""Of a film; all are kept in memory."""
+"""Largest number of frames of a film, all of which are kept in memory."""
 SLOWEST = 0.1
-"""Frames a second."""
+"""Least pace of a film, frames a second: a frame then lasts for ten seconds."""
 
 
 def save_picture(
@@ -42,10 +43,10 @@ def save_picture(
     ----------
     motion : History or mapping
         One motion, or several by short names, as in ``{"analytic": a, "fe": b}``, which stand side by side.
-    path : path
-        Where the picture goes, ``.png``.
+    path : str or Path
+        The picture's file, which ends in ``.png``.
     at : float, optional
-        Time, s, within the history; by default that of the largest contact force, or the largest deflection.
+        Time within the history, s; by default that of the largest contact force, or the largest deflection.
     look : Look
         Colours, scale, frame of reference and size.
 
@@ -63,7 +64,7 @@ def save_picture(
     """
     _check_ending(path, PICTURES)
     histories = histories_of(motion)
-    start, end = span_of(histories)
+    start, end = common_time(histories)
     if at is not None and not start <= at <= end:
         raise InputError(f"at = {at:g}: allowed is a time within the history, {start:g} to {end:g} s")
     time = _telling_time(histories[0], start, end) if at is None else at
@@ -85,16 +86,30 @@ def save_film(
 
     Parameters
     ----------
-    motion, look, Returns, Raises
-        As in `save_picture`.
-    path : path
-        Where the film goes: ``.gif``, or ``.mp4`` where the extra ``film`` is installed.
+    motion : History or mapping
+        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``, which stand side by side.
+    path : str or Path
+        The film's file, which ends in ``.gif``, or in ``.mp4`` if the extra ``film`` is installed.
     frames : int
-        Number of frames, equidistant in time; that of the motion's end is left out, for a cycle to close.
+        Number of frames, equidistant in time.  The motion's end is left out, so that a cycle closes.
     pace : float
-        Frames a second, 0.1 to 100, in a GIF to 50, and there in whole hundredths of a second each.
+        Frames a second, from 0.1 to 100.  In a GIF at most 50, and a frame lasts for whole hundredths of a second.
+    look : Look
+        Colours, scale, frame of reference and size.
     progress : callable, optional
-        Called with the number of frames done and of all.
+        Called with the number of frames done and the number of all.
+
+    Returns
+    -------
+    Path
+        The film.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of its range, or the file cannot be written.
+    OutputError
+        If this machine cannot draw; the message says what it lacks.
     """
     _check_ending(path, FILMS)
     times = _film_times(histories_of(motion), frames)
@@ -106,7 +121,21 @@ def save_film(
 def show_window(motion: History | Mapping[str, History], *, frames: int = 120, look: Look = DEFAULT) -> None:
     """Open a window with the motion: the slider is time, the space bar plays and pauses, q closes it.
 
-    For parameters and errors, see `save_film`; InputError also where there is no display.
+    Parameters
+    ----------
+    motion : History or mapping
+        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``, which stand side by side.
+    frames : int
+        Number of frames, equidistant in time.  The motion's end is left out, so that a cycle closes.
+    look : Look
+        Colours, scale, frame of reference and size.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of its range, or there is no display.
+    OutputError
+        If this machine cannot draw; the message says what it lacks.
     """
     check_can_show(None)
     times = _film_times(histories_of(motion), frames)
@@ -120,14 +149,14 @@ def _check_ending(path: str | Path, endings: Sequence[str]) -> None:
 
 
 def _film_times(histories: Sequence[History], frames: int) -> FloatArray:
-    """Equidistant times without the last, s."""
+    """Equidistant times, s, shape ``(frames,)``, without the motion's end."""
     check_frames(frames, MOST_FRAMES)
-    start, end = span_of(histories)
+    start, end = common_time(histories)
     return np.linspace(start, end, frames, endpoint=False)
 
 
 def _shown_pace(path: Path, pace: float) -> float:
-    """The pace asked for, or what a GIF, which counts in hundredths of a second, makes of it."""
+    """The pace asked for, frames a second; in a GIF, the nearest that whole hundredths of a second allow."""
     gif = path.suffix.lower() == ".gif"
     most = 50.0 if gif else 100.0
     if not SLOWEST <= pace <= most:
@@ -136,7 +165,7 @@ def _shown_pace(path: Path, pace: float) -> float:
 
 
 def _telling_time(history: History, start: float, end: float) -> float:
-    """When the stops push hardest; where none does, when the beam is bent most."""
+    """The time of the largest contact force, s; where there is no contact, of the largest deflection."""
     contacts = [c for c in history.contacts if c.start <= end and c.end >= start]
     if contacts:
         hardest = max(contacts, key=lambda contact: contact.peak_force)
@@ -148,7 +177,7 @@ def _telling_time(history: History, start: float, end: float) -> float:
 
 
 def _drawn(job: Job, path: Path, progress: Progress | None) -> Path:
-    """Draw to a file that takes the name `path` when it is complete."""
+    """Draw into a file that takes the name `path` when it is complete."""
     try:
         with completed(path) as unfinished:
             draw(replace(job, output=unfinished), progress)

@@ -1,4 +1,4 @@
-"""A job set up for drawing with pyvista: meshes, words, and where one looks from."""
+"""The plotter: it sets up the contents of a film for pyvista, as meshes, text and a camera, and shows its frames."""
 
 from __future__ import annotations
 
@@ -12,18 +12,27 @@ from lapjoint.scene.frames import Job, Plates, Skin, Springs
 
 BACKGROUND, INK, PALE, STEEL = "white", "#222222", "#C9CCD1", "#7A828C"
 SILENT, BRIEF, LIT = "#8A929C", "#F3CF80", "#E69F00"
-"""A stop that is open, that closed only between two frames, that is closed."""
+"""Colours of a stop that is open, that is closed only between two frames, and that is closed."""
 COLOURS = "coolwarm"
+"""Matplotlib's name of the colour map: pale at zero, blue below it and red above it."""
 VIEWPOINT = np.array([0.35, -1.0, 0.32])
-"""From the middle of the scene to the eye."""
+"""Direction from the middle of the scene to the eye, shape ``(3,)``."""
 GLYPH = 0.55
-"""Width of a letter, in sizes of the font."""
+"""Mean width of a letter, in sizes of the font, to estimate the width of text before it is drawn."""
 TURNS, ROUND = 6, 20
-"""Turns of a coil, and points on each."""
+"""Number of turns of a coil, and number of points on each turn."""
 
 
 class Stage:
-    """A job set up for drawing; `at` shows a frame of it."""
+    """A job that is set up for drawing.
+
+    Parameters
+    ----------
+    job : Job
+        The contents of the picture, film or window.
+    off_screen : bool
+        Whether to draw without a window.
+    """
 
     def __init__(self, job: Job, off_screen: bool) -> None:
         import pyvista
@@ -43,7 +52,13 @@ class Stage:
             self.image()
 
     def at(self, frame: int) -> None:
-        """Show a frame."""
+        """Show a frame.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame, from 0.
+        """
         for skin, (shown, ids) in zip(self.job.skins, self._skins, strict=True):
             if ids is None:
                 shown.copy_from(_tube(skin, frame))
@@ -61,12 +76,12 @@ class Stage:
         self._caption.input = self._cut(self.job.captions[frame])
 
     def image(self) -> Any:
-        """The frame as it is shown, RGB."""
+        """The frame that is shown, as an array of colours (red, green, blue), shape ``(height, width, 3)``."""
         self.plotter.render()
         return self.plotter.screenshot(return_img=True)
 
     def _add_skin(self, skin: Skin, first: bool) -> tuple[Any, Any]:
-        """A beam and the colour scale; gives its mesh, and which points of the job are its own."""
+        """Add a beam and the colour scale; returns its mesh, and the indices of the job's points that it has."""
         import pyvista
 
         if skin.cells.shape[1] == 2:
@@ -105,7 +120,7 @@ class Stage:
         return shown, ids
 
     def _add_springs(self, springs: Springs) -> list[tuple[Any, Any]]:
-        """Coils with their names; gives for each its line, and what lights up."""
+        """Add the coils; returns the line of each, and the actor whose colour changes."""
         import pyvista
 
         pieces, width = [], max(2.0, self.job.size[0] / 300)
@@ -123,7 +138,7 @@ class Stage:
         return shown
 
     def _add_words(self) -> None:
-        """Title and notes, a place for each frame's caption, and names."""
+        """Add the title and notes, a place for the captions of the frames, and the names."""
         import pyvista
 
         head = [self._cut(self.job.title), *(self._cut(note, 1.9) for note in self.job.notes)]
@@ -141,12 +156,12 @@ class Stage:
             self._labels.append(label)
 
     def _cut(self, text: str, share: float = 1.0) -> str:
-        """Words on one line that take half of the width, or `share` of that, at most."""
+        """Text on one line that takes at most half of the width, or `share` of that half."""
         most = max(8, int(share * self.job.size[0] / 2 / (GLYPH * self.font)))
         return cut_to(text, most)
 
     def _corner(self, text: str, x: float, side: str) -> Any:
-        """Words in an upper corner."""
+        """Add text in an upper corner."""
         actor = self.plotter.add_text(text, position=(x, 0.985), viewport=True, font_size=self.font, color=INK)
         actor.prop.font_size = self.font
         actor.prop.justification_horizontal = side
@@ -154,7 +169,7 @@ class Stage:
         return actor
 
     def _aim(self) -> None:
-        """Look from the front, a little from above and from the tip, and hold still while everything moves."""
+        """Place the camera in front, a little above and towards the tip; it stays there while everything moves."""
         moving: list[Skin | Springs | Plates] = [*self.job.skins, *self.job.springs, *self.job.plates]
         points = np.concatenate([thing.points.reshape(-1, 3) for thing in moving])
         forward = -VIEWPOINT / np.linalg.norm(VIEWPOINT)
@@ -181,7 +196,7 @@ class Stage:
         self.plotter.reset_camera_clipping_range()
 
     def _widths_of_names(self) -> tuple[float, float]:
-        """What names may take on the left and on the right of the joints, in parts of the width."""
+        """Width that names take on the left and on the right of the joints, as parts of the whole width."""
         glyph = 1.15 * GLYPH * self.font / self.job.size[0]  # bold
         left = max((len(word.text) for word in self.job.words if word.side == "right"), default=0)
         middle = max((len(word.text) / 2 for word in self.job.words if word.side == "center"), default=0)
@@ -197,10 +212,10 @@ def _tube(skin: Skin, frame: int) -> Any:
 
 
 def _coil(ends: FloatArray, radius: float) -> FloatArray:
-    """A helix from face to foot, whose coordinates are the rows of `ends`."""
+    """A helix, m, shape ``(n, 3)``, from the face to the foot of a spring, the rows of `ends`, shape ``(2, 3)``."""
     face, foot = ends
-    turn = np.linspace(0.0, 2 * np.pi * TURNS, TURNS * ROUND + 1)
-    along = np.linspace(0.0, 1.0, turn.size)[:, None]
-    wave = radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
+    angle = np.linspace(0.0, 2 * np.pi * TURNS, TURNS * ROUND + 1)
+    along = np.linspace(0.0, 1.0, angle.size)[:, None]
+    wave = radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
     helix: FloatArray = face + along * (foot - face) + wave
     return helix

@@ -1,6 +1,7 @@
-"""A scene as ``.vtu`` files, one for each part and time, and a ``.pvd`` that dates them: ParaView opens all as one.
+"""Writes a scene as ``.vtu`` files, one for each part and time, and a ``.pvd`` file that lists them with their times.
 
-Written by VTK.  The unit of an array is its ``UNITS_LABEL``, where VTK keeps units.
+ParaView opens the list as one series.  VTK writes the files; an array has its unit where VTK keeps units, in the key
+``UNITS_LABEL``.
 """
 
 from __future__ import annotations
@@ -22,7 +23,18 @@ _CELL_TYPES = {2: "LINE", 4: "QUAD", 8: "HEXAHEDRON"}
 
 
 def grid_of(part: Part) -> Any:
-    """The part at rest, a ``pyvista.UnstructuredGrid`` without values."""
+    """A part at rest as a grid without values.
+
+    Parameters
+    ----------
+    part : Part
+        The part.
+
+    Returns
+    -------
+    pyvista.UnstructuredGrid
+        Its points, m, and its cells.
+    """
     import pyvista
 
     kind = getattr(pyvista.CellType, _CELL_TYPES[part.cells.shape[1]])
@@ -33,6 +45,29 @@ def write_pvd(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, no
     """Write ``NAME.pvd`` and, in the folder NAME beside it, what it lists.
 
     Files of an earlier series of this name stay until this one is complete.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    blocks : iterable of Block
+        Its values, block after block.
+    folder : Path
+        Folder of the files.
+    name : str
+        Name of the series.
+    note : str
+        Text that the list holds as a comment.
+
+    Returns
+    -------
+    Path
+        The list, which programs open.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
     """
     path = folder / f"{name}.pvd"
     with completed_series(folder, lambda: _remove(folder, name)) as draft:
@@ -58,7 +93,7 @@ def _remove(folder: Path, name: str) -> None:
 
 
 def _write_pieces(scene: Scene, blocks: Iterable[Block], folder: Path, name: str) -> list[str]:
-    """Write a file for each part and time, and give the lines that list them."""
+    """Write a file for each part and time; returns the lines of the list."""
     grids = [(label, grid_of(part)) for label, part in scene.parts]
     entries: list[str] = []
     number = 0
@@ -80,7 +115,7 @@ def _entry(time: float, place: int, label: str, file: str) -> str:
 
 
 def _fill(grid: Any, block: Block, place: int, at: int, scene: Scene) -> None:
-    """Give the grid the values of a part at a time, each with its unit."""
+    """Give the grid the values of the part number `place` at the time number `at`, each with its unit."""
     from vtkmodules.vtkCommonCore import vtkDataArray
 
     values = block.values[place]

@@ -1,4 +1,4 @@
-"""The process that draws: ``python -m lapjoint.scene.render JOB``, with pyvista.
+"""The process that draws, by pyvista: ``python -m lapjoint.scene.render JOB``, where JOB is a pickled `Job`.
 
 It prints ``frame N`` after each frame, and ends with a message on standard error where it fails.
 """
@@ -18,7 +18,13 @@ from lapjoint.scene.plotter import BRIEF, INK, LIT, SILENT, Stage
 
 
 def draw_picture(job: Job) -> None:
-    """One frame, as PNG."""
+    """Draw one frame as PNG.
+
+    Parameters
+    ----------
+    job : Job
+        The contents of the picture.
+    """
     from PIL import Image
 
     assert job.output is not None
@@ -27,7 +33,13 @@ def draw_picture(job: Job) -> None:
 
 
 def draw_film(job: Job) -> None:
-    """All frames, as GIF or MP4."""
+    """Draw all frames as GIF or MP4.
+
+    Parameters
+    ----------
+    job : Job
+        The contents of the film.
+    """
     assert job.output is not None
     frames = _frames(job)
     if job.output.suffix.lower() == ".mp4":
@@ -61,7 +73,7 @@ def _frames(job: Job) -> Any:
 
 
 def _save_gif(frames: Any, job: Job) -> None:
-    """A GIF with one palette for all frames, so that what does not move is stored once."""
+    """Write a GIF with one palette for all frames, so that what does not move is stored only once."""
     from PIL import Image
 
     assert job.output is not None
@@ -73,7 +85,7 @@ def _save_gif(frames: Any, job: Job) -> None:
 
 
 def _palette(images: list[Any]) -> Any:
-    """Colours for all frames, those of stops that act among them however thin they are drawn, and pure white."""
+    """The palette of all frames, with pure white and the colours of the stops, however thin these are drawn."""
     from PIL import Image, ImageColor
 
     width, height = images[0].size
@@ -99,9 +111,15 @@ def _palette(images: list[Any]) -> Any:
 
 
 def open_window(job: Job) -> None:
-    """A window with a slider for time; the space bar plays and pauses.
+    """Open a window with a slider for time; the space bar plays and pauses.
 
-    It says ``frame 0`` when it is open: VTK ends without a word where there is no display after all.
+    The process prints ``frame 0`` when the window is open, because VTK ends without a message where it finds no
+    display.
+
+    Parameters
+    ----------
+    job : Job
+        The contents of the frames.
     """
     stage = Stage(job, off_screen=False)
     milliseconds = 1e3 * job.times
@@ -142,7 +160,7 @@ def open_window(job: Job) -> None:
 
 
 def main() -> int:
-    """Draw the job in the file given."""
+    """Draw the job in the file that the first argument names; returns the exit status."""
     job: Job = pickle.loads(Path(sys.argv[1]).read_bytes())
     try:
         if job.output is None:

@@ -1,4 +1,4 @@
-"""Drawing in a process of its own, and what it says when it cannot."""
+"""Starts the process that draws, and turns its failures into errors with a message."""
 
 from __future__ import annotations
 
@@ -15,24 +15,33 @@ from lapjoint.scene.frames import Job
 from lapjoint.solver import Progress
 
 COMMAND = (sys.executable, "-m", "lapjoint.scene.render")
+"""Command of the process that draws, without its argument."""
 SOFTWARE = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow"}
-"""Makes VTK draw by software alone, with Mesa's library OSMesa."""
+"""Environment variable that lets VTK draw by software alone, with Mesa's library OSMesa."""
 NO_GRAPHICS = (
     "this machine cannot draw: VTK found neither a display nor a graphics library; "
     "on Debian and Ubuntu, install libosmesa6 (or libegl1 and libgl1-mesa-dri)"
 )
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
+"""Environment variables that name a display, of X and of Wayland."""
 NO_DISPLAY = "output: is missing, and there is no display to open a window on; allowed: .png, .gif, .mp4"
 NO_MP4 = ".mp4: needs the package imageio[ffmpeg]; install lapjoint[film], or choose .gif"
 
 
 def draw(job: Job, progress: Progress | None) -> None:
-    """Draw a job in a process of its own: with graphics hardware where there is, else by software.
+    """Draw a job in a process of its own, with graphics hardware if there is some, else by software.
+
+    Parameters
+    ----------
+    job : Job
+        The contents of the picture, film or window.
+    progress : callable or None
+        Called with the number of frames done and the number of all.
 
     Raises
     ------
     OutputError
-        If this machine cannot draw, or not that; the message says what it lacks.
+        If this machine cannot draw, or cannot draw this job; the message says what it lacks.
     OSError
         If the file cannot be written.
     """
@@ -53,7 +62,7 @@ def draw(job: Job, progress: Progress | None) -> None:
 
 
 def _draw_window(file: Path) -> None:
-    """Open a window; however it ends once it is open, a person or the display closed it."""
+    """Open a window.  Once it is open, no end of it is an error: a person or the display closed it."""
     _, _, opened = _run(file, {}, 1, None)
     if not opened:
         shown = " or ".join(f"{key} = {os.environ[key]!r}" for key in DISPLAYS if os.environ.get(key))
@@ -62,6 +71,11 @@ def _draw_window(file: Path) -> None:
 
 def check_can_show(output: str | Path | None) -> None:
     """Refuse, before any work is done, a window where there is no display, and a film that cannot be written.
+
+    Parameters
+    ----------
+    output : str, Path or None
+        File of a picture or film; None for a window.
 
     Raises
     ------
@@ -77,12 +91,12 @@ def check_can_show(output: str | Path | None) -> None:
 
 
 def has_display() -> bool:
-    """Whether windows can be opened: always on macOS and Windows, else where X or Wayland is."""
+    """Whether windows can be opened: always on macOS and Windows, elsewhere if X or Wayland is running."""
     return sys.platform in ("darwin", "win32") or any(os.environ.get(key) for key in DISPLAYS)
 
 
 def _run(file: Path, way: dict[str, str], frames: int, progress: Progress | None) -> tuple[int, str, bool]:
-    """The exit status of the drawing process, what it said on standard error, and whether it drew anything."""
+    """The exit status of the drawing process, its standard error, and whether it drew any frame."""
     drew = False
     with tempfile.TemporaryFile("w+") as errors:
         environment = {**os.environ, **way}
@@ -102,7 +116,7 @@ def _run(file: Path, way: dict[str, str], frames: int, progress: Progress | None
 
 
 def _explain(status: int, said: str) -> None:
-    """Raise what the drawing process could not do; its last line is `KIND: message` where Python noticed."""
+    """Raise the error of the drawing process, whose last line is ``KIND: message`` if Python noticed the error."""
     last = said.strip().splitlines()[-1] if said.strip() else ""
     kind, _, message = last.partition(": ")
     if kind == "OSError":

@@ -1,7 +1,7 @@
-"""What moves in a scene, at some times: the beam at its stations, the stops, the base.
+"""Samples of the motion in a scene, at given times: the beam at its stations, the stops, and the base.
 
-Two sources give samples: the history of either solver, and the modes of a contact state, whose "time" is the number of
-the mode.
+There are two sources of samples: the history of any solver, and the modes of a contact state.  The "time" of a mode is
+its number.
 """
 
 from __future__ import annotations
@@ -23,36 +23,51 @@ class Sample:
     """A motion at ``m`` times, on ``n`` stations, with ``s`` stops; z is relative to the base."""
 
     times: FloatArray
-    """s, shape ``(m,)``."""
+    """Times, s, shape ``(m,)``; numbers for modes."""
     beam: dict[str, FloatArray]
-    """z, z_x, z_xx, z_xxx, z_t and z_xt at the stations, each ``(m, n)``, by these names."""
+    """Values at the stations by name, each of shape ``(m, n)``: z (m), z_x (1), z_xx (1/m), z_xxx (1/m^2), z_t (m/s),
+    z_xt (1/s).  Modes have neither z_t nor z_xt."""
     base: FloatArray
     """Displacement and velocity of the base, m and m/s, shape ``(2, m)``."""
     faces: FloatArray
-    """Displacement of the face of each stop, m, ``(m, s)``: its gap, or that of the beam which presses it."""
+    """Displacement of the face of each stop, m, shape ``(m, s)``: its gap, or the displacement of the beam that presses
+    it."""
     force: FloatArray
-    """Force of each stop on the beam, N, positive upwards, ``(m, s)``."""
+    """Force of each stop on the beam, N, positive upwards, shape ``(m, s)``."""
     closed: IntArray
-    """1 where a stop is closed, ``(m, s)``."""
+    """1 where a stop is closed, else 0, shape ``(m, s)``."""
     whole: dict[str, FloatArray | IntArray]
-    """Numbers of the whole joint, each ``(m,)``, by name."""
+    """Values of the whole joint by name, each of shape ``(m,)``."""
     gapped: bool = True
-    """Whether the stops stand behind their gaps; modes know none."""
+    """Whether the stops stand behind their gaps; modes have no gaps."""
 
 
 class Source(Protocol):
-    """Something that moves."""
+    """A motion that can be sampled."""
 
     @property
     def problem(self) -> Problem:
-        """Whose motion it is."""
+        """The problem whose motion it is."""
 
     @property
     def pressed(self) -> float:
-        """How far a stop is pressed at most, m."""
+        """Largest penetration of a stop, m."""
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
-        """The motion at `times`."""
+        """Sample the motion.
+
+        Parameters
+        ----------
+        layout : Layout
+            The joint at rest, which gives the stations.
+        times : FloatArray, shape (m,)
+            Times within the motion, s; for modes their numbers, from 1.
+
+        Returns
+        -------
+        Sample
+            The motion at these times and stations.
+        """
 
 
 _DERIVATIVES = {"z": (0, 0), "z_x": (1, 0), "z_xx": (2, 0), "z_xxx": (3, 0), "z_t": (0, 1), "z_xt": (1, 1)}
@@ -60,23 +75,23 @@ _DERIVATIVES = {"z": (0, 0), "z_x": (1, 0), "z_xx": (2, 0), "z_xxx": (3, 0), "z_
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion of a history; see `Source`."""
+    """The motion of a history."""
 
     history: History
 
     @property
     def problem(self) -> Problem:
-        """Whose motion it is."""
+        """The problem whose motion it is."""
         return self.history.problem
 
     @property
     def pressed(self) -> float:
-        """How far a stop is pressed at most, m."""
+        """Largest penetration of a stop, m."""
         stops = self.history.problem.stops
         return max((c.peak_force / stops[c.stop].stiffness for c in self.history.contacts), default=0.0)
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
-        """The motion at `times`, s, within the history."""
+        """Sample the history.  See `lapjoint.scene.sampled_motion.Source.sample`."""
         history = self.history
         beam = {name: history.evaluate(layout.stations, times, *d).T for name, d in _DERIVATIVES.items()}
         states = [history.state_at(float(t)) for t in times]
@@ -92,15 +107,15 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class ModesInTurn:
-    """Mass-normalised mode shapes, one after the other; see `Source`.  Closed stops move along, as springs do."""
+class ModeSeries:
+    """Mass-normalised mode shapes, one after the other; the faces of closed stops move with the beam."""
 
     problem: Problem
     modes: Modes
     pressed: float = 0.0
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
-        """The shapes of the modes numbered `times`, from 1."""
+        """Sample the mode shapes.  See `lapjoint.scene.sampled_motion.Source.sample`."""
         here = np.asarray(times, dtype=np.int64) - 1
         beam = {f"z{'_' * (d > 0)}{'x' * d}": self.modes.shapes(layout.stations, d)[here] for d in range(4)}
         stops, still = self.problem.stops, np.zeros((2, here.size))
@@ -112,13 +127,13 @@ class ModesInTurn:
 
 
 def _closed_stops(closed: IntArray) -> dict[str, FloatArray | IntArray]:
-    """A number with bit i set where stop i is closed; there are no numbers for more stops than bits."""
+    """A number with bit i set where stop i is closed, shape ``(m,)``; none where there are more stops than bits."""
     stops = closed.shape[1]
     return {"closed_stops": closed @ (1 << np.arange(stops))} if 0 < stops < 63 else {}
 
 
 def _base(problem: Problem, times: FloatArray) -> FloatArray:
-    """Displacement and velocity of the base, ``(2, m)``."""
+    """Displacement and velocity of the base, m and m/s, shape ``(2, m)``."""
     motion = problem.base_motion
     if motion is None:
         return np.zeros((2, times.size))

@@ -1,4 +1,4 @@
-"""A scene: one motion or several side by side, as parts with values at any time."""
+"""A scene: one motion, or several side by side, as parts that have values at any time."""
 
 from __future__ import annotations
 
@@ -15,37 +15,38 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.scene.layout import Layout
 from lapjoint.scene.parts import UNITS, Arrays, Part, Values, parts_of
-from lapjoint.scene.sampled_motion import ModesInTurn, Motion, Source
+from lapjoint.scene.sampled_motion import ModeSeries, Motion, Source
 
 BLOCK = 64
-"""Times that are evaluated at once."""
+"""Number of times that are evaluated at once: few enough for the memory, and enough for arrays to be quick."""
 APART = 1.5
-"""Distance between joints that stand side by side, in breadths of a beam (or 1/15 of its length), from side to side."""
+"""Clear distance between joints that stand side by side, in breadths of a beam, or in 1/15 of its length if that is
+more."""
 
 
 class Block(NamedTuple):
     """All values of a scene at some times."""
 
     times: FloatArray
-    """s, shape ``(m,)``."""
+    """Times, s, shape ``(m,)``; numbers for modes."""
     values: tuple[Values, ...]
-    """One for each part."""
+    """The values of each part."""
     whole: Arrays
-    """Numbers of the whole scene, each ``(m,)``, by name."""
+    """Values of the whole scene by name, each of shape ``(m,)``."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What is seen: joints in motion, in the order of `sources`, each shifted along y past the one before it."""
+    """Joints in motion, in the sequence of `sources`, each shifted along -y past the one before it."""
 
     sources: tuple[tuple[str, Source], ...]
-    """The motions, each with a short name; the names are part of the parts' names where there are several."""
+    """The motions, each with a short name; where there are several, the parts' names begin with these."""
     points: int = 81
-    """Equidistant stations along each beam."""
+    """Number of equidistant stations along each beam."""
 
     @cached_property
     def layouts(self) -> tuple[Layout, ...]:
-        """Where each joint stands."""
+        """The layout of each joint."""
         found: list[Layout] = []
         pressed = max(source.pressed for _, source in self.sources)
         for _, source in self.sources:
@@ -73,10 +74,20 @@ class Scene:
         )
 
     def block(self, times: FloatArray) -> Block:
-        """All values at `times`, s.
+        """All values of the scene at some times.
 
-        Beams and solids of the second motion and those after it also carry ``difference``, the displacement less
-        that of the first, where both have the same points.
+        Beams and solids of the second motion and those after it also carry ``difference``, their displacement less that
+        of the first motion, if both have the same points.
+
+        Parameters
+        ----------
+        times : FloatArray, shape (m,)
+            Times, s; for modes their numbers, from 1.
+
+        Returns
+        -------
+        Block
+            The values of all parts.
         """
         values: list[Values] = []
         whole: Arrays = {}
@@ -90,16 +101,38 @@ class Scene:
         return Block(times, tuple(values), whole)
 
     def blocks(self, times: FloatArray) -> Iterator[Block]:
-        """All values at `times`, a few at once."""
+        """All values of the scene, in blocks of at most `BLOCK` times.
+
+        Parameters
+        ----------
+        times : FloatArray, shape (m,)
+            Times, s; for modes their numbers, from 1.
+
+        Yields
+        ------
+        Block
+            The values of all parts at the next times.
+        """
         for start in range(0, times.size, BLOCK):
             yield self.block(times[start : start + BLOCK])
 
     def unit(self, name: str) -> str:
-        """The SI unit of a value; that of a mode is for one unit of its coordinate, m kg^1/2."""
+        """The SI unit of a value; a mode's values are per unit of its coordinate, m kg^1/2.
+
+        Parameters
+        ----------
+        name : str
+            Name of the value.
+
+        Returns
+        -------
+        str
+            The unit; ``1`` for a value without one.
+        """
         if name == "angular_frequency":
             return "rad/s"
         unit = UNITS.get(name, "1")
-        moved = isinstance(self.sources[0][1], ModesInTurn) and name in UNITS and name not in ("closed", "stop")
+        moved = isinstance(self.sources[0][1], ModeSeries) and name in UNITS and name not in ("closed", "stop")
         return f"{unit} m-1 kg-1/2" if moved else unit
 
 
@@ -109,15 +142,20 @@ def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> S
     Parameters
     ----------
     motion : History or mapping
-        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``; those after the first stand
-        beside it, along -y.
+        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``; those after the first stand beside
+        it, along -y.
     points : int
-        Equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+
+    Returns
+    -------
+    Scene
+        The scene.
 
     Raises
     ------
     InputError
-        If `points` is out of range.
+        If a name is not allowed, or `points` is out of range.
     """
     named = {"motion": motion} if isinstance(motion, History) else dict(motion)
     for name in named:
@@ -130,6 +168,16 @@ def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> S
 
 def histories_of(motion: History | Mapping[str, History]) -> list[History]:
     """The histories of one motion or several.
+
+    Parameters
+    ----------
+    motion : History or mapping
+        One motion, or several by short names.
+
+    Returns
+    -------
+    list of History
+        The histories, at least one.
 
     Raises
     ------
@@ -144,14 +192,34 @@ def histories_of(motion: History | Mapping[str, History]) -> list[History]:
 
 
 def mode_scene(problem: Problem, modes: Modes, points: int = 81) -> Scene:
-    """The scene of the modes of one contact state; the modes follow one another at the times 1, 2, 3 ..."""
-    scene = Scene((("modes", ModesInTurn(problem, modes)),), points)
+    """The scene of the modes of one contact state, which follow one another at the times 1, 2, 3 and so on.
+
+    Parameters
+    ----------
+    problem : Problem
+        The beam and its stops.
+    modes : Modes
+        The modes.
+    points : int
+        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    InputError
+        If `points` is out of range.
+    """
+    scene = Scene((("modes", ModeSeries(problem, modes)),), points)
     _ = scene.layouts
     return scene
 
 
 def _compared(part: Part, values: Values, first: Arrays) -> Values:
-    """The values, and their difference from the first motion's where this is a later one."""
+    """The values of a part, and, in a later motion, the difference of its displacement from that of the first."""
     moved = values.point["displacement"]
     if part.name not in ("beam", "solid"):
         return values

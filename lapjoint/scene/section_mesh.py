@@ -1,6 +1,6 @@
-"""Cross-sections as flat meshes: points (y, zeta) about the centroid, and quadrilaterals between them.
+"""Meshes of cross-sections: points (y, zeta) about the centroid, and quadrilaterals between them.
 
-zeta is the height above the axis, y completes (x, y, zeta) to a right-handed frame.  Curved outlines are polygons
+zeta is the height above the axis, and y completes (x, y, zeta) to a right-handed frame.  Curved outlines are polygons
 whose corners lie on the true outline.
 """
 
@@ -16,20 +16,31 @@ from lapjoint.problem.beam import Circle, Rectangle, Section, Tube
 
 IntArray = NDArray[np.int64]
 CORNERS = 48
-"""Corners of the polygon in place of a circle: its area is 0.3 % less."""
+"""Number of corners of the polygon that stands for a circle; its area is less by 0.3 %."""
 
 
 class SectionMesh(NamedTuple):
-    """A cross-section, meshed."""
+    """The mesh of a cross-section."""
 
     points: FloatArray
-    """(y, zeta), m, shape ``(n, 2)``."""
+    """Coordinates (y, zeta), m, shape ``(n, 2)``."""
     quads: IntArray
-    """Corners, counter-clockwise about x, shape ``(quads, 4)``."""
+    """Indices of the corners of each quadrilateral, counter-clockwise about x, shape ``(quads, 4)``."""
 
 
 def section_mesh(section: Section) -> SectionMesh:
-    """The mesh of a section; a line of points lies on the neutral axis of each that is solid."""
+    """The mesh of a cross-section.
+
+    Parameters
+    ----------
+    section : Rectangle, Circle or Tube
+        The cross-section.
+
+    Returns
+    -------
+    SectionMesh
+        Its mesh; if the cross-section is solid, a line of points lies on the neutral axis.
+    """
     if isinstance(section, Rectangle):
         return _grid(section.breadth / 2 * np.array([-1.0, 1.0]), section.height / 2 * np.array([-1.0, 0.0, 1.0]))
     if isinstance(section, Circle):
@@ -45,7 +56,7 @@ def _grid(y: FloatArray, z: FloatArray) -> SectionMesh:
 
 
 def _disc(radius: float) -> SectionMesh:
-    """A square grid, each concentric square of it drawn out to a circle with equal angles between its corners."""
+    """A square grid whose concentric squares are mapped to circles, with equal angles between the corners."""
     cells = CORNERS // 4
     along = np.linspace(-1.0, 1.0, cells + 1)
     square = _grid(along, along)

@@ -1,12 +1,12 @@
-"""A scene as one VTKHDF file (version 2.3 of the format): all parts in one unstructured grid, all times.
+"""Writes a scene as one VTKHDF file (version 2.3 of the format): all parts in one unstructured grid, at all times.
 
-Fixed points and cells stand in it once.  The cell value ``part`` tells the parts apart, from 0 in the order that the
-attribute ``parts`` gives them; values that a part does not carry are NaN, or -1 where they are whole numbers.  The
-attribute ``units`` of a dataset is its unit.
+The fixed points and cells are stored once.  The cell value ``part`` tells the parts apart: it counts from 0 in the
+sequence of the attribute ``parts``.  Values that a part does not carry are NaN, or -1 where they are whole numbers.
+The attribute ``units`` of a dataset is its unit.
 
-Written with h5py after the format's description in VTK's documentation, and not by VTK's own writer: that of VTK 9.7
-keeps times in single precision, in which both ends of a short contact fall together.  One grid and not a block for each
-part, because the reader of VTK 9.7 shows the first time step of blocks at all times.
+h5py writes the file after the format's description in VTK's documentation.  VTK's own writer (9.7) is not used, because
+it keeps times in single precision, in which both ends of a short contact are equal.  The parts share one grid and are
+no blocks, because the reader of VTK 9.7 shows the first time step of blocks at all times.
 """
 
 from __future__ import annotations
@@ -23,13 +23,38 @@ from lapjoint.scene.parts import Arrays, Part
 from lapjoint.scene.scene import Block, Scene
 
 VERSION = (2, 3)
+"""Version of the format."""
 _TYPE = "UnstructuredGrid"
 _CELL_TYPES = {2: 3, 4: 9, 8: 12}  # VTK_LINE, VTK_QUAD, VTK_HEXAHEDRON
 _FIXED = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 
 
 def write_vtkhdf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME.vtkhdf``; it takes its name when it is complete."""
+    """Write ``NAME.vtkhdf``; the file takes its name when it is complete.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    blocks : iterable of Block
+        Its values, block after block.
+    folder : Path
+        Folder of the file.
+    name : str
+        Name of the file, without its ending.
+    note : str
+        Text that the file holds as its attribute ``note``.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
     path = folder / f"{name}.vtkhdf"
     parts = [part for _, part in scene.parts]
     with completed(path) as unfinished, h5py.File(unfinished, "w") as file:
@@ -46,7 +71,7 @@ def write_vtkhdf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str,
 
 
 def _write_grid(root: Any, parts: Sequence[Part]) -> None:
-    """The fixed points and cells of all parts."""
+    """Write the fixed points and cells of all parts."""
     first = np.cumsum([0, *(len(part.points) for part in parts)])
     corners = np.concatenate([np.full(len(part.cells), part.cells.shape[1]) for part in parts])
     root["Points"] = np.concatenate([part.points for part in parts])
@@ -60,7 +85,7 @@ def _write_grid(root: Any, parts: Sequence[Part]) -> None:
 
 
 def _start_steps(root: Any) -> None:
-    """Steps without any yet; whatever is fixed stands at offset 0 in each."""
+    """Make the tables of the time steps, still empty; what is fixed has the offset 0 in each step."""
     for data in ("PointData", "CellData", "FieldData"):
         root.create_group(data)
         root.create_group(f"Steps/{data}Offsets")
@@ -73,7 +98,7 @@ def _start_steps(root: Any) -> None:
 
 
 def _append(root: Any, block: Block, parts: Sequence[Part], scene: Scene) -> None:
-    """Add the values at the times of a block."""
+    """Append the values at the times of a block."""
     steps, number = root["Steps"], block.times.size
     first = int(steps.attrs["NSteps"])
     steps.attrs["NSteps"] = first + number
@@ -94,7 +119,10 @@ def _append(root: Any, block: Block, parts: Sequence[Part], scene: Scene) -> Non
 
 
 def _joined(carried: Sequence[Arrays], sizes: Sequence[int], number: int) -> Arrays:
-    """The values of all parts side by side, ``(number, all points or cells)``, with what a part lacks filled in."""
+    """The values of all parts side by side, shape ``(number, points or cells of all parts)``.
+
+    Values that a part lacks are NaN, or -1 where they are whole numbers.
+    """
     found: Arrays = {}
     for name in dict.fromkeys(name for arrays in carried for name in arrays):
         like = next(arrays[name] for arrays in carried if name in arrays)
@@ -110,7 +138,7 @@ def _joined(carried: Sequence[Arrays], sizes: Sequence[int], number: int) -> Arr
 
 
 def _extend(group: Any, name: str, rows: Any, unit: str = "") -> None:
-    """Append rows to a dataset, which is made when its first rows come."""
+    """Append rows to a dataset, shape ``(rows, ...)``, which is made with its first rows."""
     if name not in group:
         rest = rows.shape[1:]
         group.create_dataset(

@@ -1,7 +1,7 @@
-"""A scene as XDMF time series, one for each part, for meshio and what reads its files.
+"""Writes a scene as XDMF time series, one for each part, for meshio and programs that read its files.
 
-Written by meshio, whose reader opens a part as one series.  ParaView's "XDMF Reader" opens them, too; its
-"Xdmf3 Reader" does not get along with meshio's files.  XDMF holds no units: they are those of `lapjoint.scene.parts`.
+meshio writes the files, and its reader opens a part as one series.  ParaView's "XDMF Reader" opens them too, but its
+"Xdmf3 Reader" cannot read meshio's files.  XDMF holds no units; `lapjoint.scene.parts` lists them.
 """
 
 from __future__ import annotations
@@ -21,9 +21,32 @@ _CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
 
 
 def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them; returns the first.
+    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them.
 
     Files of an earlier series of this name stay until this one is complete.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    blocks : iterable of Block
+        Its values, block after block.
+    folder : Path
+        Folder of the files.
+    name : str
+        Name of the series.
+    note : str
+        A note, for which this format has no place.
+
+    Returns
+    -------
+    Path
+        The file of the first part.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
     """
     names = [f"{name}_{label}.xdmf" for label, _ in scene.parts]
     with completed_series(folder, lambda: _remove(folder, name)) as draft:
@@ -32,7 +55,7 @@ def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, n
 
 
 def _remove(folder: Path, name: str) -> None:
-    """Remove the files of a series, of whatever parts."""
+    """Remove the files of a series, for all parts that it has."""
     for part in PARTS:
         for old in (*folder.glob(f"{name}_{part}.xdmf"), *folder.glob(f"{name}_*_{part}.xdmf")):
             old.unlink()
@@ -53,7 +76,7 @@ def _write_all(scene: Scene, blocks: Iterable[Block], paths: Sequence[Path]) -> 
 
 
 def _series(path: Path) -> Any:
-    """meshio's writer of a series, with its numbers in a file beside `path`, not in the current folder."""
+    """meshio's writer of a series, changed so that it keeps its numbers beside `path`, not in the current folder."""
     from meshio.xdmf import TimeSeriesWriter
 
     class Beside(TimeSeriesWriter):  # type: ignore[misc]
