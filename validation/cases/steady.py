@@ -136,8 +136,8 @@ def report(points: list[Point]) -> CaseResult:
         "Steady-state impulses, 5 to 5000 rad/s",
         "From rest both solvers march, then find the periodic motion by Newton's method on the period map. They accept "
         "it only if all its Floquet multipliers lie within the unit circle, and the march is bound for it at every "
-        "later time. Impulses are per excitation period. Three numbers of modes and three meshes give each its uncertainty; "
-        "besides, the two must agree to 0.1 % up to 3000 rad/s and to 1 % above.",
+        "later time. Impulses are per excitation period. Three numbers of modes and three meshes give each its "
+        "uncertainty; besides, the two must agree to 0.1 % up to 3000 rad/s and to 1 % above.",
         checks=tuple(checks),
         criteria=tuple(criteria),
         tables=(table("Impulse per excitation period, N s", columns, rows),),
