@@ -4,7 +4,7 @@
 form, `tables` its flat view, `known_states` the states that a family of problems has met, and `joint` those of one
 problem.  `terms`, `step_bound`, `segment`, `switching` and `compiled` are the compiled march, from the inside out.
 `coordinates` says where a motion is; `march`, `periods`, `tangent`, `growth` and `gap_view` are what Python calls;
-`field` and `contacts` make a History of it; `initial_state` and `mirror` give states to start from.
+`field` and `contacts` make a History of it; `initial_state` gives states to start from.
 """
 
 from analytic.march.coordinates import Coordinates

@@ -27,8 +27,8 @@ SLOT, PENDING, SWITCHES, PERIODS = 0, 1, 2, 3
 """What `Motion.counts` holds: the slot; the stop that has yet to switch now, or NO_SWITCH; how many switches were made;
 how many periods are done."""
 _FRESH = 1e-9
-"""s: a stop that switched less than this ago must leave its gap before it can switch again.  A switch is located to
-1e-12 s, and the shortest contacts found in grazing series last 1e-6 s."""
+"""s: a stop that switched less than this ago must leave its gap, or pass a threshold of rounding size, before it can
+switch again.  A switch is located to 1e-12 s, and the shortest contacts found in grazing series last 1e-6 s."""
 
 
 class Log(NamedTuple):
@@ -37,17 +37,17 @@ class Log(NamedTuple):
     slot: IntArray
     """The state, shape ``(M,)``."""
     start: FloatArray
-    """s, shape ``(M,)``."""
+    """When each segment starts, s, shape ``(M,)``."""
     end: FloatArray
-    """s, shape ``(M,)``."""
+    """When it ends, s, shape ``(M,)``."""
     q: FloatArray
     """Modal displacements at the start, kg^1/2 m, shape ``(M, N)``."""
     v: FloatArray
     """Modal velocities at the start, kg^1/2 m/s, shape ``(M, N)``."""
     q_end: FloatArray
-    """Modal displacements at the end, before the switch, shape ``(M, N)``."""
+    """Modal displacements at the end, before the switch, kg^1/2 m, shape ``(M, N)``."""
     v_end: FloatArray
-    """Modal velocities at the end, before the switch, shape ``(M, N)``."""
+    """Modal velocities at the end, before the switch, kg^1/2 m/s, shape ``(M, N)``."""
     stop: IntArray
     """The stop that switches at the end, or NO_SWITCH, shape ``(M,)``."""
     rate: FloatArray
@@ -81,25 +81,53 @@ class Work(NamedTuple):
     theta: ComplexArray
     """exp(i theta_h), shape ``(H,)``."""
     term: ComplexArray
-    """Terms, shape ``(2 N,)``."""
+    """c_t exp(lambda_t s) of each term, kg^1/2 m, shape ``(2 N,)``."""
     poly: FloatArray
-    """Polynomials, shape ``(N, 3)``."""
+    """Coefficients of 1, s, s^2 of each mode, kg^1/2 m over powers of s, shape ``(N, 3)``."""
     deepest: FloatArray
-    """Of the last segment, m, shape ``(P,)``."""
+    """Deepest penetration of each closed stop in the last segment, m, shape ``(P,)``."""
     area: FloatArray
-    """Of the last segment, m s, shape ``(P,)``."""
+    """Time integral of its penetration in the last segment, m s, shape ``(P,)``."""
     fresh: BoolArray
     """Whether each stop switched just now, shape ``(P,)``."""
 
 
 @lru_cache(maxsize=64)
 def no_log(modes: int, stops: int) -> Log:
-    """A log without room, to which nothing is ever written."""
+    """A log without room, to which nothing is ever written.
+
+    Parameters
+    ----------
+    modes : int
+        Number of modes ``N``.
+    stops : int
+        Number of stops ``P``.
+
+    Returns
+    -------
+    Log
+        With no rows; the same object at every call, as long as it is kept.
+    """
     return new_log(0, modes, stops)
 
 
 def new_log(rows: int, modes: int, stops: int) -> Log:
-    """An empty log."""
+    """An empty log.
+
+    Parameters
+    ----------
+    rows : int
+        Number of segments ``M`` for which it has room.
+    modes : int
+        Number of modes ``N``.
+    stops : int
+        Number of stops ``P``.
+
+    Returns
+    -------
+    Log
+        Filled with zeros, and with NO_SWITCH for the stops.
+    """
     return Log(
         slot=np.zeros(rows, dtype=np.int64),
         start=np.zeros(rows),
@@ -116,7 +144,26 @@ def new_log(rows: int, modes: int, stops: int) -> Log:
 
 
 def new_motion(slot: int, start: float, q: FloatArray, v: FloatArray, modes: int, stops: int) -> Motion:
-    """A march that begins at the time `start`, s, with room for `modes`; stops that touch count as fresh."""
+    """A march at its beginning.  Every stop counts as one that has switched just then.
+
+    Parameters
+    ----------
+    slot : int
+        The state in which it begins.
+    start : float
+        When, s.
+    q, v : FloatArray, shape (n,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, of the ``n`` modes of that state.
+    modes : int
+        Number of modes ``N`` for which there is room, at least ``n``.
+    stops : int
+        Number of stops ``P``.
+
+    Returns
+    -------
+    Motion
+        No stop is pending, and no switch and no period is counted.
+    """
     motion = Motion(
         counts=np.array([slot, NO_SWITCH, 0, 0], dtype=np.int64),
         time=np.array([start, 0.0]),
@@ -132,7 +179,18 @@ def new_motion(slot: int, start: float, q: FloatArray, v: FloatArray, modes: int
 
 @njit(cache=True)
 def new_work(tables: Tables) -> Work:
-    """Scratch arrays for marches on these tables."""
+    """Scratch arrays for marches on these tables.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+
+    Returns
+    -------
+    Work
+        Filled with zeros.
+    """
     modes, stops = tables.kind.shape[1], tables.sign.size
     return Work(
         np.zeros(tables.omega.size, dtype=np.complex128),
@@ -146,9 +204,23 @@ def new_work(tables: Tables) -> Work:
 
 @njit(cache=True, inline="always")
 def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> bool:
-    """Let the pending stop switch, if there is one; False if the tables do not know that switch.
+    """Let the pending stop switch, if there is one, and write the phases of this moment.
 
-    `frozen` is None for the present solver's rule; see `analytic.march.switching`.
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    frozen : Frozen or None
+        The published scheme's frozen shape; None for the present solver's rule; see `analytic.march.switching`.
+    motion : Motion
+        Where the march is; changed in place.
+    work : Work
+        Takes the phases in `theta`.
+
+    Returns
+    -------
+    bool
+        False if the tables do not know that switch; then nothing has switched.
     """
     set_phases(tables, motion.time[0], work.theta)
     slot, stop = motion.counts[SLOT], motion.counts[PENDING]
@@ -169,9 +241,29 @@ def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> 
 def leave(
     tables: Tables, frozen: Frozen | None, motion: Motion, work: Work, end: float, shortest: float, depth: bool
 ) -> bool:
-    """Follow the present state to its switch, which is then pending, or to the time `end`, s; False if it gets stuck.
+    """Follow the present state to its first switch, which is then pending, or to a given time.
 
-    No state lasts less than `shortest`, s.  `depth` asks for the deepest penetrations.
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    frozen : Frozen or None
+        The published scheme's frozen shape; None for the present solver's rule; see `analytic.march.switching`.
+    motion : Motion
+        Where the march is, with no stop pending; changed in place.
+    work : Work
+        Scratch arrays with the phases of this moment; takes the areas and the deepest penetrations of the segment.
+    end : float
+        The time, s, at which to end at the latest.
+    shortest : float
+        Least time spent in a state, s, unless the march ends before; 0 for none.
+    depth : bool
+        Whether to find the deepest penetrations.
+
+    Returns
+    -------
+    bool
+        False if the march makes no progress.
     """
     slot, t = motion.counts[SLOT], motion.time[0]
     for k in range(work.fresh.size):
@@ -221,7 +313,7 @@ def advance(
     motion : Motion
         Where the march is; changed in place.
     end : float
-        s.
+        When the march ends, s.
     log : Log
         Takes every segment, if it has room at all.
     depth : bool
@@ -260,7 +352,15 @@ def advance(
 
 @njit(cache=True)
 def next_period(motion: Motion, penetration: FloatArray) -> None:
-    """Begin a period as a march of its own, at the time 0; add its penetrations to `penetration`, m s, ``(P,)``."""
+    """Begin a period as a march of its own, at the time 0.
+
+    Parameters
+    ----------
+    motion : Motion
+        Where the march is, at the end of a period; changed in place.
+    penetration : FloatArray, shape (P,)
+        Each stop's penetration over time, m s; that of the ended period is added in place.
+    """
     for k in range(motion.total.size):
         penetration[k] += motion.total[k]
         motion.total[k] = 0.0
@@ -289,7 +389,7 @@ def advance_periods(
     motion : Motion
         Where the march is; changed in place.
     period : float
-        s.
+        The period, s.
     count : int
         Periods, those that `motion` has done before included.
     penetration : ndarray, shape (P,)

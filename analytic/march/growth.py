@@ -40,14 +40,27 @@ class Growth(Periods):
     """A motion over whole periods, and what became of a deviation from it."""
 
     growth: FloatArray
-    """Logarithm of the growth of the deviation in each period, shape ``(count,)``."""
+    """Natural logarithm of the growth of the deviation in each period, without unit, shape ``(count,)``."""
     deviation: FloatArray
-    """The deviation (dq, dv) at the end, of unit size, shape ``(2 N,)``."""
+    """The deviation (dq, dv) at the end, kg^1/2 m and kg^1/2 m/s, scaled to a size of 1 kg^1/2 m, shape ``(2 N,)``."""
 
 
 @njit(cache=True)
 def size_of(deviation: FloatArray, period: float) -> float:
-    """|q| + |v| period / 2 pi of a deviation (dq, dv), shape ``(2 N,)``; `period` in s."""
+    """The size of a deviation, |dq| + |dv| period / 2 pi.
+
+    Parameters
+    ----------
+    deviation : FloatArray, shape (2 N,)
+        dq, kg^1/2 m, and dv, kg^1/2 m/s.
+    period : float
+        The period of the excitation, s.
+
+    Returns
+    -------
+    float
+        kg^1/2 m.
+    """
     n = deviation.size // 2
     q, v = 0.0, 0.0
     for i in range(n):
@@ -122,9 +135,27 @@ def _carry(tables: Tables, motion: Motion, end: float, now: FloatArray, most: in
 def march_linearised(
     joint: Joint, begin: Coordinates, end: float, deviations: FloatArray
 ) -> tuple[Coordinates, FloatArray]:
-    """March from the time 0 to `end`, s, and carry deviations, columns ``(2 N_start, m)``, along: ``(2 N_end, m)``.
+    """March from the time 0 on, and carry deviations along.
 
-    As `march` and `analytic.march.tangent.carried` do one after the other, to the bit, but without a log.
+    It does as `march` and `analytic.march.tangent.carried` do one after the other, to the bit, but without a log.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+    begin : Coordinates
+        Where the motion begins, at the time 0.
+    end : float
+        When the march ends, s.
+    deviations : FloatArray, shape (2 N_start, m)
+        Deviations (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, as columns.
+
+    Returns
+    -------
+    Coordinates
+        Where the motion ends.
+    FloatArray, shape (2 N_end, m)
+        The deviations there.
 
     Raises
     ------
@@ -147,15 +178,28 @@ def measure_growth(
     *,
     max_switches: int = MOST_SWITCHES,
 ) -> Growth:
-    """March over `count` periods, in s, as `march_periods` does, and carry a deviation along.
+    """March over whole periods, as `march_periods` does, and carry a deviation along.
 
     Parameters
     ----------
-    deviation : ndarray, shape (2 N,)
-        (dq, dv) at the start, of any size but 0.  It is scaled to unit size, |q| + |v| period / 2 pi = 1, at the start
-        and at the end of each period.
-    max_switches : int
+    joint : Joint
+        The problem and its modes.
+    begin : Coordinates
+        Where the motion begins, at the time 0.
+    deviation : FloatArray, shape (2 N_start,)
+        (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, of any size but 0.  It is scaled to unit size,
+        |dq| + |dv| period / 2 pi = 1, at the start and at the end of each period.
+    period : float
+        The period, s.
+    count : int
+        Number of periods.
+    max_switches : int, optional
         Most switches in all.
+
+    Returns
+    -------
+    Growth
+        The motion, with a section point at the end of every period, and the growth of the deviation.
 
     Raises
     ------

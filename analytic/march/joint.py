@@ -175,11 +175,6 @@ class Joint:
             self.tables.carry_residual[at, stop] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
 
-    @property
-    def every_stop_closed(self) -> ContactState:
-        """All stops, whether or not they can be closed together."""
-        return ContactState(tuple(range(len(self.problem.stops))))
-
     def _fill_known(self, known: KnownStates) -> None:
         unit = unit_tables(self.family, self.counts, known)
         self._states = list(known.states)

@@ -18,9 +18,23 @@ the root, 1e7 roundings, so that the sign of the cubic there is certain."""
 
 @njit(cache=True)
 def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) -> float:
-    """A time, s, just below the first tau where h + h1 tau + h2 tau^2/2 + b3 tau^3/6 rises through 0.
+    """A time just below the first tau where h + h1 tau + h2 tau^2/2 + b3 tau^3/6 rises through 0.
 
-    `h`, m, is 0 or less; `h1`, m/s; `h2`, m/s^2; `b3`, m/s^3, is positive.  Gives `most`, s, if no root is before it.
+    Parameters
+    ----------
+    h : float
+        The gap function now, m, 0 or less.
+    h1, h2 : float
+        Its first derivative, m/s, and its second, m/s^2, now.
+    b3 : float
+        The bound on its third derivative, m/s^3, positive.
+    most : float
+        The longest time that is asked for, s.
+
+    Returns
+    -------
+    float
+        The time, s; `most` if no root is before it.
     """
     # A glance first: on [0, most] the cubic stays below its positive parts.
     if h + most * (max(h1, 0.0) + most * (max(h2, 0.0) / 2 + most * b3 / 6)) < 0:
@@ -68,9 +82,18 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
 
 @njit(cache=True)
 def crosses(h: float, h1: float, h2: float, b3: float, tau: float) -> bool:
-    """Whether a gap function is above 0 within `_SHARP` after `tau`, s, whatever its third derivative within b3.
+    """Whether a gap function is above 0 at `_SHARP` after a time, whatever its third derivative within the bound.
 
-    The other arguments are as in `first_root_of_bound`.
+    Parameters
+    ----------
+    h : float
+        The gap function now, m, 0 or less.
+    h1, h2 : float
+        Its first derivative, m/s, and its second, m/s^2, now.
+    b3 : float
+        The bound on its third derivative, m/s^3, positive.
+    tau : float
+        The time, s, from now.
     """
     x = tau + _SHARP
     return h + x * (h1 + x * (h2 / 2 - x * b3 / 6)) > 0

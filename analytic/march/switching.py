@@ -29,16 +29,27 @@ class Frozen(NamedTuple):
     rest: FloatArray
     """Coefficients of R over the modes of all states, kg^1/2 m, shape ``(S, N)``; changed in place."""
     cross: FloatArray
-    """S_ij of (43) from each state (second axis) to each (first), shape ``(S, S, N, N)``."""
+    """S_ij of (43) from each state (second axis) to each (first), without unit, shape ``(S, S, N, N)``."""
     order: IntArray
     """The slots in the order in which to sum over states, shape ``(states met,)``."""
 
 
 @njit(cache=True, fastmath=SUM)
 def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> None:
-    """Carry displacement (36) and velocity (41) over to the state after `stop` has switched, in place.
+    """Carry displacement (36) and velocity (41) over to the state after a stop has switched, in place.
 
-    `theta`, shape ``(H,)``, holds exp(i theta_h) at the switch; `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are ``(N,)``.
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state before the switch.
+    stop : int
+        The stop that opens or closes; the tables know the switch.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h) at the switch, without unit.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, before the switch; replaced by those after it.
     """
     target = tables.next_slot[slot, stop]
     n_old, n_new = tables.modes[slot], tables.modes[target]
@@ -59,7 +70,21 @@ def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatAr
 
 @njit(cache=True)
 def switch_frozen(tables: Tables, frozen: Frozen, slot: int, target: int, q: FloatArray, v: FloatArray) -> None:
-    """Displacement (36), of which R keeps what is left over, and velocity (44), in the modes of `target`, in place."""
+    """Carry displacement (36), of which R keeps what is left over, and velocity (44) over to another state, in place.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    frozen : Frozen
+        The published scheme's frozen shape; its `rest` is changed in place.
+    slot : int
+        The state before the switch.
+    target : int
+        The state after it.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, before the switch; replaced by those after it.
+    """
     n_old, n_new, rest = tables.modes[slot], tables.modes[target], frozen.rest
     v_old = v.copy()
     for j in range(n_old):
@@ -80,7 +105,17 @@ def switch_frozen(tables: Tables, frozen: Frozen, slot: int, target: int, q: Flo
 
 @njit(cache=True)
 def freeze(tables: Tables, frozen: Frozen, slot: int) -> None:
-    """Write the values of R at the stops where the march looks for the part of z that moves with no mode."""
+    """Write the values of R at the stops where the march looks for the part of z that moves with no mode.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint; their `constant` is changed in place.
+    frozen : Frozen
+        The published scheme's frozen shape.
+    slot : int
+        The state that the motion is in.
+    """
     for u in range(tables.constant.shape[1]):
         z = 0.0
         for other in frozen.order:

@@ -29,7 +29,8 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 OCTAVES, PARTS = 16, 4
-"""Tabulated steps: a period of a slow mode, 5/4, 6/4 and 7/4 of it, the halves of these, and so on down to 1e-5."""
+"""Tabulated steps: sqrt(m / EI) L^2, about half a period of a cantilever's first mode, 5/4, 6/4 and 7/4 of it, the
+halves of these, and so on for 16 octaves, down to 3e-5 of it."""
 _FRACTIONS = (0.5 ** np.arange(OCTAVES)[:, None] * (1 + np.arange(PARTS) / PARTS)).ravel()
 _UNIT_TABLES = 32  # kept: a few for each family, as more states become known; about 1 MB each with 20 modes
 _FLAT_STATES = 256  # kept, as in `analytic.march.modal_state`; about 60 kB each with 20 modes
@@ -41,7 +42,7 @@ class FlatState(NamedTuple):
     omega: FloatArray
     """Natural angular frequencies, rad/s, shape ``(N,)``."""
     decay: FloatArray
-    """zeta omega, 1/s, shape ``(N,)``."""
+    """Damping rates zeta omega, 1/s, shape ``(N,)``."""
     kind: IntArray
     """How each mode moves freely, shape ``(N,)``."""
     mode_of: IntArray
@@ -55,13 +56,13 @@ class FlatState(NamedTuple):
     turn: ComplexArray
     """exp(lambda tau) of the tabulated steps, shape ``(J, T)``."""
     static: FloatArray
-    """Coefficients of 1, t, t^2 of the answer to the constant loads, shape ``(N, 3)``."""
+    """Coefficients of 1, s, s^2 of the answer to the constant loads, kg^1/2 m over powers of s, shape ``(N, 3)``."""
     force: FloatArray
-    """Modal forces, the constant one first, shape ``(1 + H, N)``."""
+    """Modal forces, the constant one first, kg^-1/2 N for each unit of load, shape ``(1 + H, N)``."""
     weight: FloatArray
     """The mode of each term at the positions of the stops, kg^-1/2, shape ``(U, T)``."""
     residual: FloatArray
-    """Residual shapes there, the constant one first, shape ``(U, 1 + H)``."""
+    """Residual shapes there, the constant one first, m for each unit of load, shape ``(U, 1 + H)``."""
     closed: BoolArray
     """Whether each stop is closed, shape ``(P,)``."""
 
@@ -86,7 +87,7 @@ class Tables(NamedTuple):
     turn: ComplexArray
     """exp(lambda tau) of the tabulated steps, shape ``(S, J, T)``."""
     static: FloatArray
-    """Coefficients of 1, t, t^2 of the answer to the constant loads, shape ``(S, N, 3)``."""
+    """Coefficients of 1, s, s^2 of the answer to the constant loads, kg^1/2 m over powers of s, shape ``(S, N, 3)``."""
     harmonic: ComplexArray
     """Complex amplitudes of the answer to the harmonics, kg^1/2 m, shape ``(S, H, N)``."""
     force: FloatArray
@@ -102,7 +103,7 @@ class Tables(NamedTuple):
     next_slot: IntArray
     """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
     carry: FloatArray
-    """S_ij of (36), (41) for that switch, shape ``(S, P, N, N)``."""
+    """S_ij of (36), (41) for that switch, without unit, shape ``(S, P, N, N)``."""
     carry_residual: FloatArray
     """S0 and Sh of that switch, kg^1/2 m, shape ``(S, P, 1 + H, N)``."""
     omega: FloatArray
@@ -125,14 +126,40 @@ _PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
-    """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
+    """The tabulated steps; see `OCTAVES`.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    FloatArray, shape (J,)
+        s.
+    """
     beam = problem.beam
     return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * _FRACTIONS)
 
 
 @lru_cache(maxsize=_FLAT_STATES)
 def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
-    """The flat view of a contact state with `count` modes."""
+    """The flat view of a contact state, for unit loads.
+
+    Parameters
+    ----------
+    family : Family
+        The problems that share it.
+    state : ContactState
+        The stops that are closed.
+    count : int
+        Number of modes.
+
+    Returns
+    -------
+    FlatState
+        Not to be written to.
+    """
     problem, modal = family.problem, modal_state(family, state, count)
     omega, decay = modal.modes.omega, modal.decay
     roots = roots_of(omega, decay)
@@ -159,7 +186,18 @@ def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
 
 
 def stop_positions(problem: Problem) -> IntArray:
-    """Index of the position of each stop among all positions from the root to the tip, shape ``(P,)``."""
+    """Index of the position of each stop among all positions of stops, from the root to the tip.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    IntArray, shape (P,)
+        From 0 on; stops at the same position have the same index.
+    """
     x = sorted({stop.x for stop in problem.stops})
     return np.array([x.index(stop.x) for stop in problem.stops], dtype=np.int64)
 
@@ -171,14 +209,29 @@ class UnitTables(NamedTuple):
     natural: FloatArray
     """Natural angular frequencies, rad/s, shape ``(S, N)``."""
     decay: FloatArray
-    """zeta omega, 1/s, shape ``(S, N)``."""
+    """Damping rates zeta omega, 1/s, shape ``(S, N)``."""
     residual: FloatArray
-    """Residual shapes at the positions of the stops, the constant one first, shape ``(S, U, 1 + H)``."""
+    """Residual shapes at the stops' positions, the constant one first, m for each unit of load, ``(S, U, 1 + H)``."""
 
 
 @lru_cache(maxsize=_UNIT_TABLES)
 def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> UnitTables:
-    """The known states of a family, with `counts` modes in the free state and in every other, in sorted order."""
+    """The known states of a family, in sorted order, with the known switches between them, for unit loads.
+
+    Parameters
+    ----------
+    family : Family
+        The problems that share them.
+    counts : tuple of int
+        Numbers of modes: in the free state, and in every other.
+    known : KnownStates
+        The states and switches to fill in.
+
+    Returns
+    -------
+    UnitTables
+        Not to be written to.
+    """
     problem, size, S = family.problem, max(counts), len(known.states)
     tables = empty_tables(problem, harmonics_of(problem), size, S)
     U, loads = tables.constant.shape[1], tables.force.shape[1]
@@ -205,7 +258,21 @@ def connect(
     old: tuple[int, ContactState],
     new: tuple[int, ContactState],
 ) -> None:
-    """Write the switch of `stop` between two states, each with its slot, and the way back, for unit loads."""
+    """Write the switch of a stop between two states, and the way back, for unit loads.
+
+    Parameters
+    ----------
+    tables : Tables
+        With both states; changed in place.
+    family : Family
+        The problems that share these states.
+    counts : tuple of int
+        Numbers of modes: in the free state, and in every other.
+    stop : int
+        The stop that opens or closes.
+    old, new : tuple of int and ContactState
+        Slot and state, before and after the switch.
+    """
     for (slot, state), (target, other) in ((old, new), (new, old)):
         unit = passage(family, state, count_in(state, counts), other, count_in(other, counts))
         n_new, n_old = unit.S.shape
@@ -215,12 +282,42 @@ def connect(
 
 
 def count_in(state: ContactState, counts: tuple[int, int]) -> int:
-    """Number of modes in a state, of `counts` in the free state and in every other."""
+    """Number of modes in a state.
+
+    Parameters
+    ----------
+    state : ContactState
+        The stops that are closed.
+    counts : tuple of int
+        Numbers of modes: in the free state, and in every other.
+
+    Returns
+    -------
+    int
+        The number in the free state, or in every other.
+    """
     return counts[0] if state == FREE else counts[1]
 
 
 def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) -> Tables:
-    """Tables without a state, with `slots` slots for states of at most `size` modes."""
+    """Tables without a state.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    harmonics : Harmonics
+        Frequencies and phases of its ``H`` harmonic loads.
+    size : int
+        Most modes in a state, ``N``.
+    slots : int
+        Number of slots ``S``.
+
+    Returns
+    -------
+    Tables
+        Zeros for each slot, and -1 for the slots after its switches.
+    """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
     S, N, T = slots, size, 2 * size
@@ -254,7 +351,20 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) 
 
 
 def grown(tables: Tables, empty: Tables) -> Tables:
-    """The tables in the room of `empty` ones, which have more slots."""
+    """The same tables with more slots.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    empty : Tables
+        Tables with more slots, for the same harmonics, modes and stops; the states are written to its first slots.
+
+    Returns
+    -------
+    Tables
+        `empty`.
+    """
     used = tables.modes.size
     for name in _PER_SLOT:
         getattr(empty, name)[:used] = getattr(tables, name)
@@ -262,7 +372,17 @@ def grown(tables: Tables, empty: Tables) -> Tables:
 
 
 def fill(tables: Tables, slot: int, flat: FlatState) -> None:
-    """Write a state with unit loads into its slot, but for the answer to the harmonics."""
+    """Write a state with unit loads into its slot, but for the answer to the harmonics.
+
+    Parameters
+    ----------
+    tables : Tables
+        Changed in place.
+    slot : int
+        A slot that has no state yet.
+    flat : FlatState
+        The state.
+    """
     n, terms = flat.kind.size, flat.root.size
     tables.modes[slot], tables.terms[slot], tables.fastest[slot] = n, terms, flat.fastest
     tables.kind[slot, :n] = flat.kind
@@ -289,11 +409,11 @@ def scale(
     slots : slice
         Of ``S`` slots, without switches unless they are of unit loads too.
     natural, decay : ndarray, shape (S, N)
-        Natural angular frequencies, rad/s, and zeta omega, 1/s.
+        Natural angular frequencies, rad/s, and damping rates zeta omega, 1/s.
     residual : ndarray, shape (S, U, 1 + H)
-        Residual shapes at the positions of the stops.
+        Residual shapes at the positions of the stops, m for each unit of load.
     sizes : ndarray, shape (1 + H,)
-        Of the loads; see `analytic.march.loads.load_sizes`.
+        Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
     """
     omega, N = away_from_resonance(natural, decay, tables.omega), natural.shape[1]
     tables.force[slots] *= sizes[:, None]
@@ -315,7 +435,20 @@ def _move(tables: Tables, slot: int, i: int, omega: FloatArray, decay: FloatArra
 
 
 def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
-    """A joint's own copy of the known states, with its harmonics."""
+    """A joint's own copy of the known states, with its harmonics, for unit loads still; see `scale`.
+
+    Parameters
+    ----------
+    unit : UnitTables
+        The known states.
+    harmonics : Harmonics
+        Frequencies and phases of the joint's ``H`` harmonic loads.
+
+    Returns
+    -------
+    Tables
+        Shares no array that is written to with `unit`.
+    """
     own = Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in unit.tables)
     turn = np.exp(1j * np.outer(unit.tables.step, harmonics.omega))
     return own._replace(omega=harmonics.omega, phase=harmonics.phase, harmonic_turn=turn)

@@ -27,13 +27,37 @@ from lapjoint.problem import FloatArray
 
 
 def monodromy(motion: March) -> FloatArray:
-    """d(q, v) at the end by d(q, v) at the start of a recorded motion, shape ``(2 N_end, 2 N_start)``."""
+    """d(q, v) at the end of a recorded motion by d(q, v) at its start.
+
+    Parameters
+    ----------
+    motion : March
+        The motion, with its log.
+
+    Returns
+    -------
+    FloatArray, shape (2 N_end, 2 N_start)
+        dq by dq and dv by dv without unit, dq by dv in s, dv by dq in 1/s.
+    """
     n = motion.joint.count(motion.joint.state_in(int(motion.log.slot[0])))
     return carried(motion, np.eye(2 * n))
 
 
 def carried(motion: March, deviations: FloatArray) -> FloatArray:
-    """Deviations at the start of a recorded motion, as columns ``(2 N_start, m)``, carried to its end."""
+    """Deviations at the start of a recorded motion, carried to its end.
+
+    Parameters
+    ----------
+    motion : March
+        The motion, with its log.
+    deviations : FloatArray, shape (2 N_start, m)
+        Deviations (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, as columns.
+
+    Returns
+    -------
+    FloatArray, shape (2 N_end, m)
+        The deviations at the end.
+    """
     result: FloatArray = _carried(motion.joint.tables, motion.log, np.ascontiguousarray(deviations))
     return result
 
@@ -50,7 +74,24 @@ def _carried(tables: Tables, log: Log, deviations: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def logged_saltation(tables: Tables, log: Log, i: int, now: FloatArray) -> FloatArray:
-    """Carry deviations `now`, columns ``(2 N_old, m)``, over the switch that ends segment `i`, not the last."""
+    """Carry deviations over the switch that ends a segment of a log.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    log : Log
+        The segments of the motion.
+    i : int
+        Which segment, not the last.
+    now : FloatArray, shape (2 N_old, m)
+        Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
+
+    Returns
+    -------
+    FloatArray, shape (2 N_new, m)
+        The deviations just after it.
+    """
     return saltation(
         tables,
         log.slot[i],
@@ -67,7 +108,19 @@ def logged_saltation(tables: Tables, log: Log, i: int, now: FloatArray) -> Float
 
 @njit(cache=True)
 def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
-    """Carry deviations `now`, columns ``(2 N, m)`` of (dq, dv), over `s`, s, within the state `slot`, in place."""
+    """Carry deviations over some time within a state, in place.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    s : float
+        How long, s.
+    now : FloatArray, shape (2 N, m)
+        Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, as columns, of the ``N`` modes of the state.
+    """
     n = tables.modes[slot]
     extra = n
     for i in range(n):
@@ -139,11 +192,12 @@ def saltation(
     q_old, v_old, q_new, v_new : ndarray, shape (N,)
         The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
     now : ndarray, shape (2 N_old, m)
-        Deviations (dq, dv), as columns.
+        Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
 
     Returns
     -------
     ndarray, shape (2 N_new, m)
+        The deviations just after it.
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]

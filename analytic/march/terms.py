@@ -1,4 +1,4 @@
-"""The motion within one state as a sum of terms: the constants of (32), and how the terms turn with time.
+"""The motion within one state as a sum of terms: the constants of (32), and how the terms go on with time.
 
     q_i(s) = Re sum_{t of i} c_t exp(lambda_t s) + a_i0 + a_i1 s + a_i2 s^2 + Im sum_h P_hi exp(i theta_h)
 
@@ -40,7 +40,17 @@ _OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
 
 @njit(cache=True, inline="always")
 def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
-    """Write exp(i theta_h) at the time `t`, s."""
+    """Write the phases of the harmonics at a time.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    t : float
+        The time, s.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit; written.
+    """
     for h in range(theta.size):
         angle = tables.omega[h] * t + tables.phase[h]
         theta[h] = complex(math.cos(angle), math.sin(angle))
@@ -50,7 +60,23 @@ def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
 def start_terms(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, term: ComplexArray, poly: FloatArray
 ) -> None:
-    """Write the constants of (32), `term` and `poly`, of a state that starts from (q, v) at the phases `theta`."""
+    """Write the constants of (32) of a state that starts from given displacements and velocities.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, at the start.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start.
+    term : ComplexArray, shape (T,)
+        The c_t, kg^1/2 m; written.
+    poly : FloatArray, shape (N, 3)
+        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s; written.
+    """
     n = tables.modes[slot]
     extra = n
     for i in range(n):
@@ -87,7 +113,25 @@ def state_from_terms(
     q: FloatArray,
     v: FloatArray,
 ) -> None:
-    """Write `q` and `v` that belong to terms and phases at the time `s`, s, after the start."""
+    """Write the displacements and velocities that belong to terms and phases.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, now.
+    s : float
+        Time since the start of the state, s.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term, kg^1/2 m.
+    poly : FloatArray, shape (N, 3)
+        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, now; written.
+    """
     n, terms = tables.modes[slot], tables.terms[slot]
     for i in range(n):
         q[i] = poly[i, 0] + s * (poly[i, 1] + s * poly[i, 2])
@@ -106,7 +150,7 @@ def state_from_terms(
 def tabulated(tau: float, step: FloatArray) -> int:
     """Index of the longest tabulated step of `step`, s, shape ``(J,)``, up to `tau`, s, which is no shorter than all.
 
-    See `analytic.march.tables.OCTAVES`: it loses a fifth of `tau` at most.
+    See `analytic.march.tables.OCTAVES`: of a `tau` up to twice the first step, it leaves a fifth at most.
     """
     fraction, exponent = math.frexp(tau / step[0])  # tau = fraction 2^exponent of the first, fraction in [1/2, 1)
     if exponent > 1:
@@ -119,7 +163,21 @@ def tabulated(tau: float, step: FloatArray) -> int:
 def turn_by(
     turn: ComplexArray, harmonic_turn: ComplexArray, terms: int, term: ComplexArray, theta: ComplexArray
 ) -> None:
-    """Turn terms and phases by a tabulated step: `turn`, shape ``(T,)``, and `harmonic_turn`, ``(H,)``."""
+    """Move terms and phases on by a tabulated step, in place.
+
+    Parameters
+    ----------
+    turn : ComplexArray, shape (T,)
+        exp(lambda tau) of each term, without unit.
+    harmonic_turn : ComplexArray, shape (H,)
+        exp(i Omega tau) of each harmonic, without unit.
+    terms : int
+        Number of terms; arrays of shape ``(T,)`` may be longer.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit; changed in place.
+    """
     for t in range(terms):
         term[t] *= turn[t]
     for h in range(theta.size):
@@ -136,9 +194,24 @@ def turn_briefly(
     term: ComplexArray,
     theta: ComplexArray,
 ) -> None:
-    """Turn terms and phases by a `tau`, s, by a short series if it is short enough; `fastest` is max |lambda|, 1/s.
+    """Move terms and phases on by a time, in place: by a short series if `fastest` times `tau` is at most `SERIES`.
 
-    `root`, 1/s, and `omega`, rad/s, are those of the `terms` terms and of the phases.
+    Parameters
+    ----------
+    root : ComplexArray, shape (T,)
+        lambda of each term, 1/s.
+    omega : FloatArray, shape (H,)
+        Angular frequencies of the harmonics, rad/s.
+    terms : int
+        Number of terms; arrays of shape ``(T,)`` may be longer.
+    fastest : float
+        Largest modulus of the lambdas, 1/s.
+    tau : float
+        The time, s.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit; changed in place.
     """
     if fastest * tau > SERIES:
         turn_exactly(root, omega, terms, tau, term, theta)
@@ -165,7 +238,23 @@ def turn_briefly(
 def turn_exactly(
     root: ComplexArray, omega: FloatArray, terms: int, tau: float, term: ComplexArray, theta: ComplexArray
 ) -> None:
-    """Turn terms and phases by any `tau`, s; `root`, 1/s, and `omega`, rad/s, are as in `turn_briefly`."""
+    """Move terms and phases on by any time, in place.
+
+    Parameters
+    ----------
+    root : ComplexArray, shape (T,)
+        lambda of each term, 1/s.
+    omega : FloatArray, shape (H,)
+        Angular frequencies of the harmonics, rad/s.
+    terms : int
+        Number of terms; arrays of shape ``(T,)`` may be longer.
+    tau : float
+        The time, s.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit; changed in place.
+    """
     for t in range(terms):
         a, b = root[t].real * tau, root[t].imag * tau
         size = math.exp(a)
@@ -176,7 +265,19 @@ def turn_exactly(
 
 @njit(cache=True, inline="always")
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
-    """Write the coefficients of 1, s, s^2 of z at the positions of the stops, m, shape ``(U, 3)``, to `drift`."""
+    """Write the part of z at the positions of the stops that is a polynomial in time.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    poly : FloatArray, shape (N, 3)
+        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s.
+    drift : FloatArray, shape (U, 3)
+        The coefficients of 1, s, s^2 of z, m over powers of s; written.
+    """
     for u in range(drift.shape[0]):
         drift[u, 0] = tables.constant[slot, u]
         drift[u, 1] = 0.0
