@@ -223,12 +223,15 @@ class Search:
         return found
 
     def _unit_deviation(self) -> FloatArray:
-        """The deviation that has been followed to here, or a random one, of unit size."""
-        size = self._map.difference(self._point, self._point).size
-        if self._deviation is None or self._deviation.size != size:
-            deviation = np.random.default_rng(0).standard_normal(size)
-            return deviation / self._map.norm(deviation)
-        return self._deviation
+        """The deviation that has been followed to here, or a random one, of unit size, shape ``(n,)``."""
+        random = self._random_deviation()
+        known = self._deviation is not None and self._deviation.size == random.size
+        return self._deviation if known and self._deviation is not None else random
+
+    def _random_deviation(self) -> FloatArray:
+        """A random deviation of unit size, the same at every time, shape ``(n,)``."""
+        deviation = np.random.default_rng(0).standard_normal(self._map.difference(self._point, self._point).size)
+        return deviation / self._map.norm(deviation)
 
     def _count(self, periods: int, switches: int) -> None:
         self._marched += periods
@@ -344,7 +347,10 @@ class Search:
         """Disturb an aperiodic march; whether it was so narrow that this counts as a push."""
         if not now.exponent.positive:
             return False
-        self._point = disturbed(self._half_periods, self._point, now.breadth, self._unit_deviation(), self._pushes)
+        # What has grown may lie within a symmetry that the march keeps; a random deviation leaves it, too.
+        both = self._unit_deviation() + self._random_deviation()
+        both /= self._map.norm(both)
+        self._point = disturbed(self._half_periods, self._point, now.breadth, both, self._pushes)
         pushed = now.breadth <= NARROW and self._pushes < PUSHES
         self._pushes += pushed
         return pushed
