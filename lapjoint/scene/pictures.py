@@ -170,10 +170,18 @@ def _telling_time(history: History, start: float, end: float) -> float:
     if contacts:
         hardest = max(contacts, key=lambda contact: contact.peak_force)
         times = np.linspace(max(hardest.start, start), min(hardest.end, end), 401)
-        return float(times[int(np.argmax(np.abs(history.contact_force(times)).sum(axis=0)))])
+        return float(times[_first_largest(np.abs(history.contact_force(times)).sum(axis=0))])
     times = np.linspace(start, end, 2001)
     x = np.linspace(0.0, history.problem.beam.length, 9)
-    return float(times[int(np.argmax(np.abs(history.displacement(x, times)).max(axis=0)))])
+    return float(times[_first_largest(np.abs(history.displacement(x, times)).max(axis=0))])
+
+
+def _first_largest(values: FloatArray) -> int:
+    """Index of the first of the largest values, shape ``(m,)``: of a motion whose halves mirror each other, the first.
+
+    What differs by less than a millionth is taken for equal, for rounding must not choose the picture.
+    """
+    return int(np.flatnonzero(values >= (1 - 1e-6) * values.max())[0])
 
 
 def _drawn(job: Job, path: Path, progress: Progress | None) -> Path:
