@@ -168,7 +168,7 @@ def _telling_time(history: History, start: float, end: float) -> float:
     """The time of the largest contact force, s; where there is no contact, of the largest deflection."""
     contacts = [c for c in history.contacts if c.start <= end and c.end >= start]
     if contacts:
-        hardest = max(contacts, key=lambda contact: contact.peak_force)
+        hardest = contacts[_first_largest(np.array([contact.peak_force for contact in contacts]))]
         times = np.linspace(max(hardest.start, start), min(hardest.end, end), 401)
         return float(times[_first_largest(np.abs(history.contact_force(times)).sum(axis=0))])
     times = np.linspace(start, end, 2001)
