@@ -16,7 +16,7 @@ from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
-from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment
+from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -91,10 +91,7 @@ class PeriodMap:
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        whole = int(duration / self.period * (1 + 1e-12))
-        left = duration - whole * self.period
-        pieces = [self.period] * whole + [left] * (left > 1e-12 * duration)
-        return self._recorded(started(self.joint), pieces, progress)
+        return self._recorded(started(self.joint), period_pieces(self.period, duration), progress)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         """Deviation, as (q, v) in the modes of `origin`. See `lapjoint.orbits.PeriodMap.difference`."""

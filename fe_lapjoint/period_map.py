@@ -22,7 +22,7 @@ from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
-from lapjoint.orbits.period_map import Followed, Linearised, Passage
+from lapjoint.orbits.period_map import Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -98,10 +98,7 @@ class PeriodMap:
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        whole = int(duration / self.period * (1 + 1e-12))
-        left = duration - whole * self.period
-        pieces = [self.period] * whole + [left] * (left > 1e-12 * duration)
-        return self._recorded(self.initial(), pieces, progress)
+        return self._recorded(self.initial(), period_pieces(self.period, duration), progress)
 
     def _recorded(self, start: SectionPoint, pieces: list[float], progress: Progress | None) -> History:
         motions, point = [], start

@@ -196,6 +196,26 @@ class PeriodMap(Protocol):
         """
 
 
+def period_pieces(period: float, duration: float) -> list[float]:
+    """The pieces in which a march of any duration goes on, as the search does: whole periods, and what is left.
+
+    Parameters
+    ----------
+    period : float
+        Excitation period, s.
+    duration : float
+        Of the whole march, s.
+
+    Returns
+    -------
+    list of float
+        Durations of the pieces, s.
+    """
+    whole = int(duration / period * (1 + 1e-12))
+    left = duration - whole * period
+    return [period] * whole + [left] * (left > 1e-12 * duration)
+
+
 @dataclass(frozen=True)
 class Segment:
     """The part of an orbit between two switches, and how deviations from the orbit travel along it.

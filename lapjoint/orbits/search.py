@@ -57,8 +57,6 @@ _COURSE = 0.25
 _SLOWER = 0.5
 """Share of what the slowest multiplier takes off the distance, by which the march may miss the linearised map; if it
 misses it by more, it may go around the orbit for ever."""
-_STEPS_ALIKE = 1
-"""Number of steps of the map that must go as the linearised map says."""
 _THERE = 1e-8
 """Distance from an orbit, over the size of the motion, up to which rounding decides how a step goes."""
 MULTIPLES_AT_A_LOOK = 8
@@ -288,25 +286,20 @@ class Search:
                 return False
 
     def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
-        """Whether the next steps of the march to the orbit are those of the linearised map, well enough.
+        """Whether the next step of the march to the orbit is that of the linearised map, well enough.
 
-        They must be if the orbit has no switches and the march is bound for it.  Else, if M is the map's derivative,
-        what they miss is small against the step (I - M) e, which is that of no other fixed point, and against what the
+        It must be if the orbit has no switches and the march is bound for it.  Else, if M is the map's derivative,
+        what it misses is small against the step (I - M) e, which is that of no other fixed point, and against what the
         slowest multiplier takes off the distance, or a motion of many more periods around the orbit would pass.
         """
         half_periods, map_ = self._half_periods, self._map
         size = map_.norm(deviation)
         if not orbit.watch.switches.time.size or size <= max(_THERE, 10 * orbit.residual) * map_.size(orbit.point):
             return True
-        point = self._point
-        for _ in range(_STEPS_ALIKE):
-            point = half_periods.marched(point, orbit.half_periods)
-            after, mapped = map_.difference(point, orbit.point), orbit.last.matrix @ deviation
-            slower = _SLOWER * (1 - abs(orbit.leading)) * map_.norm(deviation)
-            if map_.norm(after - mapped) > min(_COURSE * map_.norm(deviation - mapped), slower):
-                return False
-            deviation = after
-        return True
+        after = map_.difference(half_periods.marched(self._point, orbit.half_periods), orbit.point)
+        mapped = orbit.last.matrix @ deviation
+        slower = _SLOWER * (1 - abs(orbit.leading)) * size
+        return map_.norm(after - mapped) <= min(_COURSE * map_.norm(deviation - mapped), slower)
 
     def _on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
         """March on over some periods; whether the march keeps to the course that the linearised map predicts.

@@ -17,14 +17,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from lapjoint.orbits.compiled_watch import largest_motion, orbit_distances
+from lapjoint.orbits.compiled_watch import IndexArray, largest_motion, orbit_distances
 from lapjoint.orbits.period_map import Segment
 from lapjoint.problem import FloatArray, Problem
-
-IndexArray = npt.NDArray[np.intp]
-BoolArray = npt.NDArray[np.bool_]
 
 _PER_HALF_PERIOD = 16
 """Least number of intervals of equal width in half a period, to begin with."""
@@ -244,9 +240,9 @@ class SegmentWatch:
         which = np.array([i for i, segment in enumerate(segments) if segment.switched >= 0], dtype=np.intp)
         stop = np.array([segments[i].switched for i in which], dtype=np.intp)
         time = np.array([segments[i].end for i in which])
-        _, rate, before = it.derivatives(which, stop, time - np.array([segments[i].start for i in which]))
+        rate, before = it.derivatives(which, stop, time - np.array([segments[i].start for i in which]))
         other = stop if twins is None else np.where(which == last, np.array(twins, dtype=np.intp)[stop], stop)
-        _, _, after = it.derivatives(np.where(which == last, 0, which + 1), other, np.zeros(which.size))
+        _, after = it.derivatives(np.where(which == last, 0, which + 1), other, np.zeros(which.size))
         apart = spacings(time, stop, segments[-1].end, twins)
         return Switches(time, stop, np.abs(rate), np.maximum(np.abs(before), np.abs(after)), apart)
 
@@ -280,18 +276,12 @@ class _Stack:
         self.polynomial = np.array([segment.polynomial for segment in segments])
         self.orientation = np.where([segment.closed for segment in segments], -1.0, 1.0)
 
-    def derivatives(
-        self, which: IndexArray, stop: IndexArray, tau: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """z and its first two derivatives at stops, `tau` after the starts of segments, shape ``(J,)`` each."""
+    def derivatives(self, which: IndexArray, stop: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """First two derivatives of z at stops, `tau` after the starts of segments, shape ``(J,)`` each."""
         rates, p = self.rates[which], self.polynomial[which, stop]
         waves = self.weights[which, stop] * self.amplitudes[which] * np.exp(rates * tau[:, None])
-        z, z1, z2 = ((waves * rates**order).sum(axis=1).real for order in range(3))
-        return (
-            z + p[:, 0] + tau * (p[:, 1] + tau * p[:, 2]),
-            z1 + p[:, 1] + 2 * tau * p[:, 2],
-            z2 + 2 * p[:, 2],
-        )
+        z1, z2 = ((waves * rates**order).sum(axis=1).real for order in (1, 2))
+        return z1 + p[:, 1] + 2 * tau * p[:, 2], z2 + 2 * p[:, 2]
 
 
 def unrolled(
