@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "rigid-bar": "rigid_bar",
     "ledger": "ledger",
     "textbook": "textbook",
     "table4": "table4",
