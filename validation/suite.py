@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "as-given": "as_given",
     "rigid-bar": "rigid_bar",
     "ledger": "ledger",
     "textbook": "textbook",
