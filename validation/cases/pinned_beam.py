@@ -8,7 +8,7 @@ from lapjoint import History
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, table
 from validation.references.pinned_beam import PinnedBeam
-from validation.uncertainty import refined_estimate
+from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Check, Estimate, Kind
 
 LOADED = """
@@ -118,7 +118,7 @@ def compared(label: str, text: str) -> list[Check]:
             reference = Estimate(values[i], SUMMED * size, "sum over the sines, by numpy alone", Kind.ANALYTICAL)
             a = Estimate(found(whole, x, t)[i], TRUNCATION[name] * size, f"{MODES} modes")
             levels = [found(history, x, t)[i] for history in meshes]
-            b = refined_estimate(levels, 2.0, order, f"{MESHES[-1]} elements", 1e-7)
+            b = refined_estimate(levels, 2.0, order, elements(MESHES[-1]), 1e-7)
             for solver, estimate in (("analytic", a), ("FE", b)):
                 checks.append(Check(f"{label}, {name} at {x:g} m, {t:g} s: {solver}", unit, estimate, reference))
     return checks
