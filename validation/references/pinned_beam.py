@@ -165,9 +165,10 @@ class PinnedBeam:
             q, v = q - (wave * at_start).imag, v - (1j * w * wave * at_start).imag
             rest = rest + ((wave - force / omega**2) * now).imag
             total += size * self._static(place, x, dx) * float(now.imag)
-        root = -decay + 1j * np.sqrt(omega**2 - decay**2)
-        free = q - 1j * (v + decay * q) / root.imag
-        rest = rest + (free * root**dt * np.exp(root * t)).real
+        swing = np.sqrt(omega**2 - decay**2 + 0j)  # imaginary where a mode is overdamped
+        one, other = -decay + 1j * swing, -decay - 1j * swing
+        a = (v - other * q) / (one - other)
+        rest = rest + (a * one**dt * np.exp(one * t) + (q - a) * other**dt * np.exp(other * t)).real
         return total + float(self._sines(x, dx) @ rest)
 
     def moment(self, x: float, t: float) -> float:
