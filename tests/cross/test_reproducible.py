@@ -20,6 +20,8 @@ from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.solver import Solver, make_solver
 
+pytestmark = pytest.mark.long_march
+
 OMEGAS = (181.0, 515.0, 2060.0, 3300.0)  # they meet the contact states in different orders
 SOLVERS = {
     "analytic": make_solver("analytic"),
