@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "as-given": "as_given",
+    "rigid-bar": "rigid_bar",
     "ledger": "ledger",
     "textbook": "textbook",
     "table4": "table4",
