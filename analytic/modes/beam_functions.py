@@ -90,7 +90,7 @@ class BeamFunctions:
 
         Parameters
         ----------
-        which : IntArray or slice
+        which : IntArray, shape (m,), or slice
             Their indices.
 
         Returns
