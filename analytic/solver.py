@@ -82,8 +82,8 @@ class Solver:
     def refined(self, factor: float) -> Solver:
         """The same solver with more modes, or with a tighter criterion for their number.
 
-        The error falls with about the sixth power of the number of modes, so a criterion is tightened by
-        ``factor**6``.
+        The error falls with about the seventh power of the number of modes, so a criterion is tightened by
+        ``factor**7``.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Solver:
             n_modes=more(self.n_modes),
             free_modes=more(self.free_modes),
             contact_modes=more(self.contact_modes),
-            tolerance=min(max(self.tolerance / factor**6, 1e-9), 1e-1),
+            tolerance=min(max(self.tolerance / factor**7, 1e-9), 1e-1),
         )
 
     def mode_counts(self, problem: Problem) -> tuple[int, int]:
