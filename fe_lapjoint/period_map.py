@@ -213,7 +213,7 @@ class PeriodMap:
     def _settled(self, point: SectionPoint) -> SectionPoint:
         """The same displacements with the contact state that they imply."""
         model, assembly = self.model, self.model.assembly
-        z = np.array([point.coordinates[0, 2 * assembly.node(stop.x)] for stop in self.problem.stops])
+        z = assembly.stop_rows @ point.coordinates[0, assembly.free]
         depth = model.sign * z - model.gap
         unclear = np.abs(depth) <= _TOUCHING * np.maximum(model.gap, _TOUCHING)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]
