@@ -32,6 +32,7 @@ DURATION = 1.2  # s, of the motion from the initial state: two to five excitatio
 CONTACTS = 4  # compared one by one
 TIMES = np.array([0.0, 0.23, 0.51, 0.77, 1.09])  # s, at which the motion is compared
 ROUNDING = 1e-8  # of the largest of its kind: what the witness loses by its differences and roots
+CLOSED = 1e-8  # of the motion: ten times what Newton's method leaves at the most
 PASSED = 3  # periods of a march without a deviation
 FOLLOWED, MEASURED = 84, 64  # periods over which a deviation is followed, and the last of them that are measured
 FOLLOWED_IN = "springs"  # the leading multiplier is real there, so that every period has the same growth
@@ -133,7 +134,9 @@ amplitude = 2e-3
 angular_frequency = 26.0
 phase = 0.3
 """
-BARS = {"springs": SPRINGS, "mirror": MIRROR, "doubled": DOUBLED}
+UNEVEN = MIRROR.replace("gap = 1.5e-3", "gap = 1.9e-3", 1)
+"""Between stops of unequal gaps, which no motion mirrors."""
+BARS = {"springs": SPRINGS, "mirror": MIRROR, "uneven": UNEVEN, "doubled": DOUBLED}
 
 
 @dataclass(frozen=True)
@@ -242,6 +245,10 @@ def compared(label: str, text: str, say: Say) -> list[Check]:
             problem = from_toml(text.format(stiffness=repr(SOFT * factor)))
             steady = solver.steady_state(problem, sensitivity=False)
             levels.append(np.array(answers(solver.simulate(problem, DURATION), steady, it), dtype=float))
+            closes = Estimate(steady.residual, 0.0, "of the search")
+            closed = Estimate(0.0, CLOSED, "a motion that repeats closes", Kind.ANALYTICAL)
+            stiff = f"{SOFT * factor:g} N m2 stiff"
+            checks.append(Check(f"{label}, residual, {stiff}: {solver.name}", "1", closes, closed))
             if factor == 1.0 and label == FOLLOWED_IN:
                 checks += growth_on_orbit(label, solver, problem, steady)
         value, u = to_the_limit(levels[0], levels[1], kinds)

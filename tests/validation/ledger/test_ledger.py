@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 import xarray as xr
 
+import analytic
 from lapjoint import Outcome, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from validation.cases import ledger, mode_map, sensitivity
@@ -159,7 +161,7 @@ def test_a_point_without_an_answer_is_passed_over() -> None:
 
 
 def test_errors_of_few_modes_are_larger_than_those_of_many() -> None:
-    makes = {"few": lambda: mode_map.analytic.Solver(n_modes=6), "many": lambda: mode_map.analytic.Solver(n_modes=14)}
+    makes = {name: partial(analytic.Solver, n_modes=n) for name, n in (("few", 6), ("many", 14))}
     few, many = mode_map.errors(makes, (515.0,), lambda _: None)[:, 0]
     assert many < 0.1 * few
 
