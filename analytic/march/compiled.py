@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from analytic.march.deepest import find_deepest
 from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
 from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
@@ -271,12 +272,13 @@ def leave(
     if frozen is not None:
         freeze(tables, frozen, slot)
     start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
-    s, which, rate, _ = follow(
-        tables, slot, end - t, work.fresh, depth, work.theta, work.term, work.poly, work.deepest, work.area
-    )
+    theta, term = (work.theta.copy(), work.term.copy()) if depth else (work.theta, work.term)
+    s, which, rate, _ = follow(tables, slot, end - t, work.fresh, work.theta, work.term, work.poly, work.area)
     if which == NO_PROGRESS:
         motion.time[0] = t + s
         return False
+    if depth:
+        find_deepest(tables, slot, s, theta, term, work.poly, work.deepest)
     wait = min(shortest, end - t) - s
     if which != NO_SWITCH and wait > 0:
         turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], wait, work.term, work.theta)
