@@ -27,9 +27,10 @@ that took too many steps."""
 SLOT, PENDING, SWITCHES, PERIODS = 0, 1, 2, 3
 """What `Motion.counts` holds: the slot; the stop that has yet to switch now, or NO_SWITCH; how many switches were made;
 how many periods are done."""
-_FRESH = 1e-9
-"""s: a stop that switched less than this ago must leave its gap, or pass a threshold of rounding size, before it can
-switch again.  A switch is located to 1e-12 s, and the shortest contacts found in grazing series last 1e-6 s."""
+_FRESH = 1e-6
+"""Of the unit of time: a stop that switched less than this ago must leave its gap, or pass a threshold of rounding
+size, before it can switch again.  A switch is located to 1e-10 of it, and the shortest contacts found in grazing series
+last 5e-4 of it."""
 
 
 class Log(NamedTuple):
@@ -268,7 +269,7 @@ def leave(
     """
     slot, t = motion.counts[SLOT], motion.time[0]
     for k in range(work.fresh.size):
-        work.fresh[k] = t - motion.last_switch[k] < _FRESH
+        work.fresh[k] = t - motion.last_switch[k] < _FRESH * tables.unit
     if frozen is not None:
         freeze(tables, frozen, slot)
     start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)

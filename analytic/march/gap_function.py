@@ -19,7 +19,24 @@ from lapjoint.problem import FloatArray
 def add_terms(
     weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: int, hi: int
 ) -> tuple[float, float, float, float]:
-    """z, z', z'' and the bound on |z'''| of the terms `lo` to `hi` at one position; `weight` is ``(T,)``."""
+    """Sum terms at one position.
+
+    Parameters
+    ----------
+    weight : FloatArray, shape (T,)
+        The mode of each term there, kg^-1/2.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term, kg^1/2 m.
+    root : ComplexArray, shape (T,)
+        lambda of each term, 1/s.
+    lo, hi : int
+        The first term, and the one after the last.
+
+    Returns
+    -------
+    float, float, float, float
+        z, m, z', m/s, z'', m/s^2, and the bound on |z'''|, m/s^3.
+    """
     z, z1, z2, b3 = 0.0, 0.0, 0.0, 0.0
     for t in range(lo, hi):
         w, x, y = weight[t], term[t].real, term[t].imag
@@ -37,9 +54,22 @@ def add_terms(
 def at_positions(
     forced: ComplexArray, omega: FloatArray, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
 ) -> None:
-    """Write what does not depend on the modal terms, at the time `s`, s, to `out`.
+    """Write what does not depend on the modal terms.
 
-    `forced`, m, shape ``(U, H)``, holds the amplitudes of the forced motion, and `omega`, rad/s, its frequencies.
+    Parameters
+    ----------
+    forced : ComplexArray, shape (U, H)
+        Amplitudes of the forced motion, m.
+    omega : FloatArray, shape (H,)
+        Angular frequencies of the harmonics, rad/s.
+    s : float
+        Time since the start of the state, s.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, now.
+    drift : FloatArray, shape (U, 3)
+        Coefficients of 1, s, s^2 of z, m over powers of s.
+    out : FloatArray, shape (U, 4)
+        Takes z, z', z'' and the bound on |z'''|, m over powers of s.
     """
     for u in range(out.shape[0]):
         z, z1, z2 = (

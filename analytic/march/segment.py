@@ -19,8 +19,8 @@ cannot move h by more than sum |c_t|, and with that added to h the cubic of the 
 terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
 switch, and the end of the march, take a power series or exponentials.
 
-With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most 1e-15 s after the step, the switch is
-between: nothing is left to look for.
+With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most 1e-13 of the unit of time after the step,
+the switch is between: nothing is left to look for.
 
 Arguments are named as in `analytic.march.gap_function`.
 """
@@ -33,7 +33,7 @@ import numpy as np
 from numba import njit
 
 from analytic.march.gap_function import add_terms, at_positions
-from analytic.march.step_bound import RESOLUTION, crosses, first_root_of_bound
+from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
 from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
@@ -42,9 +42,9 @@ from lapjoint.problem import FloatArray
 
 NO_SWITCH = -1  # in place of a stop: none switches before the end
 NO_PROGRESS = -2  # in place of a stop: the steps ran out
-_CLOSE = 1e-9
-"""s: after a step shorter than this all modes are summed at the next look.  So close to a switch, the bound on what
-the high modes may do would be what makes the steps short, and not the motion."""
+_CLOSE = 1e-6
+"""Of the unit of time: after a step shorter than this all modes are summed at the next look.  So close to a switch, the
+bound on what the high modes may do would be what makes the steps short, and not the motion."""
 _MAX_STEPS = 10_000_000  # within one state: a minute of marching; a motion that makes progress takes some hundred
 _FIRST_MODES = 5  # summed first, then twice as many, and so on: five hold all but some thousandth of a gap
 _LEAST_OF_TERMS = 1e-13
@@ -97,7 +97,7 @@ def follow(
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
     drift, tail, out = np.zeros((positions, 3)), np.zeros((positions, terms + 1)), np.zeros((positions, 4))
-    shift = np.zeros(stops)
+    shift, resolution, sharp = np.zeros(stops), RESOLUTION * tables.unit, SHARP * tables.unit
     start_theta, start_term = theta.copy(), term[:terms].copy()
     drift_at_stops(tables, slot, poly, drift)
     _bound_tails(weight, term, terms, tail)
@@ -141,11 +141,11 @@ def follow(
             bound = first_root_of_bound(value, h1, h2, b3, tau)
             if bound < tau:
                 tau, which, rate = bound, k, h1
-                there = summed == terms and (tau < RESOLUTION or crosses(value, h1, h2, b3, tau))
+                there = summed == terms and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
         if tau <= 0 and which == NO_SWITCH:
             break
         looks += 1
-        close = tau < _CLOSE
+        close = tau < _CLOSE * tables.unit
         if which == NO_SWITCH:
             turn_exactly(root, omega, terms, tau, term, theta)
             s = horizon
