@@ -80,27 +80,29 @@ def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, curvature: FloatArray
         The first crossing, or None if there is none.
     """
     quiet = _quiet_until(gaps, float(t[0]), curvature[:, 0], fresh)
-    calm = t < quiet[:, None]
-    h = np.where(calm, -np.inf, h)  # a quiet stop cannot cross
-    ends, width = np.maximum(h[:, :-1], h[:, 1:]), t[1:] - t[:-1]
-    suspicious = (ends + curvature * (width**2 / 8) >= 0) | (calm[:, :-1] & ~calm[:, 1:])
-    for i in np.flatnonzero(suspicious.any(axis=0)):
+    ends = np.maximum(h[:, :-1], h[:, 1:])
+    suspicious = ends + curvature * ((t[1:] - t[:-1]) ** 2 / 8) >= 0
+    for k, since in quiet.items():  # a quiet stop cannot cross; it is looked at from the interval on in which that ends
+        calm = int(np.searchsorted(t, since))
+        suspicious[k, : calm - 1] = False
+        suspicious[k, calm - 1 : calm] = True
+    for i in np.nonzero(suspicious.any(axis=0))[0].tolist():
         first: Switch | None = None
-        for k in np.flatnonzero(suspicious[:, i]):
-            lo, hi = max(float(t[i]), float(quiet[k])), float(t[i + 1]) if first is None else first.time
-            time = _first_crossing(gaps, int(k), lo, hi, float(curvature[k, i]))
-            first = first if time is None else Switch(time, int(k))
+        for k in np.nonzero(suspicious[:, i])[0].tolist():
+            lo, hi = max(float(t[i]), quiet.get(k, -math.inf)), float(t[i + 1]) if first is None else first.time
+            time = _first_crossing(gaps, k, lo, hi, float(curvature[k, i]))
+            first = first if time is None else Switch(time, k)
         if first is not None:
             return first
     return None
 
 
-def _quiet_until(gaps: Gaps, start: float, curvature: FloatArray, fresh: FloatArray) -> FloatArray:
-    """From when each stop may switch, ``(P,)``: later than `start` for those that have just done so."""
-    quiet = np.full(fresh.size, start)
-    for k in np.flatnonzero(start - fresh < SHORTEST):
-        rate = gaps.at(int(k), start)[1]
-        leaving = -2 * rate / max(curvature[k], 1e-300) if rate < 0 else 0.0
+def _quiet_until(gaps: Gaps, start: float, curvature: FloatArray, fresh: FloatArray) -> dict[int, float]:
+    """From when, s, each stop may switch that has done so just before `start`."""
+    quiet = {}
+    for k in np.nonzero(start - fresh < SHORTEST)[0].tolist():
+        rate = gaps.at(k, start)[1]
+        leaving = -2 * rate / max(float(curvature[k]), 1e-300) if rate < 0 else 0.0
         # h <= h' s + B s^2 / 2 < 0 before 2 |h'| / B; half of it leaves room for the rounding of h at the start
         quiet[k] = start + max(leaving / 2, SHORTEST)
     return quiet
