@@ -36,7 +36,7 @@ from numba import njit
 from analytic.march.step_bound import RESOLUTION, crosses, first_root_of_bound
 from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
-from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
+from analytic.march.terms import SERIES, drift_at_stops, put, tabulated, turn_briefly, turn_by, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
@@ -114,8 +114,8 @@ def _lowest_between(
     work_theta, work_term, out = start_theta.copy(), start_term.copy(), np.zeros((tables.forced.shape[1], 4))
     h, s = 0.0, 0.5 * (lo + hi)
     for _ in range(60):
-        work_theta[:] = start_theta
-        work_term[:] = start_term
+        put(work_theta, start_theta)
+        put(work_term, start_term)
         turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], s, work_term, work_theta)
         _at_positions(tables.forced[slot], tables.omega, s, work_theta, drift, out)
         z, z1, z2, _ = _add_terms(tables.weight[slot, u], work_term, tables.root[slot], 0, tables.terms[slot])
