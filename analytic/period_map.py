@@ -141,7 +141,11 @@ class PeriodMap:
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         found = measure_growth(self.joint, _coordinates(start), deviation, self.period, periods)
-        points = tuple(_section_point(point) for point in found.sections)
+        states = [self.joint.state_in(int(slot)) for slot in found.slots]
+        points = tuple(
+            SectionPoint(state, part[:, : self.joint.count(state)])
+            for state, part in zip(states, found.coordinates, strict=True)
+        )
         return Followed(points, self._impulses(found.penetration), found.switches, found.growth, found.deviation)
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
@@ -173,7 +177,7 @@ def _coordinates(point: SectionPoint) -> Coordinates:
 
 
 def _section_point(point: Coordinates) -> SectionPoint:
-    return SectionPoint(point.state, np.stack([point.q, point.v]))
+    return SectionPoint(point.state, np.array((point.q, point.v)))
 
 
 def _segments(motion: March) -> tuple[Segment, ...]:
