@@ -141,10 +141,11 @@ class PeriodMap:
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         found = measure_growth(self.joint, _coordinates(start), deviation, self.period, periods)
-        states = [self.joint.state_in(int(slot)) for slot in found.slots]
+        states = {slot: self.joint.state_in(slot) for slot in set(found.slots.tolist())}
+        sizes = {slot: self.joint.count(state) for slot, state in states.items()}
         points = tuple(
-            SectionPoint(state, part[:, : self.joint.count(state)])
-            for state, part in zip(states, found.coordinates, strict=True)
+            SectionPoint(states[slot], part[:, : sizes[slot]])
+            for slot, part in zip(found.slots.tolist(), found.coordinates, strict=True)
         )
         return Followed(points, self._impulses(found.penetration), found.switches, found.growth, found.deviation)
 
