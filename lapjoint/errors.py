@@ -13,7 +13,14 @@ class SolverError(RuntimeError):
 
 
 class OutputError(RuntimeError):
-    """What was computed could not be written (a full disk); the message says what is kept."""
+    """What was asked for could not be written, for whatever reason; the message says why, and what is kept.
+
+    The command line prints it without a traceback and exits with status 3.
+    """
+
+
+class DamageWarning(UserWarning):
+    """A part of a file is damaged; the message says which, and what is done about it."""
 
 
 class Interrupted(KeyboardInterrupt):

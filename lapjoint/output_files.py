@@ -17,10 +17,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from lapjoint.errors import InputError, OutputError
+from lapjoint.errors import OutputError
 
-_NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
-"""Errors of a disk that is full or fails, rather than of a path that is wrong."""
 _LONGEST_STEM = 40
 """Most characters of the target's name in that of its temporary file; names may have 255 bytes in all."""
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
@@ -39,10 +37,8 @@ def write_file(path: str | Path, content: str | bytes | memoryview) -> None:
 
     Raises
     ------
-    InputError
-        If no file can be written there.
     OutputError
-        If the file cannot be completed, as on a full disk.
+        If no file can be written there, or it cannot be completed, as on a full disk.
     """
     try:
         raw = content.encode() if isinstance(content, str) else content
@@ -129,7 +125,7 @@ def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iter
             os.replace(draft / file, folder / file)
 
 
-def unwritable(path: str | Path, error: OSError | ValueError) -> InputError | OutputError:
+def unwritable(path: str | Path, error: OSError | ValueError) -> OutputError:
     """The error to raise where a file cannot be written.
 
     Parameters
@@ -141,13 +137,11 @@ def unwritable(path: str | Path, error: OSError | ValueError) -> InputError | Ou
 
     Returns
     -------
-    InputError or OutputError
-        An OutputError where the disk is full or fails, else an InputError, as the path is wrong.
+    OutputError
+        It names the file, and says why in the system's words.
     """
-    if not isinstance(error, OSError):
-        return InputError(f"{path}: cannot be written: {error}")
-    kind = OutputError if error.errno in _NO_ROOM else InputError
-    return kind(f"{path}: cannot be written: {error.strerror or error}")
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+    return OutputError(f"{path}: cannot be written: {reason}")
 
 
 def _mode_of(path: str | Path) -> int | None:

@@ -10,6 +10,8 @@ from typing import Literal
 
 import click
 
+from lapjoint.cli.echo import echo
+
 
 @click.command()
 @click.argument("problem", required=False)
@@ -45,7 +47,7 @@ def validate(
     from validation import suite
 
     if list_cases:
-        click.echo("\n".join(suite.case_names()))
+        echo("\n".join(suite.case_names()))
         return
     arguments.check_directory(output)
     this = None if problem is None else arguments.problem_from(problem, overrides)

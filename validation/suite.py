@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lapjoint.errors import InputError
+from lapjoint.output_files import unwritable
 from validation.case import CaseResult, Level, Say
 from validation.verdict import Verdict
 
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "as-given": "as_given",
+    "pinned-beam": "pinned_beam",
+    "rigid-bar": "rigid_bar",
     "ledger": "ledger",
     "textbook": "textbook",
     "table4": "table4",
@@ -78,7 +82,9 @@ def main(
     Raises
     ------
     InputError
-        For an unknown case, a peer that does not answer, or an output that cannot be written.
+        For an unknown case, or a peer that does not answer.
+    OutputError
+        If the output cannot be written.
     """
     from validation.report.write import write_reports
 
@@ -148,7 +154,7 @@ def _writable(output: Path) -> Path:
         output.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=output).close()
     except OSError as error:
-        raise InputError(f"output = {str(output)!r} cannot be written: {error.strerror}") from None
+        raise unwritable(output, error) from None
     return output
 
 

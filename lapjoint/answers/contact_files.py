@@ -42,9 +42,9 @@ def write_contacts(history: History, path: str | Path) -> None:
     Raises
     ------
     InputError
-        If the ending is another one, or no file can be written there.
+        If the ending is another one.
     OutputError
-        If the disk is full.
+        If no file can be written there, or the disk is full.
     """
     ending = Path(path).suffix.lower()
     if ending == ".csv":

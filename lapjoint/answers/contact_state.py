@@ -88,8 +88,9 @@ def contact_states(problem: Problem) -> tuple[ContactState, ...]:
             for gap in {problem.stops[i].gap for i in here}:
                 subsets.add(tuple(i for i in here if problem.stops[i].gap <= gap))
         choices.append(sorted(subsets, key=lambda c: (len(c), c)))
-    number = math.prod(len(subsets) for subsets in choices)
-    if number > MOST_STATES:
+    digits = sum(math.log10(len(subsets)) for subsets in choices)
+    if digits > math.log10(MOST_STATES) + 1e-9:
+        number = f"{10**digits:.0f}" if digits < 9 else f"some 10^{digits:.0f}"
         raise InputError(f"stops: these have {number} contact states; at most {MOST_STATES} can be listed")
     states = {ContactState(tuple(i for part in combination for i in part)) for combination in product(*choices)}
     return tuple(sorted(states, key=lambda s: (len(s.closed), s.closed)))

@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import io
 import json
+import re
+import secrets
 from collections.abc import Mapping
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +22,7 @@ from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
-from lapjoint.errors import InputError, OutputError
+from lapjoint.errors import InputError
 from lapjoint.output_files import write_file
 
 if TYPE_CHECKING:
@@ -28,6 +31,14 @@ if TYPE_CHECKING:
 SAME_MOTION = 1e-3
 """Two motions are the same if their impulses differ by at most this, relative to the largest impulse at the point:
 more than the numerical error of an impulse, and less than different motions differ."""
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+"""First bytes of a NetCDF-4 file, which is an HDF5 file."""
+_SEAL = b"sha256 of the file, with zeros for these digits: "
+_ZEROS = 64 * b"0"
+_SEALED = re.compile(re.escape(_SEAL) + b"([0-9a-f]{64})")
+"""The attribute ``checksum`` as the bytes of the file hold it."""
+_DAMAGED = "is damaged: its content does not fit its checksum; the sweep that made it, with --force, computes it again"
 
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 """Dimensions, values and attributes, as xarray takes them."""
@@ -207,6 +218,9 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset as NetCDF; an older file of that name stays until the new one is complete.
 
+    The file has an attribute more, ``checksum``: the digest of all its bytes, those of the digest itself taken for
+    zeros.
+
     Parameters
     ----------
     dataset : xarray.Dataset
@@ -219,13 +233,25 @@ def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
     OutputError
         If the file cannot be written.
     """
-    content = io.BytesIO()
+    content, room = io.BytesIO(), secrets.token_hex(len(_ZEROS) // 2)
     encoding = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind != "O"}
-    dataset.to_netcdf(content, engine="h5netcdf", encoding=encoding)
-    try:
-        write_file(path, content.getbuffer())
-    except InputError as error:  # the journal beside it could be written, so the name was good
-        raise OutputError(str(error)) from None
+    sealed = dataset.assign_attrs(checksum=f"{_SEAL.decode()}{room}")
+    sealed.to_netcdf(content, engine="h5netcdf", encoding=encoding)
+    before, after = content.getvalue().split(room.encode())
+    write_file(path, before + _digest(before, after) + after)
+
+
+def _digest(before: bytes, after: bytes) -> bytes:
+    """The digest of a file that has these bytes before and after it."""
+    found = sha256(before)
+    found.update(_ZEROS)
+    found.update(after)
+    return found.hexdigest().encode()
+
+
+def _is_whole(raw: bytes) -> bool:
+    """Whether the bytes of a file hold their own digest."""
+    return any(_digest(raw[: at.start(1)], raw[at.end(1) :]) == at[1] for at in _SEALED.finditer(raw))
 
 
 def read_curve(path: str | Path) -> xr.Dataset:
@@ -244,20 +270,37 @@ def read_curve(path: str | Path) -> xr.Dataset:
     Raises
     ------
     InputError
-        If there is no such file, it is not the result of a sweep, or an older or newer version of lapjoint wrote it in
-        another format.
+        If there is no such file, it is not the result of a sweep, it is damaged, or an older or newer version of
+        lapjoint wrote it in another format.
     """
     import xarray as xr
 
     try:
-        with open(path, "rb") as file:
-            found = xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError, RuntimeError, KeyError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else "is not a NetCDF-4 file"
+        raw = Path(path).read_bytes()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(f"{path}: cannot be read: {reason}") from None
-    if "fingerprint" not in found.attrs or "outcome" not in found:
+    if not _is_whole(raw):
+        raise InputError(f"{path}: {_reason_for(raw)}")
+    found = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")
+    if "fingerprint" not in found.attrs:
         raise InputError(f"{path}: is not the result of a sweep")
     reason = refusal(found.attrs.get("format_version", 1))
     if reason:
         raise InputError(f"{path}: {reason}")
+    del found.attrs["checksum"]
     return found
+
+
+def _reason_for(raw: bytes) -> str:
+    """The reason for which a file without a right checksum is not read: it is damaged, older, or something else.
+
+    It is found in the bytes, because HDF5 can run forever, or end the process, on a damaged file.
+    """
+    if not raw.startswith(_HDF5):
+        return "cannot be read: is not a NetCDF-4 file"
+    if b"fingerprint" not in raw:
+        return "is not the result of a sweep, or only a part of it"
+    if b"checksum" not in raw:
+        return f"has no checksum, as an older lapjoint wrote it; this one reads format version {FORMAT_VERSION} only"
+    return _DAMAGED

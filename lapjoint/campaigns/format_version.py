@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from numbers import Integral
 
-FORMAT_VERSION = 2
-"""Version of the files that are written, and the only one that is read.  Version 1 had other names for
-`period_multiple`, `multiplier_real` and `multiplier_imag`, `standard_error` and `duration`; its datasets did not say
-that they were of version 1."""
+FORMAT_VERSION = 3
+"""Version of the files that are written, and the only one that is read.  Version 2 had no checksums.  Version 1 had
+other names for `period_multiple`, `multiplier_real` and `multiplier_imag`, `standard_error` and `duration` too; its
+datasets did not say that they were of version 1."""
 
 
 def refusal(found: object) -> str:

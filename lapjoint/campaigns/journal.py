@@ -1,17 +1,23 @@
 """An append-only journal of a sweep, from which it resumes after Ctrl-C, a crash or a full disk.
 
 A journal has lines of JSON.  The first says which sweep this is.  Each other line holds the points of a batch and, for
-a chain, the section point from which it goes on.  A line is on the disk before the next batch is waited for, and a line
-that was cut short is dropped.  A lock on the file keeps two processes from writing the same journal; the system
-releases it however a process ends.
+a chain, the section point from which it goes on.  Each line ends in its checksum, which is also that of the sweep, so
+that a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is waited
+for.  Damaged lines are dropped with a warning, wherever they are, and their points are computed again.  A lock on the
+file keeps two processes from writing the same journal; the system releases it however a process ends.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
+import secrets
+import warnings
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import cached_property
+from hashlib import sha256
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -19,10 +25,13 @@ from typing import Any
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
-from lapjoint.errors import InputError, OutputError
+from lapjoint.errors import DamageWarning, InputError
+from lapjoint.output_files import unwritable
 
 BEGINNING = b'{"journal":'
 """First bytes of every journal."""
+_CHECKSUM = re.compile(rb',"checksum":"([0-9a-f]{16})"\}\n')
+"""End of every line: 64 bits of a digest."""
 
 
 def journal_path(out: str | Path) -> Path:
@@ -56,9 +65,14 @@ class Journal:
     Raises
     ------
     InputError
-        If another process has the journal, it belongs to another sweep, or it cannot be opened.
+        If another process has the journal, or it belongs to another sweep.
     OutputError
         If the journal cannot be written.
+
+    Warns
+    -----
+    DamageWarning
+        If lines of the journal are damaged; they are dropped, and the points that they held are not in `points`.
     """
 
     def __init__(self, plan: Plan, out: str | Path, *, force: bool = False) -> None:
@@ -92,7 +106,7 @@ class Journal:
         line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
         if section is not None:
             line["section"] = section
-        self._write(line)
+        self._write(_sealed(line, self._owner))
         self._take(line)
 
     def close(self) -> None:
@@ -114,56 +128,64 @@ class Journal:
         return f"{len(self.points)} of {self.plan.size} points are kept in {self.path}; the same command resumes"
 
     def _read(self, force: bool) -> None:
-        """Read the journal, and cut off what cannot be read."""
-        good = self._load(force)
-        self._file.seek(good)
-        self._file.truncate()
-        if good == 0:
-            self._write({"journal": FORMAT_VERSION, "fingerprint": self.plan.fingerprint, **self.plan.identity})
+        """Take the points in the file, and leave in it only what is whole."""
+        whole, damaged = self._load(force)
+        if damaged:
+            what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
+            kept = f"{len(self.points)} of {self.plan.size} points are whole, and the others are computed again"
+            warnings.warn(f"{self.path}: {what}; {kept}", DamageWarning, stacklevel=2)
+        if not self._file.seek(0, os.SEEK_END):
+            self._write(self._header)
+        elif damaged or not whole:
+            self._replace(b"".join([self._header, *(raw for raw in whole if raw != self._header)]))
 
-    def _load(self, force: bool) -> int:
-        """Take the points in the file; returns the number of bytes that are good."""
-        good = 0
+    @cached_property
+    def _header(self) -> bytes:
+        """The first line, which says which sweep this is."""
+        return _sealed({"journal": FORMAT_VERSION, "fingerprint": self.plan.fingerprint, **self.plan.identity})
+
+    @property
+    def _owner(self) -> str:
+        """What the checksums of all lines but the first are of, too: the format and the sweep."""
+        return f"{FORMAT_VERSION} {self.plan.fingerprint}"
+
+    def _load(self, force: bool) -> tuple[list[bytes], int]:
+        """Take the points in the file; returns its whole lines, and the number of those that are damaged.
+
+        A file that has no whole line of this sweep is refused, unless it is empty or may be thrown away.
+        """
         self._file.seek(0)
-        for number, raw in enumerate(self._file.readall().splitlines(keepends=True)):
-            if not (self._taken(raw) if number else self._mine(raw, force)):
-                break
-            good += len(raw)
-        return good
-
-    def _mine(self, raw: bytes, force: bool) -> bool:
-        """Whether a first line belongs to this sweep; that of another sweep is thrown away only if `force` says so."""
-        header = _parsed(raw)
-        if header is None and BEGINNING.startswith(raw[: len(BEGINNING)]):
-            return False  # cut short, before any point was kept
-        if header is not None and self._same_format(header) and header.get("fingerprint") == self.plan.fingerprint:
-            return True
+        lines = self._file.readall().splitlines(keepends=True)
+        whole = [raw for raw in lines if raw == self._header or self._taken(raw)]
+        if whole or not lines or self._cut_at_once(lines):
+            return whole, len(lines) - len(whole)
         if not force:
-            raise InputError(
-                f"{self.path}: {self._difference(header)}; choose another --out, or throw it away with --force"
-            )
-        return False
+            reason = self._difference(lines[0])
+            raise InputError(f"{self.path}: {reason}; choose another --out, or throw it away with --force")
+        return [], 0
 
-    def _difference(self, header: dict[str, Any] | None) -> str:
+    @staticmethod
+    def _cut_at_once(lines: list[bytes]) -> bool:
+        """Whether the first line was cut short, so that no point was kept."""
+        return len(lines) == 1 and BEGINNING.startswith(lines[0][: len(BEGINNING)]) and not lines[0].endswith(b"\n")
+
+    def _difference(self, first: bytes) -> str:
+        """Why a file that begins with this line is not the journal of this sweep."""
+        header = _parsed(first)
         if header is None or "fingerprint" not in header:
             return "is there already, and is not a journal of a sweep"
-        if not self._same_format(header):
+        if "checksum" in header and _opened(first) is None:
+            return "is damaged, and nothing in it is known to be of this sweep"
+        if refusal(header.get("journal")):
             return refusal(header.get("journal"))
         different = [key for key, value in self.plan.identity.items() if header.get(key) != value]
         return f"holds another sweep, not finished (it differs in {', '.join(different)})"
 
-    @staticmethod
-    def _same_format(header: dict[str, Any]) -> bool:
-        return not refusal(header.get("journal"))
-
     def _taken(self, raw: bytes) -> bool:
-        """Whether a later line could be read."""
-        line = _parsed(raw)
-        try:
-            if line is not None:
-                self._take(line)
-        except (KeyError, TypeError, IndexError, ValueError):
-            return False
+        """Whether a later line is whole; its points are taken."""
+        line = _opened(raw, self._owner)
+        if line is not None:
+            self._take(line)
         return line is not None
 
     def _take(self, line: dict[str, Any]) -> None:
@@ -171,26 +193,67 @@ class Journal:
         self.points.update({cell: Point(**fields) for cell, fields in zip(cells, line["points"], strict=True)})
         self.sections[cells[-1]] = line.get("section")
 
-    def _write(self, line: dict[str, Any]) -> None:
-        end = self._file.tell()
+    def _write(self, line: bytes) -> None:
+        end = self._file.seek(0, os.SEEK_END)
         try:
-            left = json.dumps(line, separators=(",", ":")).encode() + b"\n"
-            while left:
-                left = left[self._file.write(left) :]
-            os.fsync(self._file.fileno())
+            _write_all(self._file, line)
         except OSError as error:
             with suppress(OSError):
                 self._file.truncate(end)
-            raise OutputError(f"{self.path}: cannot be written: {error.strerror or error}") from None
+            raise unwritable(self.path, error) from None
+
+    def _replace(self, content: bytes) -> None:
+        """Put a new file in the place of the journal, whole and locked; until then the old one stays."""
+        import fcntl
+
+        draft = self.path.with_name(f".journal-{secrets.token_hex(8)}")
+        try:
+            file = FileIO(os.open(draft, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666), "r+")
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                _write_all(file, content)
+                os.replace(draft, self.path)
+            except BaseException:
+                file.close()
+                draft.unlink(missing_ok=True)
+                raise
+        except OSError as error:
+            raise unwritable(self.path, error) from None
+        self._file.close()
+        self._file = file
+
+
+def _write_all(file: FileIO, content: bytes) -> None:
+    """Write bytes, and wait until they are on the disk."""
+    while content:
+        content = content[file.write(content) :]
+    os.fsync(file.fileno())
+
+
+def _sealed(line: dict[str, Any], owner: str = "") -> bytes:
+    """A line as the file holds it, with the checksum of its bytes and of the sweep to which it belongs."""
+    body = json.dumps(line, separators=(",", ":")).encode()
+    return body[:-1] + b',"checksum":"' + _checksum(body, owner) + b'"}\n'
+
+
+def _checksum(body: bytes, owner: str) -> bytes:
+    return sha256(owner.encode() + body).hexdigest()[:16].encode()
+
+
+def _opened(raw: bytes, owner: str = "") -> dict[str, Any] | None:
+    """What `_sealed` made a line of; None if it is damaged, or has another owner."""
+    end = _CHECKSUM.search(raw)
+    if end is None or end.end() < len(raw):
+        return None
+    body = raw[: end.start()] + b"}"
+    return json.loads(body) if _checksum(body, owner) == end[1] else None
 
 
 def _parsed(raw: bytes) -> dict[str, Any] | None:
-    """A line, or None if it is cut short or damaged."""
-    if not raw.endswith(b"\n"):
-        return None
+    """A first line whatever its checksum, for the message that refuses it; None if it is no JSON object."""
     try:
         line = json.loads(raw)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return line if isinstance(line, dict) else None
 
@@ -203,7 +266,7 @@ def _open_locked(path: Path) -> FileIO:
         try:
             file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+")
         except OSError as error:
-            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+            raise unwritable(path, error) from None
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:

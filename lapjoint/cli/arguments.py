@@ -13,7 +13,7 @@ import numpy as np
 from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_state_number, sdnl104
 from lapjoint.answers.contact_state import is_paper_joint
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
 from lapjoint.problem.override import override, toml_value
 from lapjoint.scene.frame_times import check_frames
@@ -179,9 +179,10 @@ def check_file(option: str, path: str | None, *endings: str) -> None:
     if endings and Path(path).suffix.lower() not in endings:
         raise InputError(f"{option} {path}: the name must end in {', '.join(endings)}")
     if Path(path).is_dir():
-        raise InputError(f"{option} {path}: cannot be written: it is a directory")
-    if not Path(path).resolve().parent.is_dir():
-        raise InputError(f"{option} {path}: cannot be written: there is no such directory")
+        raise OutputError(f"{option} {path}: cannot be written: it is a directory")
+    folder = Path(os.path.realpath(path)).parent
+    if not folder.is_dir():
+        raise OutputError(f"{option} {path}: cannot be written: there is no such directory")
 
 
 def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> None:
@@ -201,4 +202,4 @@ def check_directory(path: str) -> None:
         there = there.parent
     if not there.is_dir() or not os.access(there, os.W_OK):
         reason = "is not a directory" if not there.is_dir() else "may not be written to"
-        raise InputError(f"--output {path}: cannot be written: {there} {reason}")
+        raise OutputError(f"--output {path}: cannot be written: {there} {reason}")

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import click
 
+from lapjoint.cli.echo import echo
 from lapjoint.cli.motions import find_motions
 from lapjoint.cli.options import motion_options, problem_options, solver_options
 
@@ -62,14 +63,14 @@ def export(
         this, answering = arguments.problem_from(problem, overrides), arguments.solver_from(**solver)
         answers = [answering.modes(this, state, count) for state in arguments.states_from(this, modes_of, "--modes-of")]
         written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
-        click.echo("\n".join(f"Wrote {path}" for path in written))
+        echo("\n".join(f"Wrote {path}" for path in written))
         return
     motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
     with shown_progress("export") as progress:
         path = export_motion(
             motion, directory, format=file_format, times=at, frames=frames, points=points, progress=progress
         )
-    click.echo(f"Wrote {path}")
+    echo(f"Wrote {path}")
 
 
 @click.command()
@@ -137,4 +138,4 @@ def show(
             scene.save_film(
                 motion, output, frames=number, pace=20.0 if pace is None else pace, look=look, progress=progress
             )
-    click.echo(f"Wrote {output}")
+    echo(f"Wrote {output}")

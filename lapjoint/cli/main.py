@@ -1,7 +1,8 @@
 """The command ``lapjoint``.
 
 Exit status: 0 when all went well; 1 when something disagrees, the solver had to give up, or what remains of a motion
-could not be established; 2 for bad input, with a message and no traceback; 130 after Ctrl-C.
+could not be established; 2 for bad input; 3 when a file could not be written; 130 after Ctrl-C.  All but 0 come with a
+message, and none with a traceback.
 
 Another package adds a command by an entry point of the group ``lapjoint.commands``, a `click.Command`.  Everything
 heavy is imported inside the functions that need it, so that ``lapjoint --help`` answers at once.
@@ -9,18 +10,27 @@ heavy is imported inside the functions that need it, so that ``lapjoint --help``
 
 from __future__ import annotations
 
+import errno
+import io
 import json
+import os
+import sys
+import warnings
+from contextlib import suppress
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
 import click
 
+from lapjoint.cli.echo import echo
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.sweep import plot, sweep
 
 ENTRY_POINT_GROUP = "lapjoint.commands"
+BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 2, 3, 130
+"""Exit statuses; see the head of this module."""
 
 
 class Lapjoint(click.Group):
@@ -35,22 +45,84 @@ class Lapjoint(click.Group):
         command = super().get_command(ctx, cmd_name)
         return command or next((_load(entry) for entry in entry_points(group=ENTRY_POINT_GROUP, name=cmd_name)), None)
 
+    def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        """Run the command line, and end the process with its exit status."""
+        run: Any = super().main
+        if not standalone_mode:
+            return run(*args, standalone_mode=False, **extra)
+        try:
+            status = run(*args, standalone_mode=False, **extra) or 0
+            sys.stdout.flush()
+        except click.ClickException as error:
+            usage = io.StringIO()
+            error.show(usage)
+            echo(usage.getvalue(), err=True, nl=False)
+            status = error.exit_code
+        except click.Abort:
+            status = _said("interrupted", INTERRUPTED)
+        except OSError as error:
+            status = _not_written(error)
+        sys.exit(status)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; see the module's head for the exit status."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                _show_damage()
+                return super().invoke(ctx)
         except (click.ClickException, click.Abort, click.exceptions.Exit):
             raise
         except KeyboardInterrupt as interrupt:
-            click.echo(f"lapjoint: {str(interrupt) or 'interrupted'}", err=True)
-            ctx.exit(130)
+            ctx.exit(_said(str(interrupt) or "interrupted", INTERRUPTED))
+        except OSError as error:
+            ctx.exit(_not_written(error))
         except (ValueError, RuntimeError, MemoryError) as error:
             from lapjoint.errors import InputError, OutputError, SolverError
 
             if not isinstance(error, InputError | OutputError | SolverError | MemoryError):
                 raise
-            click.echo(f"lapjoint: {error or 'out of memory'}", err=True)
-            ctx.exit(2 if isinstance(error, InputError) else 1)
+            status = (
+                BAD_INPUT if isinstance(error, InputError) else NOT_WRITTEN if isinstance(error, OutputError) else 1
+            )
+            ctx.exit(_said(str(error) or "out of memory", status))
+
+
+def _said(message: str, status: int) -> int:
+    """Print a message on standard error; returns the exit status that goes with it."""
+    echo(f"lapjoint: {message}", err=True)
+    return status
+
+
+def _not_written(error: OSError) -> int:
+    """The exit status after an error of the system that nothing else has put into words.
+
+    It is one of a temporary file, or of standard output, which is sent nowhere then, because Python would write there
+    again when it ends.  A pipe whose reader has gone needs no message.
+    """
+    with suppress(OSError, ValueError):
+        try:
+            sys.stdout.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if error.errno == errno.EPIPE:
+        return 1
+    return _said(f"{error.filename or 'output'}: cannot be written: {error.strerror or error}", NOT_WRITTEN)
+
+
+def _show_damage() -> None:
+    """Print what is said of damaged files as all messages are."""
+    from lapjoint.errors import DamageWarning
+
+    show: Any = warnings.showwarning
+
+    def show_in_a_line(message: Warning | str, category: type[Warning], *where: Any, **kept: Any) -> None:
+        if issubclass(category, DamageWarning):
+            _said(str(message), 0)
+        else:
+            show(message, category, *where, **kept)
+
+    warnings.simplefilter("always", DamageWarning)
+    warnings.showwarning = show_in_a_line
 
 
 def _load(entry: EntryPoint) -> click.Command:
@@ -87,7 +159,7 @@ def schema() -> None:
     """Print the JSON Schema of a problem file."""
     from lapjoint.problem.files import json_schema
 
-    click.echo(json.dumps(json_schema(), indent=2))
+    echo(json.dumps(json_schema(), indent=2))
 
 
 @main.command()
@@ -100,9 +172,9 @@ def init(file: str, force: bool) -> None:
     from lapjoint.problem.example import commented_example
 
     if file == "-":
-        click.echo(commented_example(), nl=False)
+        echo(commented_example(), nl=False)
         return
     if Path(file).exists() and not force:
         raise InputError(f"{file}: is there already; --force overwrites it")
     write_file(file, commented_example())
-    click.echo(f"Wrote {file}")
+    echo(f"Wrote {file}")

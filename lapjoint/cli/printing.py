@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from lapjoint import History, Problem, SteadyState
 from lapjoint.answers import Modes
 from lapjoint.answers.contact_state import state_label
 from lapjoint.answers.steady_state import Acceptance
-from lapjoint.figures.text import apart, cut_to
+from lapjoint.cli.echo import echo
+from lapjoint.figures.text import apart, cut_to, plain
 from lapjoint.output_files import write_file
 
 if TYPE_CHECKING:
@@ -28,9 +27,9 @@ def print_modes(problem: Problem, solver: str, answers: list[Modes]) -> None:
     """Print natural angular frequencies, a line for each contact state."""
     labels = apart([state_label(problem, answer.state) for answer in answers], lambda name: cut_to(name, STATE_SHOWN))
     width = max(len(label) for label in labels)
-    click.echo(f"Natural angular frequencies [rad/s], {solver}")
+    echo(f"Natural angular frequencies [rad/s], {solver}")
     for label, answer in zip(labels, answers, strict=True):
-        click.echo(f"{label:<{width}}  " + "".join(f"{omega:12.6g}" for omega in answer.angular_frequencies))
+        echo(f"{label:<{width}}  " + "".join(f"{omega:12.6g}" for omega in answer.angular_frequencies))
 
 
 def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[str, Any]:
@@ -50,38 +49,36 @@ def print_history(history: History) -> None:
     """Print the first contacts and a summary."""
     problem, contacts = history.problem, history.contacts
     names, width = stop_column(problem)
-    click.echo(problem.title or "Untitled problem")
-    click.echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
+    echo(plain(problem.title) or "Untitled problem")
+    echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
     if contacts:
-        click.echo(f"\n{'stop':<{width}}{'start [s]':>15}{'duration [s]':>15}{'impulse [N s]':>15}{'peak [N]':>13}")
+        echo(f"\n{'stop':<{width}}{'start [s]':>15}{'duration [s]':>15}{'impulse [N s]':>15}{'peak [N]':>13}")
     for c in contacts[:ROWS_SHOWN]:
         remark = "  closed at the start" if c.open_start else "  closed at the end" if c.open_end else ""
-        click.echo(
-            f"{names[c.stop]:<{width}}{c.start:15.9f}{c.duration:15.6g}{c.impulse:15.6g}{c.peak_force:13.5g}{remark}"
-        )
+        echo(f"{names[c.stop]:<{width}}{c.start:15.9f}{c.duration:15.6g}{c.impulse:15.6g}{c.peak_force:13.5g}{remark}")
     if len(contacts) > ROWS_SHOWN:
-        click.echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
+        echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
     print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
 
 
 def print_steady_state(found: SteadyState) -> None:
     """Print what was found and how."""
-    click.echo(found.problem.title or "Untitled problem")
-    click.echo(f"{found.solver}: {found.outcome.value}")
+    echo(plain(found.problem.title) or "Untitled problem")
+    echo(f"{found.solver}: {found.outcome.value}")
     if found.period_multiple:
         multiple = f"{found.period_multiple} excitation period" + "s" * (found.period_multiple > 1)
         mirrored = ", mirrored after half of them" if found.symmetric else ""
-        click.echo(f"Repeats after {multiple}, to {found.residual:.2g} of its size{mirrored}")
+        echo(f"Repeats after {multiple}, to {found.residual:.2g} of its size{mirrored}")
     if found.multipliers.size:
         shown = ", ".join(complex_text(complex(value)) for value in found.multipliers[:MULTIPLIERS_SHOWN])
-        click.echo(f"Floquet multipliers: {shown}{' ...' if found.multipliers.size > MULTIPLIERS_SHOWN else ''}")
+        echo(f"Floquet multipliers: {shown}{' ...' if found.multipliers.size > MULTIPLIERS_SHOWN else ''}")
     if found.exponent is not None:
         rate, error = found.exponent.value, found.exponent.standard_error
-        click.echo(f"Largest Lyapunov exponent: {rate:.4g} 1/s +- {error:.2g}, over {found.exponent.periods} periods")
+        echo(f"Largest Lyapunov exponent: {rate:.4g} 1/s +- {error:.2g}, over {found.exponent.periods} periods")
         if found.exponent.negative:
-            click.echo("Nearby motions come together: it repeats, but after more periods than max_period_multiple")
+            echo("Nearby motions come together: it repeats, but after more periods than max_period_multiple")
     if found.acceptance is not None and found.acceptance.sensitive:
-        click.echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
+        echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]")
 
 
@@ -101,10 +98,10 @@ def complex_text(value: complex) -> str:
 def print_impulses(problem: Problem, impulses: list[float], heading: str) -> None:
     """Print one impulse for each stop; nothing where there are no stops."""
     if problem.stops:
-        click.echo(f"\n{heading}, top positive")
+        echo(f"\n{heading}, top positive")
         names, width = stop_column(problem)
         for name, stop, impulse in zip(names, problem.stops, impulses, strict=True):
-            click.echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}")
+            echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}")
 
 
 def stop_column(problem: Problem) -> tuple[list[str], int]:
@@ -151,9 +148,9 @@ def print_curve(curve: xr.Dataset) -> None:
     outcome = curve.outcome.values
     names = zip(curve.outcome.attrs["flag_values"], curve.outcome.attrs["flag_meanings"].split(), strict=True)
     counts = [(name.replace("_", " "), int((outcome == code).sum())) for code, name in names]
-    click.echo(f"{outcome.size} points: " + ", ".join(f"{count} {name}" for name, count in counts if count))
+    echo(f"{outcome.size} points: " + ", ".join(f"{count} {name}" for name, count in counts if count))
     messages = [str(text) for text in curve.message.values.flat if text]
     for text in messages[:FAILURES_SHOWN]:
-        click.echo(f"failed: {text}")
+        echo(f"failed: {text}")
     if len(messages) > FAILURES_SHOWN:
-        click.echo(f"... and {len(messages) - FAILURES_SHOWN} more, in the variable message")
+        echo(f"... and {len(messages) - FAILURES_SHOWN} more, in the variable message")

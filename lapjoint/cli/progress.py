@@ -7,8 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-import click
-
+from lapjoint.cli.echo import echo
 from lapjoint.solver import Progress
 
 
@@ -36,7 +35,7 @@ def lines_of_progress(title: str) -> Progress:
         tenths = int(10 * done / total + 1e-9) if total > 0 else 0
         if tenths > shown:
             shown = tenths
-            click.echo(f"{title}: {10 * tenths} %", err=True)
+            echo(f"{title}: {10 * tenths} %", err=True)
 
     return progress
 
@@ -79,12 +78,12 @@ def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic
         if began is None:
             began, shown = (clock(), done), share
             if done:
-                click.echo(f"{title}: goes on from {done:g} of {total:g}", err=True)
+                echo(f"{title}: goes on from {done:g} of {total:g}", err=True)
         elif share > shown:
             shown = share
             left = (clock() - began[0]) * (total - done) / (done - began[1]) if done > began[1] else 0.0
             tail = f", {duration_text(left)} left" if done < total else ""
-            click.echo(f"{title}: {5 * share} %, {done:g} of {total:g}{tail}", err=True)
+            echo(f"{title}: {5 * share} %, {done:g} of {total:g}{tail}", err=True)
 
     return progress
 

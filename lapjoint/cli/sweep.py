@@ -7,6 +7,7 @@ from typing import Literal
 
 import click
 
+from lapjoint.cli.echo import echo
 from lapjoint.cli.options import FIGURES, problem_options, solver_options
 
 
@@ -78,10 +79,10 @@ def sweep(
     if there is None:
         with shown_points("sweep") as progress:
             found = solve(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-        click.echo(f"Wrote {out}")
+        echo(f"Wrote {out}")
     else:
         found = there
-        click.echo(f"{out}: holds this sweep already, finished")
+        echo(f"{out}: holds this sweep already, finished")
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
 
@@ -100,4 +101,4 @@ def plot(curve: str, figure: str | None, wide: bool) -> None:
     arguments.check_file("--output", path, *FIGURES)
     dataset = read_curve(curve)
     save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
-    click.echo(f"Wrote {path}")
+    echo(f"Wrote {path}")

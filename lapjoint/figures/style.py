@@ -145,9 +145,9 @@ def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
     Raises
     ------
     InputError
-        If the path has another ending, or no file can be written there.
+        If the path has another ending.
     OutputError
-        If the file cannot be completed, as on a full disk.
+        If no file can be written there, or it cannot be completed, as on a full disk.
     """
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from lapjoint.problem.schema import Part, Positive
+
+LEAST, MOST = 1e-100, 1e100
+"""Least and largest value, in SI units, of what follows from a beam's fields, so that squares of it are finite too."""
 
 
 class Material(Part):
@@ -36,7 +40,7 @@ class Rectangle(Part):
     @property
     def second_moment(self) -> float:
         """Second moment of area I = b h^3 / 12, m4."""
-        return self.breadth * self.height**3 / 12
+        return self.breadth * _power(self.height, 3) / 12
 
     @property
     def depth(self) -> float:
@@ -54,12 +58,12 @@ class Circle(Part):
     @property
     def area(self) -> float:
         """Area A, m2."""
-        return math.pi * self.diameter**2 / 4
+        return math.pi * _power(self.diameter, 2) / 4
 
     @property
     def second_moment(self) -> float:
         """Second moment of area I = pi d^4 / 64, m4."""
-        return math.pi * self.diameter**4 / 64
+        return math.pi * _power(self.diameter, 4) / 64
 
     @property
     def depth(self) -> float:
@@ -87,12 +91,12 @@ class Tube(Part):
     @property
     def area(self) -> float:
         """Area A, m2."""
-        return math.pi * (self.outer_diameter**2 - self.inner_diameter**2) / 4
+        return math.pi * (_power(self.outer_diameter, 2) - _power(self.inner_diameter, 2)) / 4
 
     @property
     def second_moment(self) -> float:
         """Second moment of area I, m4."""
-        return math.pi * (self.outer_diameter**4 - self.inner_diameter**4) / 64
+        return math.pi * (_power(self.outer_diameter, 4) - _power(self.inner_diameter, 4)) / 64
 
     @property
     def depth(self) -> float:
@@ -123,10 +127,31 @@ class Beam(Part):
         parts = (self.material is not None, self.section is not None)
         if not ((all(numbers) and not any(parts)) or (all(parts) and not any(numbers))):
             raise ValueError("give either bending_stiffness and mass_per_length, or material and section, and not both")
-        for name, value in (("bending stiffness EI", self.EI), ("mass per length", self.m)):
-            if not (math.isfinite(value) and value > 0):
-                raise ValueError(f"the {name} comes to {value:g}, and must be positive and finite")
+        faults = list(self._out_of_range())
+        if faults:
+            raise ValueError("\n".join(faults))
         return self
+
+    def _out_of_range(self) -> Iterator[str]:
+        """What is wrong with the numbers that follow from the beam's fields, if anything."""
+        EI_from: tuple[str, ...] = ("bending_stiffness",)
+        m_from: tuple[str, ...] = ("mass_per_length",)
+        if self.section is not None:
+            sizes = tuple(f"section.{name}" for name in type(self.section).model_fields if name != "shape")
+            EI_from, m_from = ("material.youngs_modulus", *sizes), ("material.density", *sizes)
+        EI, m, L = self.EI, self.m, self.length
+        derived: tuple[tuple[str, float, tuple[str, ...]], ...] = (
+            ("bending stiffness EI", EI, EI_from),
+            ("mass per length m", m, m_from),
+            ("mass m L", m * L, (*m_from, "length")),
+            ("stiffness EI / L^3", EI / L / L / L, (*EI_from, "length")),
+            ("frequency squared EI / (m L^4)", EI / m / L / L / L / L if m else 0.0, (*EI_from, *m_from, "length")),
+        )
+        for name, value, fields in derived:
+            if not LEAST <= value <= MOST:
+                sources, allowed = ", ".join(dict.fromkeys(fields)), f"between {LEAST:g} and {MOST:g} in SI units"
+                yield f"the {name} comes to {value:g}, and must be {allowed}; it follows from {sources}"
+                return
 
     @property
     def EI(self) -> float:
@@ -143,3 +168,11 @@ class Beam(Part):
             assert self.mass_per_length is not None
             return self.mass_per_length
         return self.material.density * self.section.area
+
+
+def _power(value: float, exponent: int) -> float:
+    """A power; infinite where it is too large, instead of an OverflowError."""
+    try:
+        return float(value**exponent)
+    except OverflowError:
+        return math.inf

@@ -56,10 +56,8 @@ def write_problem(problem: Problem, path: str | Path) -> None:
 
     Raises
     ------
-    InputError
-        If no file can be written there.
     OutputError
-        If the disk is full.
+        If no file can be written there, or the disk is full.
     """
     write_file(path, to_toml(problem))
 

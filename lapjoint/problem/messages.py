@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 LONGEST_VALUE = 60
 """Characters of a value that a message shows, at most, so that it fits into a line."""
+LONGEST_PATH = 200
+"""Characters of a path or of an argument that a message shows, at most."""
 _SEQUENCES = (list, tuple)
 
 
@@ -70,7 +72,27 @@ def shown(value: Any) -> str:
             text = repr(value)
         except ValueError:  # Python refuses to write integers of more than some thousand digits
             text = "a very long number"
-    return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + "..."
+        except RecursionError:
+            text = "a very deep list"
+    return shortened(text, LONGEST_VALUE)
+
+
+def shortened(text: str, most: int = LONGEST_PATH) -> str:
+    """Text without its end, where it is too long for a message.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+    most : int
+        Largest number of characters.
+
+    Returns
+    -------
+    str
+        The text, or its beginning and three dots.
+    """
+    return text if len(text) <= most else text[: most - 3] + "..."
 
 
 def closest(name: str, allowed: Sequence[str]) -> str:
@@ -118,7 +140,7 @@ def field_path(loc: Sequence[int | str], data: Any) -> str:
             path, here = f"{path}.{key}", here[key]
         elif isinstance(key, str) and isinstance(here, Mapping) and i == len(loc) - 1:
             path = f"{path}.{key}"
-    return path.removeprefix(".")
+    return shortened(path.removeprefix("."))
 
 
 def _lines(fault: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterator[str]:

@@ -7,6 +7,12 @@ import tomllib
 from typing import Any
 
 from lapjoint.errors import InputError
+from lapjoint.problem.messages import shortened
+
+LONGEST_INDEX = 18
+"""Largest number of digits of an index: no list has more elements, and Python refuses to read some thousand digits."""
+DEEPEST = 20
+"""Largest number of keys of a path; no field of a problem lies deeper than five."""
 
 
 def override(tables: dict[str, Any], assignment: str) -> None:
@@ -28,9 +34,10 @@ def override(tables: dict[str, Any], assignment: str) -> None:
         If the assignment cannot be read, or names an element that is not there.
     """
     path, equals, value = assignment.partition("=")
+    source = f"--set {shortened(assignment)}"
     if not equals or not path_keys(path):
-        raise InputError(f"--set {assignment}: must be key=value, as in base_motion.angular_frequency=820")
-    assign(tables, path, toml_value(value), f"--set {assignment}")
+        raise InputError(f"{source}: must be key=value, as in base_motion.angular_frequency=820")
+    assign(tables, path, toml_value(value), source)
 
 
 def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
@@ -52,7 +59,10 @@ def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
     InputError
         If the path names an element that is not there.
     """
-    _assign(tables, path_keys(path), value, source)
+    keys = path_keys(path)
+    if len(keys) > DEEPEST:
+        raise InputError(f"{source}: is {len(keys)} keys deep; a problem is at most {DEEPEST}")
+    _assign(tables, keys, value, source)
 
 
 def path_keys(path: str) -> list[str]:
@@ -92,32 +102,38 @@ def toml_value(text: str) -> Any:
 
 
 def _assign(here: Any, keys: list[str], value: Any, source: str) -> None:
-    key, rest = keys[0], keys[1:]
-    if isinstance(here, dict):
-        if rest:
-            _assign(here.setdefault(key, {}), rest, value, source)
+    """Set the value in all parts that the keys lead to."""
+    parts = [here]
+    for key in keys[:-1]:
+        parts = [below for part in parts for below in _below(part, key, source)]
+    for part in parts:
+        if isinstance(part, dict):
+            part[keys[-1]] = value
         else:
-            here[key] = value
-    elif isinstance(here, list):
-        for index in _indices(here, key, source):
-            if rest:
-                _assign(here[index], rest, value, source)
-            else:
-                here[index] = value
-    else:
-        raise InputError(f"{source}: {key!r} is below a single value, and cannot be set")
+            for index in _indices(part, keys[-1], source):
+                part[index] = value
 
 
-def _indices(items: list[Any], key: str, source: str) -> list[int]:
+def _below(part: Any, key: str, source: str) -> list[Any]:
+    """The parts that a key leads to; of a table, one is made where there is none."""
+    if isinstance(part, dict):
+        return [part.setdefault(key, {})]
+    return [part[index] for index in _indices(part, key, source)]
+
+
+def _indices(items: Any, key: str, source: str) -> list[int]:
+    """The indices of the elements of a list that a key names."""
+    if not isinstance(items, list):
+        raise InputError(f"{source}: {shortened(key)!r} is below a single value, and cannot be set")
     if key == "*":
         return list(range(len(items)))
-    if key.isdecimal() and int(key) < len(items):
+    if key.isdecimal() and len(key) <= LONGEST_INDEX and int(key) < len(items):
         return [int(key)]
     named = [i for i, item in enumerate(items) if isinstance(item, dict) and item.get("name") == key]
     if not named:
         raise InputError(
-            f"{source}: there is no element {key!r}; allowed are 0 to {len(items) - 1}, a name, or *"
+            f"{source}: there is no element {shortened(key)!r}; allowed are 0 to {len(items) - 1}, a name, or *"
             if items
-            else f"{source}: there is no element {key!r}; the list is empty"
+            else f"{source}: there is no element {shortened(key)!r}; the list is empty"
         )
     return named

@@ -15,6 +15,7 @@ from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import BaseMotion, PointLoad, SineLoad
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
+from lapjoint.problem.messages import shown
 from lapjoint.problem.schema import Part
 from lapjoint.problem.supports_and_stops import Stop, Support
 
@@ -36,7 +37,7 @@ class Problem(Part):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        faults = [*_outside_the_beam(self), *_names_used_twice(self)]
+        faults = [*_outside_the_beam(self), *_names_used_twice(self), *_too_large(self)]
         if not faults:
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
@@ -142,10 +143,28 @@ def _outside_the_beam(problem: Problem) -> Iterator[str]:
 
 
 def _names_used_twice(problem: Problem) -> Iterator[str]:
-    names = problem.stop_names
-    for i, name in enumerate(names):
-        if name in names[:i]:
-            yield f'stops[{i}].name = "{name}": is the name of stops[{names.index(name)}] too'
+    first: dict[str, int] = {}
+    for i, name in enumerate(problem.stop_names):
+        if first.setdefault(name, i) < i:
+            yield f"stops[{i}].name = {shown(name)}: is the name of stops[{first[name]}] too"
+
+
+def _too_large(problem: Problem) -> Iterator[str]:
+    """What is not finite of the numbers that follow from several fields."""
+    motion = problem.base_motion
+    if motion is not None:
+        squared = motion.angular_frequency * motion.angular_frequency
+        if not (math.isfinite(squared) and math.isfinite(motion.amplitude * squared) and squared > 0):
+            yield (
+                f"base_motion: the acceleration comes to {motion.amplitude * squared:g}, and must be finite; "
+                "it follows from amplitude and angular_frequency"
+            )
+    for i, stop in enumerate(problem.stops):
+        if not math.isfinite(stop.stiffness * stop.gap):
+            yield (
+                f"stops[{i}]: stiffness times gap comes to {stop.stiffness * stop.gap:g}, and must be finite; "
+                "it follows from stiffness and gap"
+            )
 
 
 def _initial_off_the_beam(problem: Problem) -> Iterator[str]:

@@ -27,6 +27,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import state_label
 from lapjoint.errors import InputError
 from lapjoint.figures.text import plain
+from lapjoint.output_files import unwritable
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.scene.frame_times import chosen_times
 from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_scene
@@ -80,7 +81,9 @@ def export_motion(
     Raises
     ------
     InputError
-        If a parameter is out of its range, or the files cannot be written.
+        If a parameter is out of its range.
+    OutputError
+        If the files cannot be written.
     """
     histories = histories_of(motion)
     scene = motion_scene(motion, points)
@@ -126,7 +129,9 @@ def export_modes(
     Raises
     ------
     InputError
-        If a parameter is out of its range, or the files cannot be written.
+        If a parameter is out of its range.
+    OutputError
+        If the files cannot be written.
     """
     names = _file_names(problem, modes)
     paths = []
@@ -168,7 +173,7 @@ def _write(
         folder.mkdir(parents=True, exist_ok=True)
         return write(scene, _blocks_with_room(scene, times, folder, progress), folder, name, plain(note))
     except OSError as error:
-        raise InputError(f"{folder}: cannot be written: {error.strerror or error}") from None
+        raise unwritable(folder, error) from None
 
 
 def _blocks_with_room(scene: Scene, times: FloatArray, folder: Path, progress: Progress | None) -> Iterator[Block]:

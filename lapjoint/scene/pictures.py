@@ -58,9 +58,9 @@ def save_picture(
     Raises
     ------
     InputError
-        If a parameter is out of its range, or the file cannot be written.
+        If a parameter is out of its range.
     OutputError
-        If this machine cannot draw; the message says what it lacks.
+        If the file cannot be written, or this machine cannot draw; the message says what it lacks.
     """
     _check_ending(path, PICTURES)
     histories = histories_of(motion)
@@ -107,9 +107,9 @@ def save_film(
     Raises
     ------
     InputError
-        If a parameter is out of its range, or the file cannot be written.
+        If a parameter is out of its range.
     OutputError
-        If this machine cannot draw; the message says what it lacks.
+        If the file cannot be written, or this machine cannot draw; the message says what it lacks.
     """
     _check_ending(path, FILMS)
     times = _film_times(histories_of(motion), frames)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import random
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -148,17 +149,62 @@ def test_another_dataset_is_refused(tmp_path: Path) -> None:
         read_curve(tmp_path / "a.nc")
 
 
-@pytest.mark.parametrize(("version", "whose"), [(None, "an older"), (1, "an older"), (3, "a newer")])
+@pytest.mark.parametrize(("version", "whose"), [(None, "an older"), (1, "an older"), (2, "an older"), (4, "a newer")])
 def test_a_file_of_another_format_is_refused(version: int | None, whose: str, tmp_path: Path) -> None:
     path, found = tmp_path / "curve.nc", dataset(plan())
-    assert found.attrs.pop("format_version") == 2
+    assert found.attrs.pop("format_version") == 3
     if version is not None:
         found.attrs["format_version"] = version
     write_curve(found, path)
     with pytest.raises(InputError) as error:
         read_curve(path)
-    sentence = f"is of format version {version or 1}, which {whose} lapjoint wrote; this one reads version 2 only"
+    sentence = f"is of format version {version or 1}, which {whose} lapjoint wrote; this one reads version 3 only"
     assert str(error.value) == f"{path}: {sentence}"
+
+
+def test_a_damaged_file_is_refused_in_one_sentence(tmp_path: Path) -> None:
+    """Every kind of damage: a flipped bit anywhere, a cut, other bytes, and zeros as a crash leaves them."""
+    path, rng = tmp_path / "curve.nc", random.Random(5)
+    write_curve(dataset(plan()), path)
+    raw = path.read_bytes()
+    said = set()
+    for number in range(300):
+        at = rng.randrange(len(raw))
+        flipped = raw[:at] + bytes([raw[at] ^ 1 << rng.randrange(8)]) + raw[at + 1 :]
+        zeroed = raw[:at] + bytes(len(raw[at : at + 512])) + raw[at + 512 :]
+        path.write_bytes([flipped, raw[:at], zeroed + b"0", flipped[:-1]][number % 4])
+        with pytest.raises(InputError) as error:
+            read_curve(path)
+        said.add(str(error.value).removeprefix(f"{path}: "))
+    reason = "its content does not fit its checksum; the sweep that made it, with --force, computes it again"
+    a_part = ("cannot be read: is not a NetCDF-4 file", "is not the result of a sweep, or only a part of it")
+    older = "has no checksum, as an older lapjoint wrote it; this one reads format version 3 only"
+    assert said <= {f"is damaged: {reason}", *a_part, older}
+    path.write_bytes(raw)
+    xr.testing.assert_identical(read_curve(path), dataset(plan()))
+
+
+def test_a_title_that_looks_like_a_checksum_does_no_harm(tmp_path: Path) -> None:
+    title = "sha256 of the file, with zeros for these digits: " + 64 * "0"
+    this = Plan(Grid(JOINT.replace(title=title), (Axis(FREQUENCY, [1.0]),)))
+    write_curve(dataset(this), tmp_path / "curve.nc")
+    xr.testing.assert_identical(read_curve(tmp_path / "curve.nc"), dataset(this))
+
+
+def test_a_file_of_an_older_lapjoint_is_said_to_be_one(tmp_path: Path) -> None:
+    found = dataset(plan()).assign_attrs(format_version=2)
+    found.to_netcdf(tmp_path / "curve.nc", engine="h5netcdf")
+    with pytest.raises(InputError, match=r"curve\.nc: has no checksum, as an older lapjoint wrote it; this one reads"):
+        read_curve(tmp_path / "curve.nc")
+
+
+@pytest.mark.parametrize("gone", ["impulse", "outcome", "contact_count"])
+def test_a_file_that_another_program_changed_is_refused(gone: str, tmp_path: Path) -> None:
+    write_curve(dataset(plan()), tmp_path / "curve.nc")
+    with xr.open_dataset(tmp_path / "curve.nc", engine="h5netcdf") as found:
+        found.drop_vars(gone).to_netcdf(tmp_path / "changed.nc", engine="h5netcdf")
+    with pytest.raises(InputError, match=r"changed\.nc: is damaged: its content does not fit its checksum"):
+        read_curve(tmp_path / "changed.nc")
 
 
 def test_a_curve_shows_every_stop_with_its_sign() -> None:

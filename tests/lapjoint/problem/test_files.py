@@ -31,6 +31,7 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
+from lapjoint.errors import OutputError
 from lapjoint.problem import AtRest
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
@@ -234,5 +235,5 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
     for name, reason in (("missing", "No such file"), (".", "directory"), ("binary", "UTF-8"), ("a\0b", "null")):
         with pytest.raises(InputError, match=reason):
             read_problem(f"{tmp_path}/{name}")
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(OutputError, match="cannot be written"):
         write_problem(paper_joint(), tmp_path / "no" / "such.toml")
