@@ -24,6 +24,7 @@ _MODULES = {
     "as-given": "as_given",
     "pinned-beam": "pinned_beam",
     "rigid-bar": "rigid_bar",
+    "balance": "balance",
     "ledger": "ledger",
     "textbook": "textbook",
     "table4": "table4",
