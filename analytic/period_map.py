@@ -16,6 +16,7 @@ from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
+from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -61,6 +62,7 @@ class PeriodMap:
         """The initial state of the problem."""
         return _section_point(started(self.joint))
 
+    @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
         """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         whole, half = divmod(half_periods, 2)
@@ -72,6 +74,7 @@ class PeriodMap:
             switches += int(np.count_nonzero(last.log.stop >= 0))
         return Passage(_section_point(end), self._impulses(penetration), switches)
 
+    @in_one_thread
     def history(self, start: SectionPoint, periods: int) -> History:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(_coordinates(start), [self.period] * periods, None)
@@ -138,6 +141,7 @@ class PeriodMap:
             matrix = np.concatenate([back @ matrix[:n], back @ matrix[n:]])
         return Linearised(_section_point(end), matrix, lambda: _segments(march(self.joint, begin, 0.0, duration)))
 
+    @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         found = measure_growth(self.joint, _coordinates(start), deviation, self.period, periods)

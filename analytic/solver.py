@@ -13,6 +13,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
+from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
@@ -81,8 +82,8 @@ class Solver:
     def refined(self, factor: float) -> Solver:
         """The same solver with more modes, or with a tighter criterion for their number.
 
-        The error falls with about the sixth power of the number of modes, so a criterion is tightened by
-        ``factor**6``.
+        The error falls with about the seventh power of the number of modes, so a criterion is tightened by
+        ``factor**7``.
 
         Parameters
         ----------
@@ -103,7 +104,7 @@ class Solver:
             n_modes=more(self.n_modes),
             free_modes=more(self.free_modes),
             contact_modes=more(self.contact_modes),
-            tolerance=min(max(self.tolerance / factor**6, 1e-9), 1e-1),
+            tolerance=min(max(self.tolerance / factor**7, 1e-9), 1e-1),
         )
 
     def mode_counts(self, problem: Problem) -> tuple[int, int]:
@@ -127,6 +128,7 @@ class Solver:
         assert common is not None or (self.free_modes is not None and self.contact_modes is not None)
         return self.free_modes or common or 0, self.contact_modes or common or 0
 
+    @in_one_thread
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
         """The lowest modes of a contact state, exact to rounding.
 
@@ -155,6 +157,7 @@ class Solver:
         found = exact_modes(problem, state, count)
         return Modes(state, found.omega, found.shapes)
 
+    @in_one_thread
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
         """The motion from the initial state.
 
@@ -185,6 +188,7 @@ class Solver:
 
         return answers.simulate(problem, self.name, self.mode_counts(problem), float(duration), progress)
 
+    @in_one_thread
     def steady_state(
         self,
         problem: Problem,

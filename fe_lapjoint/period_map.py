@@ -22,6 +22,7 @@ from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
+from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -69,6 +70,7 @@ class PeriodMap:
         state = initial_state(assembly)
         return self._section_point(state, initial_coordinates(assembly, self.model.system(state)))
 
+    @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
         """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         point, total, switches = start, np.zeros(len(self.problem.stops)), 0
@@ -79,6 +81,7 @@ class PeriodMap:
             switches += motion.switches
         return Passage(point, total, switches)
 
+    @in_one_thread
     def history(self, start: SectionPoint, periods: int) -> History:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(start, [self.period] * periods, None)
@@ -162,6 +165,7 @@ class PeriodMap:
         end = self._section_point(motion.state, motion.y)
         return Linearised(end, matrix, lambda: traced(model, motion, into))
 
+    @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         model, point, points, growth = self.model, start, [], np.zeros(periods)
@@ -209,7 +213,7 @@ class PeriodMap:
     def _settled(self, point: SectionPoint) -> SectionPoint:
         """The same displacements with the contact state that they imply."""
         model, assembly = self.model, self.model.assembly
-        z = np.array([point.coordinates[0, 2 * assembly.node(stop.x)] for stop in self.problem.stops])
+        z = assembly.stop_rows @ point.coordinates[0, assembly.free]
         depth = model.sign * z - model.gap
         unclear = np.abs(depth) <= _TOUCHING * np.maximum(model.gap, _TOUCHING)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]

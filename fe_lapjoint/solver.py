@@ -13,6 +13,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
+from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
@@ -96,6 +97,7 @@ class Solver:
 
         return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 
+    @in_one_thread
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
         """The lowest modes of a contact state on the mesh; frequencies converge from above, with order 4.
 
@@ -122,6 +124,7 @@ class Solver:
 
         return answers.modes(self, problem, state, count)
 
+    @in_one_thread
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
         """The motion from the initial state.
 
@@ -152,6 +155,7 @@ class Solver:
 
         return answers.simulate(self, problem, float(duration), progress)
 
+    @in_one_thread
     def steady_state(
         self,
         problem: Problem,

@@ -43,6 +43,14 @@ def test_a_package_imports_only_what_lies_below_it(package: str) -> None:
         assert ours <= ALLOWED[package], f"{file} imports {ours - ALLOWED[package]}"
 
 
+WITNESSES = ("rigid_bar.py", "dropped_cantilever.py", "pinned_beam.py")
+
+
+@pytest.mark.parametrize("witness", WITNESSES)
+def test_a_witness_shares_no_code_with_what_it_judges(witness: str) -> None:
+    assert not imported_packages(ROOT / "validation" / "references" / witness) & set(ALLOWED)
+
+
 @pytest.mark.parametrize("package", sorted(ALLOWED))
 def test_every_folder_says_what_it_is_for(package: str) -> None:
     folders = {file.parent for file in (ROOT / package).rglob("*.py")}

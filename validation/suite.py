@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
+    "as-given": "as_given",
+    "pinned-beam": "pinned_beam",
+    "rigid-bar": "rigid_bar",
     "ledger": "ledger",
     "textbook": "textbook",
     "table4": "table4",

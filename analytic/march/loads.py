@@ -97,7 +97,7 @@ def unit_loads(problem: Problem, state: ContactState, nodes: FloatArray) -> Load
     forces = np.zeros((len(uniform) + len(sines), nodes.size))
 
     def node(x: float) -> int:
-        return int(np.searchsorted(nodes, x))
+        return int(np.argmin(np.abs(nodes - x)))  # nodes are (x / L) L: a rounding from x, on either side
 
     for i in state.closed:
         stop = problem.stops[i]

@@ -6,8 +6,9 @@ On every span a function is
 
 with anchors a_j at the end of the span where the exponential is largest, so that no term exceeds its coefficient.
 A mode (12) has mu = i beta, -beta and +beta; a foundation shape (see `analytic.modes.static_residual`) has
-mu = gamma (-1 + i) and gamma (1 + i); a rigid-body mode has the polynomial only.  All inner products are integrals
-of exponentials: closed form, no quadrature, no grid.
+mu = gamma (-1 + i) and gamma (1 + i); a rigid-body mode has the polynomial only.  All inner products are closed
+form, no quadrature, no grid: boundary terms, as all exponentials of a function have one mu^4; or, where the mu^4 of two
+functions are close, integrals of exponentials.
 """
 
 from __future__ import annotations
@@ -20,6 +21,10 @@ import numpy.typing as npt
 from lapjoint.problem import FloatArray
 
 ComplexArray = npt.NDArray[np.complex128]
+IntArray = npt.NDArray[np.int64]
+
+_NEAR = 0.02
+"""Of mu^4: functions that differ by less are multiplied term by term, as boundary terms would lose two digits."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +83,22 @@ class BeamFunctions:
         BeamFunctions
             `count` functions.
         """
-        return BeamFunctions(self.nodes, self.mu[:count], self.right, self.c[:count], self.p[:count])
+        return self.chosen(slice(count))
+
+    def chosen(self, which: IntArray | slice) -> BeamFunctions:
+        """Some functions of the family.
+
+        Parameters
+        ----------
+        which : IntArray, shape (m,), or slice
+            Their indices.
+
+        Returns
+        -------
+        BeamFunctions
+            Those functions.
+        """
+        return BeamFunctions(self.nodes, self.mu[which], self.right, self.c[which], self.p[which])
 
     def mixed(self, matrix: FloatArray) -> BeamFunctions:
         """Combinations ``matrix @ functions`` of functions whose exponents are the same.
@@ -138,24 +158,73 @@ def gram(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
     FloatArray, shape (n_f, n_g)
         In the product of the units of the functions, times m.
     """
-    total = np.zeros((f.mu.shape[0], g.mu.shape[0]))
+    a, b = _fourth_powers(f)[:, None], _fourth_powers(g)[None, :]
+    near = np.abs(a - b) <= _NEAR * np.maximum(np.abs(a), np.abs(b))
+    total = np.where(near, 0.0, _boundary_terms(f, g) / np.where(near, 1.0, a - b))
+    rows, columns = np.nonzero(near)
+    total[rows, columns] = _waves_waves(f, rows, g, columns)
     for s in range(f.nodes.size - 1):
-        total += _waves_waves(f, g, s) + _waves_polynomials(f, g, s)
-        total += _waves_polynomials(g, f, s).T + _polynomials(f, g, s)
+        _add_polynomials(total, f, g, s)
     return total
 
 
-def _waves_waves(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
-    """The share of the exponentials of both, on span `s`: Re u Re v = Re (u v + u conj v) / 2."""
-    total = np.zeros((f.mu.shape[0], g.mu.shape[0]))
-    x0, x1 = f.nodes[s], f.nodes[s + 1]
-    for j in range(f.mu.shape[1]):
-        for k in range(g.mu.shape[1]):
-            a, b = (x1 if f.right[j] else x0), (x1 if g.right[k] else x0)
-            mu, nu = f.mu[:, j, None], g.mu[None, :, k]
-            u, v = f.c[:, s, j, None], g.c[None, :, s, k]
-            total += 0.5 * (u * v * _exponential_integral(mu, nu, a, b, x0, x1)).real
-            total += 0.5 * (u * v.conj() * _exponential_integral(mu, nu.conj(), a, b, x0, x1)).real
+def squares(f: BeamFunctions) -> FloatArray:
+    """Integrals of ``f_i^2`` over the beam: the diagonal of `gram`, without the rest of it.
+
+    Parameters
+    ----------
+    f : BeamFunctions
+        ``n`` functions.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        In the square of the unit of the functions, times m.
+    """
+    every = np.arange(f.mu.shape[0])
+    total = _waves_waves(f, every, f, every)
+    for i in np.flatnonzero(f.p.any(axis=(1, 2))):
+        one = f.chosen(np.array([i]))
+        total[i] = gram(one, one)[0, 0]
+    return total
+
+
+def _fourth_powers(f: BeamFunctions) -> FloatArray:
+    """mu^4 of each function, 1/m4, which all its exponentials share, shape ``(n,)``."""
+    return np.asarray((f.mu[:, :1] ** 4).real.sum(axis=1))
+
+
+def _boundary_terms(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
+    """(a - b) times the integral of f g, of the exponentials alone, where f = a f and g = b g; ``(n_f, n_g)``.
+
+    By parts, on every span, it is f''' g - f'' g' + f' g'' - f g''' at its right end less that at its left one.
+    """
+    ends_f, ends_g = _waves_at_ends(f), _waves_at_ends(g)
+    signs = np.array([1.0, -1.0, 1.0, -1.0])[:, None, None] * np.array([-1.0, 1.0])  # (d, span, end)
+    turned = (ends_f[:, ::-1] * signs).reshape(ends_f.shape[0], -1)
+    return np.asarray(turned @ ends_g.reshape(ends_g.shape[0], -1).T)
+
+
+def _waves_at_ends(f: BeamFunctions) -> FloatArray:
+    """Derivatives 0 to 3 of the exponentials at both ends of each span, shape ``(n, 4, S, 2)``."""
+    x = np.stack([f.nodes[:-1], f.nodes[1:]], axis=1)
+    anchor = np.where(f.right[:, None], f.nodes[1:], f.nodes[:-1]).T  # (S, J)
+    waves = f.c[:, :, None, :] * np.exp(f.mu[:, None, None, :] * (x[:, :, None] - anchor[:, None, :]))
+    powers = f.mu[:, None, :] ** np.arange(4)[:, None]
+    return np.asarray(np.einsum("nseJ,ndJ->ndse", waves, powers).real)
+
+
+def _waves_waves(f: BeamFunctions, rows: IntArray, g: BeamFunctions, columns: IntArray) -> FloatArray:
+    """The share of the exponentials of pairs of functions: Re u Re v = Re (u v + u conj v) / 2, shape ``(pairs,)``."""
+    total = np.zeros(rows.size)
+    for s in range(f.nodes.size - 1):
+        x0, x1 = f.nodes[s], f.nodes[s + 1]
+        for j in range(f.mu.shape[1]):
+            for k in range(g.mu.shape[1]):
+                a, b = (x1 if f.right[j] else x0), (x1 if g.right[k] else x0)
+                mu, nu, u, v = f.mu[rows, j], g.mu[columns, k], f.c[rows, s, j], g.c[columns, s, k]
+                total += 0.5 * (u * v * _exponential_integral(mu, nu, a, b, x0, x1)).real
+                total += 0.5 * (u * v.conj() * _exponential_integral(mu, nu.conj(), a, b, x0, x1)).real
     return total
 
 
@@ -173,23 +242,31 @@ def _exponential_integral(mu: ComplexArray, nu: ComplexArray, a: float, b: float
     )
 
 
+def _add_polynomials(total: FloatArray, f: BeamFunctions, g: BeamFunctions, s: int) -> None:
+    """Add the share of the polynomials on span `s`, which few functions have, to `total`, shape ``(n_f, n_g)``."""
+    in_f, in_g = np.flatnonzero(f.p[:, s].any(axis=1)), np.flatnonzero(g.p[:, s].any(axis=1))
+    if in_g.size:
+        total[:, in_g] += _waves_polynomials(f, g.chosen(in_g), s)
+    if in_f.size:
+        total[in_f] += _waves_polynomials(g, f.chosen(in_f), s).T
+    if in_f.size and in_g.size:
+        total[np.ix_(in_f, in_g)] += _polynomials(f.chosen(in_f), g.chosen(in_g), s)
+
+
 def _waves_polynomials(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
     """The share of the exponentials of `f` and the polynomials of `g`, on span `s`."""
     total = np.zeros((f.mu.shape[0], g.mu.shape[0]))
-    if not g.p[:, s].any():
-        return total
     x0, x1 = f.nodes[s], f.nodes[s + 1]
     p0, p1 = g.p[None, :, s, 0], g.p[None, :, s, 1]
     for j in range(f.mu.shape[1]):
-        mu = f.mu[:, j, None]
-        anchor = x1 if f.right[j] else x0
-        mu_ = np.where(mu == 0, 1, mu)  # a rigid-body mode has no exponentials: its coefficients are zero
+        waves = f.mu[:, j] != 0  # a rigid-body mode has none
+        mu, anchor = f.mu[waves, j, None], x1 if f.right[j] else x0
 
-        def antiderivative(x: float, mu_: ComplexArray = mu_, anchor: float = anchor) -> ComplexArray:
-            wave: ComplexArray = np.exp(mu_ * (x - anchor)) * ((p0 + p1 * x) / mu_ - p1 / mu_**2)
+        def antiderivative(x: float, mu: ComplexArray = mu, anchor: float = anchor) -> ComplexArray:
+            wave: ComplexArray = np.exp(mu * (x - anchor)) * ((p0 + p1 * x) / mu - p1 / mu**2)
             return wave
 
-        total += (f.c[:, s, j, None] * (antiderivative(x1) - antiderivative(x0))).real
+        total[waves] += (f.c[waves, s, j, None] * (antiderivative(x1) - antiderivative(x0))).real
     return total
 
 

@@ -26,7 +26,9 @@ x = 0, and the frequencies are the roots of F after the springs at x = L.
 The count.  sign F = (-1)^J, where J is the number of frequencies below the trial value.  Releasing one constraint
 raises J by 0 or 1 (Rayleigh), and the two signs tell which.  Starting from the beam that is clamped at every node,
 whose J is a sum over clamped-clamped spans in closed form, and releasing one constraint after another, J follows
-with certainty: the Wittrick-Williams algorithm with signs in place of a factorisation.
+with certainty: the Wittrick-Williams algorithm with signs in place of a factorisation.  Nodes are released from the
+root to the tip; what lies beyond the next, clamped node gives F the same factor before and after, so each release costs
+one span.
 
 Lengths are divided by L here, so that z = beta L is the unknown.
 """
@@ -43,6 +45,7 @@ from scipy.optimize import elementwise
 from lapjoint.problem import FloatArray, Problem
 
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 
 _SERIES_BELOW = 1.0  # z length: below it the two differences that cancel are summed as series; 8 terms give 1e-20
 
@@ -138,12 +141,14 @@ def characteristic(layout: Layout, z: FloatArray) -> FloatArray:
     for i, length in enumerate([*layout.spans, None]):
         minors = _through_springs(minors, layout.translational[i], layout.torsional[i])
         if length is not None:
-            minors = _through_span(minors, z, float(length))
+            minors = _through_span(minors, z, _span_functions(z, float(length)))
     return minors[4]
 
 
 Minors = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """A, B, C, D and F at a position, each of shape ``(n,)``."""
+SpanFunctions = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""What takes the minors over a span, each of shape ``(n,)``; see `_span_functions`."""
 
 
 def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
@@ -164,13 +169,13 @@ def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
     return A, B, C, D, F
 
 
-def _through_span(minors: Minors, z: FloatArray, length: float) -> Minors:
-    """The minors at the right end of a span from those at its left end; `length` is over L."""
+def _through_span(minors: Minors, z: FloatArray, span: SpanFunctions) -> Minors:
+    """The minors at the right end of a span from those at its left end."""
     A, B, C, D, F = minors
     b4 = z**4
-    half, g0, g1, g2, g3, g4 = _minor_functions(z, length)
+    half, g0, g1, g2, g3, g4 = span
     return (
-        half * A + g1 * B + 2 * (g2 * C + g3 * D + g4 * F),
+        _at_next_node(minors, span),
         -2 * b4 * g3 * A + g0 * B + 2 * (g1 * C + g2 * D + g3 * F),
         -b4 * (g2 * A + 2 * g3 * B) + g0 * C + g1 * D + g2 * F,
         -b4 * (g1 * A + 2 * g2 * B + 4 * g3 * C) + g0 * D + g1 * F,
@@ -178,8 +183,15 @@ def _through_span(minors: Minors, z: FloatArray, length: float) -> Minors:
     )
 
 
-def _minor_functions(z: FloatArray, length: float) -> tuple[FloatArray, ...]:
-    """(1 + cos cosh)/2 and g0 ... g4, each over exp(z length).
+def _at_next_node(minors: Minors, span: SpanFunctions) -> FloatArray:
+    """The minor A at the right end of a span from those at its left end."""
+    A, B, C, D, F = minors
+    half, _, g1, g2, g3, g4 = span
+    return half * A + g1 * B + 2 * (g2 * C + g3 * D + g4 * F)
+
+
+def _span_functions(z: FloatArray, length: float) -> SpanFunctions:
+    """(1 + cos cosh)/2 and g0 ... g4, each over exp(z length); `length` is over L.
 
     g0 ... g3 solve g'''' = -4 z^4 g with one unit derivative at 0; g4 answers a unit right-hand side.
     """
@@ -228,24 +240,33 @@ def count_below(layout: Layout, z: FloatArray) -> IntArray:
     IntArray, shape (n,)
         The numbers.
     """
-    nodes = layout.x.size
-    translational, torsional = np.full(nodes, np.inf), np.full(nodes, np.inf)
     count = sum((_clamped_span_count(z * length) for length in layout.spans), np.zeros(z.shape, dtype=int))
-    positive = np.prod([_clamped_span_sign(z * length) for length in layout.spans], axis=0) > 0
-    for constrained, actual in ((torsional, layout.torsional), (translational, layout.translational)):
-        for node in range(nodes):
-            if math.isinf(actual[node]):
-                continue
-            constrained[node] = actual[node]
-            now_positive = characteristic(Layout(layout.x, translational, torsional), z) >= 0
+    zero = np.zeros_like(z)
+    minors: Minors = (np.ones_like(z), zero, zero, zero, zero)
+    for i, (kappa, kappa_t) in enumerate(zip(layout.translational, layout.torsional, strict=True)):
+        # Left of the node all springs act, right of it every node is clamped: that part of F is the same in all three.
+        span = None if i == layout.spans.size else _span_functions(z, float(layout.spans[i]))
+        positive = _clamped_after(minors, np.inf, np.inf, z, span)
+        for translational in (np.inf, kappa):
+            now_positive = _clamped_after(minors, translational, kappa_t, z, span)
             count = count + (now_positive != positive)
             positive = now_positive
+        if span is not None:
+            minors = _through_span(_through_springs(minors, kappa, kappa_t), z, span)
     return np.asarray(count)
+
+
+def _clamped_after(
+    minors: Minors, kappa: float, kappa_t: float, z: FloatArray, span: SpanFunctions | None
+) -> BoolArray:
+    """Whether F is positive with these springs at a node and the next node clamped, or no next node; ``(n,)``."""
+    after = _through_springs(minors, kappa, kappa_t)
+    return np.asarray((after[4] if span is None else _at_next_node(after, span)) >= 0)
 
 
 def _clamped_span_sign(s: FloatArray) -> FloatArray:
     """Sign of the clamped-clamped characteristic 1 - cos s cosh s."""
-    return np.where(_minor_functions(s, 1.0)[5] >= 0, 1.0, -1.0)
+    return np.where(_span_functions(s, 1.0)[5] >= 0, 1.0, -1.0)
 
 
 def _clamped_span_count(s: FloatArray) -> IntArray:

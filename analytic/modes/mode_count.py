@@ -1,14 +1,24 @@
 r"""How many modes are enough: a criterion, evaluated for the problem at hand.
 
 With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  What remains
-in error is their inertia: relative to the force of a closed stop,
+in error is their inertia: relative to the force of a closed stop of stiffness k,
 
     e_N = k sum_{i > N} Phi_i(x_stop)^2 / omega_i^2 . (omega_c / omega_N)^2
 
 The first factor is the share of the left-out modes in the compliance that the stop feels, the second the inertia
-neglected at the fastest frequency omega_c that drives the contact: the excitation, or the lowest elastic frequency
-with every stop closed that can be.  Measured on the paper's joint from 515 to 5000 rad/s with 14 to 40 modes, the
-steady impulses change by 0.1 to 3 e_N when the number of modes is raised further (tests/analytic/test_steady_state.py).
+neglected at the fastest frequency omega_c that drives the contact.  That is the excitation's, the lowest elastic one
+with the stops closed, or the contact's own: a beam that meets a stop with the speed v takes the modal speeds
+k Phi_i v / omega_i^2 from it, so the modes left out of the contact lack the force k^2 v sum Phi_i^2 sin(omega_i t) /
+omega_i^3, whose impulse, over that of the impact, is e_N with
+
+    omega_c^2 = 4 k c / M,
+
+as Phi^2 is at most 4 / M, M being the beam's mass.  So e_N falls as k^2 N^-7.  That is for one impact; an error goes on
+into the next ones, and c is 3.  Where damping is viscous or none, so that no modal ratio damps the modes left out
+before the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's
+motion Y the beam is more pressed than thrown against a stop: there c is the ratio of the two impulses, 2 sqrt(g / Y)
+with half the room for g, if that is below 3.  Both constants are measured, on random joints of one to four stops
+anywhere, 1 to 1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
 
 A step load excites every mode at once, and inertia does not help: the share of the left-out modes in the
 compliance at the load, sum_{i > N} Phi_i^2 / omega_i^2 over the sum of all, has to be small by itself.
@@ -18,6 +28,7 @@ An initial shape that is not straight and still also asks that the modes hold al
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -27,11 +38,14 @@ from analytic.march.initial_state import initial_coordinates
 from analytic.march.loads import harmonics_of
 from analytic.march.modal_state import Family, family_of
 from analytic.modes.normal_modes import NormalModes, exact_modes
-from lapjoint.answers.contact_state import FREE, contact_states
-from lapjoint.problem import AtRest, FloatArray, Problem, StepLoad
+from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, StepLoad, Stop
 
 LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
+_IMPACTS, _RINGING = 3.0, 2.0
+"""c of free impacts, and its factor where the modes left out ring on to the next one; see the module's head."""
+_DAMPED = 1e-3  # modal damping ratio from which they do not, without unit: the least of the problems measured
 _SHAPE_REMAINDER = 1e-3
 """Largest share of an initial shape, in the norm of its coordinates, that the modes may leave out."""
 
@@ -75,8 +89,43 @@ def truncation_error(problem: Problem, pool: int) -> FloatArray:
         e_N for N = 1 ... pool - 1, without unit.
     """
     parts = _parts(family_of(problem), pool)
-    fastest = max([parts.elastic, *harmonics_of(problem).omega])
-    return np.asarray(np.maximum(parts.inert * fastest**2, parts.steps))
+    driven = max([parts.elastic, *harmonics_of(problem).omega]) ** 2
+    error = np.maximum(parts.steps, driven * parts.loads)
+    for stop, share in zip(problem.stops, parts.contacts, strict=True):
+        error = np.maximum(error, max(driven, _contact_square(problem, stop)) * share)
+    return np.asarray(error)
+
+
+def most_closed(problem: Problem) -> ContactState:
+    """The contact state with the stiffer side's stops closed at every position.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    ContactState
+        Stops on both sides of one position are never closed together.
+    """
+    sides: dict[float, dict[str, float]] = {}
+    for stop in problem.stops:
+        here = sides.setdefault(stop.x, {})
+        here[stop.side] = here.get(stop.side, 0.0) + stop.stiffness
+    stiffer = {x: max(here, key=lambda side: (here[side], side)) for x, here in sides.items()}
+    return ContactState(tuple(i for i, stop in enumerate(problem.stops) if stop.side == stiffer[stop.x]))
+
+
+def _contact_square(problem: Problem, stop: Stop) -> float:
+    """omega_c^2 of a contact's own, (rad/s)^2."""
+    damping = problem.damping
+    damped = isinstance(damping, ModalDamping) and damping.ratios(MOST + 1)[-1] >= _DAMPED
+    c, base = _IMPACTS, problem.base_motion
+    opposite = [other.gap for other in problem.stops if other.x == stop.x and other.side != stop.side]
+    if opposite and base is not None and base.amplitude > 0 and not problem.point_loads:
+        c = min(c, 2 * math.sqrt((stop.gap + min(opposite)) / 2 / base.amplitude))
+    return 4 * c * (1.0 if damped else _RINGING) * stop.stiffness / (problem.beam.m * problem.beam.length)
 
 
 @dataclass(frozen=True)
@@ -84,9 +133,11 @@ class _Parts:
     """What the criterion needs apart from the excitation."""
 
     elastic: float
-    """The lowest elastic frequency with every stop closed that can be, rad/s."""
-    inert: FloatArray
-    """e_N over the square of the fastest frequency, s^2, shape ``(pool - 1,)``."""
+    """The lowest elastic frequency with the stops closed, rad/s."""
+    contacts: FloatArray
+    """e_N over omega_c^2 of each stop, s^2, shape ``(stops, pool - 1)``."""
+    loads: FloatArray
+    """e_N over the square of the fastest frequency of what answers the loads, s^2, shape ``(pool - 1,)``."""
     steps: FloatArray
     """The error of step loads, shape ``(pool - 1,)``."""
 
@@ -94,29 +145,30 @@ class _Parts:
 @lru_cache(maxsize=32)
 def _parts(family: Family, pool: int) -> _Parts:
     problem = family.problem
-    both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, contact_states(problem)[-1]))]
+    both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
     elastic = both[-1].omega[both[-1].omega > 0]
+    # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
+    least = np.arange(1, pool, dtype=float) ** -4
     return _Parts(
         elastic=float(elastic[0]),
-        inert=np.max([_inert(problem, modes) for modes in both], axis=0),
+        contacts=np.max([_over_square(modes, _shares(problem, modes)) for modes in both], axis=0),
+        loads=np.max([_over_square(modes, least) for modes in both], axis=0),
         steps=np.max([_steps(problem, modes) for modes in both], axis=0),
     )
 
 
-def _inert(problem: Problem, modes: NormalModes) -> FloatArray:
-    """e_N over the square of the fastest frequency, s^2, of one state, shape ``(modes - 1,)``."""
+def _shares(problem: Problem, modes: NormalModes) -> FloatArray:
+    """k sum_{i > N} Phi_i^2 / omega_i^2 at each stop, without unit, of one state, shape ``(stops, modes - 1)``."""
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
-    shares = [np.zeros(omega.size)]
-    for stop in problem.stops:
-        share = stop.stiffness * modes.shapes(np.array([stop.x]))[:, 0] ** 2 / omega**2
-        shares.append(share)
-    left_out = np.max([share[::-1].cumsum()[::-1] for share in shares], axis=0)[1:]
-    # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
-    least = np.arange(1, omega.size, dtype=float) ** -4
-    square = np.where(modes.omega[:-1] > 0, omega[:-1], 0.0) ** 2  # rigid-body modes are never left out
-    return np.asarray(
-        np.divide(np.maximum(left_out, least), square, out=np.full(square.size, np.inf), where=square > 0)
-    )
+    stiffness = np.array([stop.stiffness for stop in problem.stops])
+    share = stiffness[:, None] * modes.shapes(np.array([stop.x for stop in problem.stops])).T ** 2 / omega**2
+    return np.asarray(share[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:])
+
+
+def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
+    """Shares, ``(..., modes - 1)``, over omega_N^2, s^2; infinite for rigid-body modes, which are never left out."""
+    square = modes.omega[:-1] ** 2
+    return np.asarray(np.divide(share, square, out=np.full(share.shape, np.inf), where=square > 0))
 
 
 def _steps(problem: Problem, modes: NormalModes) -> FloatArray:

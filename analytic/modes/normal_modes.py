@@ -20,13 +20,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.modes.beam_functions import BeamFunctions, gram
+from analytic.modes.beam_functions import BeamFunctions, gram, squares
 from analytic.modes.boundary_conditions import boundary_matrix, mode_waves
 from analytic.modes.characteristic_equation import Layout, frequencies, layout_of
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem
 
 _POOL = 40  # least number of modes computed at once; doubled until it is enough
+_TWIN = 1e-9  # relative distance of roots below which they are one root to the boundary matrix
 _CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are made orthogonal
 
 
@@ -107,7 +108,7 @@ def _exact_modes(
     rigid = int(np.count_nonzero(z == 0))
     elastic = _elastic_shapes(layout, z[rigid:], L)
     shapes = _joined(_rigid_shapes(layout, rigid, L), elastic)
-    norm = 1 / np.sqrt(beam.m * np.diag(gram(shapes, shapes)))  # (16), (17)
+    norm = 1 / np.sqrt(beam.m * squares(shapes))  # (16), (17)
     shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
     shapes = shapes.scaled(np.where(_at_tip(shapes, z / L) < 0, -1.0, 1.0))
     return NormalModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
@@ -125,12 +126,32 @@ def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:
     waves, spans = mode_waves(z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
-        _, _, vh = np.linalg.svd(boundary_matrix(layout, waves))
-        amplitudes = vh[:, -1, :]
+        matrix = boundary_matrix(layout, waves)
+        amplitudes = _null_vectors(matrix)
         # Roots that coincide to rounding share a null space of two dimensions: take one vector each.
-        twin = np.flatnonzero(np.diff(z) < 1e-9 * z[1:])
-        amplitudes[twin], amplitudes[twin + 1] = vh[twin, -2, :], vh[twin, -1, :]
+        twin = np.flatnonzero(np.diff(z) < _TWIN * z[1:])
+        if twin.size:
+            vh = np.linalg.svd(matrix[twin])[2]
+            amplitudes[twin], amplitudes[twin + 1] = vh[:, -2], vh[:, -1]
     return waves.functions(layout.x * L, amplitudes.reshape(z.size, spans, 4), L)
+
+
+def _null_vectors(matrix: FloatArray) -> FloatArray:
+    """The null vector of each of ``n`` matrices that are singular to rounding, ``(n, m, m)``; gives ``(n, m)``."""
+    m = matrix.shape[1]
+    start = np.broadcast_to(np.cos(np.arange(m))[:, None], (*matrix.shape[:2], 1))
+    # A matrix that is singular to the last bit cannot be solved with; another, equal to rounding, can.
+    for wobble in (0.0, 8 * np.finfo(float).eps, 64 * np.finfo(float).eps):
+        near = matrix * (1 + wobble * np.cos(np.arange(m * m).reshape(m, m))) if wobble else matrix
+        try:
+            # (A' A)^-1 of any vector: inverse iteration, and one step is enough, as the ratio of the two least singular
+            # values enters squared: it is 1e-16 to 1e-7 where there are no twins.
+            left = np.linalg.solve(near.transpose(0, 2, 1), start)
+            found = np.linalg.solve(near, left / np.abs(left).max(axis=1, keepdims=True))[:, :, 0]
+        except np.linalg.LinAlgError:
+            continue
+        return np.asarray(found / np.sqrt((found**2).sum(axis=1, keepdims=True)))
+    return np.asarray(np.linalg.svd(matrix)[2][:, -1])
 
 
 def _rigid_shapes(layout: Layout, rigid: int, L: float) -> FloatArray:
@@ -164,7 +185,7 @@ def _orthogonal_clusters(shapes: BeamFunctions, z: FloatArray, m: float) -> Beam
     c = shapes.c.copy()
     for cluster in np.split(close, np.flatnonzero(np.diff(close) > 1) + 1):
         members = np.arange(cluster[0], cluster[-1] + 2)
-        one = BeamFunctions(shapes.nodes, shapes.mu[members], shapes.right, shapes.c[members], shapes.p[members])
+        one = shapes.chosen(members)
         values, vectors = np.linalg.eigh(m * gram(one, one))
         # The exponents of the members agree to 1e-6 of themselves or better; exchanging them changes the
         # shapes by no more than their own uncertainty within the cluster.

@@ -43,6 +43,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
+from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
@@ -114,6 +115,7 @@ class PublishedScheme:
         free, contact = (math.ceil(count * factor) for count in (self.free_modes, self.contact_modes))
         return replace(self, free_modes=free, contact_modes=contact)
 
+    @in_one_thread
     def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
         """The lowest modes of a contact state, exact to rounding.
 
@@ -138,6 +140,7 @@ class PublishedScheme:
         """
         return Solver().modes(problem, state, count)
 
+    @in_one_thread
     def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
         """The motion from the initial state.
 
@@ -174,6 +177,7 @@ class PublishedScheme:
         motion = march_published(joint, begin, float(duration), shortest=self.shortest, progress=progress)
         return history_of(self.name, motion)
 
+    @in_one_thread
     def steady_state(
         self,
         problem: Problem,

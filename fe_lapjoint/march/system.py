@@ -271,17 +271,16 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.stops[k]
-        f0 += stop.sign * stop.stiffness * stop.gap * assembly.unit_force(stop.x)
+        f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
     for step in steps:
-        f0 += step.force * assembly.unit_force(step.x)
-    columns = [load.force * assembly.unit_force(load.x) for load in sines]
+        f0 += step.force * assembly.reading(step.x)
+    columns = [load.force * assembly.reading(load.x) for load in sines]
     driven, phase = ([load.angular_frequency for load in sines], [load.phase for load in sines])
     if base is not None:
         acceleration = base.amplitude * base.angular_frequency**2
         columns.append(problem.beam.m * acceleration * assembly.uniform_load)
         driven.append(base.angular_frequency)
         phase.append(base.phase)
-    rows = [assembly.unit_force(stop.x) for stop in problem.stops]
     return System(
         state=state,
         omega=omega,
@@ -291,8 +290,8 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         harmonic=vectors.T @ np.array(columns).reshape(len(columns), omega.size).T,
         driven=np.array(driven),
         phase=np.array(phase),
-        stops=np.array(rows).reshape(len(rows), omega.size) @ vectors,
-        positions=np.array([stop.x for stop in problem.stops], dtype=float),
+        stops=assembly.stop_rows @ vectors,
+        positions=np.array([assembly.place(stop.x) for stop in problem.stops], dtype=float),
     )
 
 

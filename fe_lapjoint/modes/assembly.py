@@ -19,6 +19,7 @@ import numpy.typing as npt
 from skfem import Basis, BilinearForm, ElementLineHermite, LinearForm, MeshLine
 from skfem.helpers import dd, ddot
 
+from fe_lapjoint.modes.mesh import SAME
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
@@ -49,6 +50,10 @@ def unit_element() -> tuple[FloatArray, FloatArray, FloatArray]:
     pick = np.ix_(order, order)
     K, M = (form.assemble(basis).toarray()[pick] for form in (bending, inertia))
     return K, M, uniform.assemble(basis)[order]
+
+
+_HELD = 1e-9
+"""Of a unit motion: supports that resist a rigid-body motion by less do not resist it; see also `mesh.CLOSE`."""
 
 
 @dataclass(frozen=True)
@@ -111,37 +116,62 @@ class Assembly:
         return np.array([i for i in range(2 * self.nodes.size) if i not in fixed], dtype=int)
 
     def node(self, x: float) -> int:
-        """Index of the node at a position.
+        """Index of the node nearest to a position.
 
         Parameters
         ----------
         x : float
-            The position, m, which has a node.
+            The position, m.
 
         Returns
         -------
         int
             Its index.
         """
-        return int(np.searchsorted(self.nodes, x))
+        return int(np.argmin(np.abs(self.nodes - x)))
 
-    def unit_force(self, x: float) -> FloatArray:
-        """Load vector of a unit force at a node; also the row that reads z there.
+    def place(self, x: float) -> float:
+        """A position, or that of the node which only rounding parts from it.
 
         Parameters
         ----------
         x : float
-            The position of the node, m.
+            The position, m.
+
+        Returns
+        -------
+        float
+            The place, m.
+        """
+        near = float(self.nodes[self.node(x)])
+        return near if abs(near - x) <= SAME * self.problem.beam.length else x
+
+    def reading(self, x: float, derivative: int = 0) -> FloatArray:
+        """The row that reads z or L z_x at a position; also the load vector of a unit force there, or couple over L.
+
+        Parameters
+        ----------
+        x : float
+            The position, m.
+        derivative : int
+            0 for z, 1 for L z_x.
 
         Returns
         -------
         FloatArray, shape (n,)
-            1 at the displacement of the node, 0 elsewhere.
+            Without unit; at a node it is 1 for one degree of freedom, 0 for the others.
         """
-        return np.asarray((self.free == 2 * self.node(x)).astype(float))
+        row = self.shapes(np.array([self.place(x)]), derivative)[0]
+        return np.asarray(row * self.problem.beam.length**derivative)
 
-    def springs(self, state: ContactState) -> FloatArray:
-        """Finite supports and closed stops on the diagonal of the stiffness.
+    @cached_property
+    def stop_rows(self) -> FloatArray:
+        """Rows that read z at the stops, without unit, shape ``(P, n)``."""
+        rows = [self.reading(stop.x) for stop in self.problem.stops]
+        return np.array(rows).reshape(len(rows), self.free.size)
+
+    def springs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
+        """Finite supports and closed stops, one row each: their energy is half of ``k @ (rows @ u)**2``.
 
         Parameters
         ----------
@@ -150,20 +180,20 @@ class Assembly:
 
         Returns
         -------
-        FloatArray, shape (n,)
-            N/m.
+        rows : FloatArray, shape (s, n)
+            What each spring feels, z or L z_x, without unit.
+        k : FloatArray, shape (s,)
+            Stiffnesses, N/m; of torsional springs over L^2.
         """
-        diagonal = np.zeros(2 * self.nodes.size)
+        L, found = self.problem.beam.length, []
         for support in self.problem.supports:
-            i = 2 * self.node(support.x)
-            if math.isfinite(support.translational):
-                diagonal[i] += support.translational
-            if math.isfinite(support.torsional):
-                diagonal[i + 1] += support.torsional / self.problem.beam.length**2
-        for k in state.closed:
-            stop = self.problem.stops[k]
-            diagonal[2 * self.node(stop.x)] += stop.stiffness
-        return np.asarray(diagonal[self.free])
+            if 0 < support.translational < math.inf:
+                found.append((self.reading(support.x), support.translational))
+            if 0 < support.torsional < math.inf:
+                found.append((self.reading(support.x, 1), support.torsional / L**2))
+        found += [(self.stop_rows[k], self.problem.stops[k].stiffness) for k in state.closed]
+        rows = np.array([row for row, _ in found]).reshape(len(found), self.free.size)
+        return rows, np.array([k for _, k in found], dtype=float)
 
     def stiffness(self, state: ContactState) -> FloatArray:
         """Stiffness with the finite supports and the closed stops as springs.
@@ -178,7 +208,21 @@ class Assembly:
         FloatArray, shape (n, n)
             N/m.
         """
-        return np.asarray(self._matrices[0][np.ix_(self.free, self.free)] + np.diag(self.springs(state)))
+        rows, k = self.springs(state)
+        return np.asarray(self._matrices[0][np.ix_(self.free, self.free)] + rows.T @ (k[:, None] * rows))
+
+    @cached_property
+    def rigid_motions(self) -> FloatArray:
+        """The motions as a rigid body that fixed supports allow, mass-normalised, kg^-1/2, shape ``(n, 0 to 2)``."""
+        full = np.zeros((2 * self.nodes.size, 2))
+        full[::2, 0] = 1.0
+        full[::2, 1] = self.nodes / self.problem.beam.length - 0.5
+        full[1::2, 1] = 1.0
+        fixed = np.delete(full, self.free, axis=0)
+        _, size, directions = np.linalg.svd(np.vstack([fixed, np.zeros((2, 2))]))
+        motions = full[self.free] @ directions[size <= _HELD].T
+        factor = np.linalg.cholesky(motions.T @ self.mass @ motions)
+        return np.asarray(np.linalg.solve(factor, motions.T).T)
 
     def rigid_modes(self, state: ContactState) -> int:
         """Number of rigid-body modes that supports and closed stops leave.
@@ -197,7 +241,7 @@ class Assembly:
         rows = [(1.0, s.x / L) for s in supports if s.translational > 0]
         rows += [(0.0, 1.0) for s in supports if s.torsional > 0]
         rows += [(1.0, self.problem.stops[k].x / L) for k in state.closed]
-        return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=1e-9)) if rows else 2
+        return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2
 
     def shapes(self, x: FloatArray, derivative: int) -> FloatArray:
         """Rows that give z or an x-derivative of z from the free degrees of freedom.

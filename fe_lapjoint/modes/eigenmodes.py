@@ -11,7 +11,10 @@ from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem, Stop, Support
 
-_SOFT = 1e-3  # of EI / m L^4: if the lowest omega^2 is below this, K is nearly singular and is shifted
+_SOFT = 0.1
+"""Of EI / m L^4: where springs hold a rigid-body motion with an omega^2 below this, it is a soft mode."""
+_ROUNDS = 4
+"""Iterations for a soft mode; each multiplies its error by (omega^2 / that of bending)^2, at most 1e-4."""
 
 
 def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, FloatArray]:
@@ -47,15 +50,23 @@ def _eigenmodes(
 
     Two dense solutions are joined, because each is poor where the other is good: the inverted problem
     M v = mu (K + sigma M) v keeps the digits of the low modes, K v = omega^2 M v those of the high ones.  sigma is
-    zero unless the beam can nearly move as a rigid body.  The joined basis is orthonormalised, so that a change of
-    state loses nothing, and the frequencies are Rayleigh quotients.  Rigid-body modes are counted, not detected.
+    zero unless the beam can move as a rigid body, or soft springs alone hold it: then `_soft` gives these modes.  The
+    basis is orthonormalised, soft modes first, so that a change of state loses nothing, and the frequencies are
+    Rayleigh quotients.  Rigid-body modes are counted, not detected.
     """
     stops = tuple(Stop(x=x, side="top", gap=0.0, stiffness=k) for x, k in springs)
     assembly = Assembly(Problem(beam=beam, supports=supports, stops=stops), np.array(nodes))
     state = ContactState(tuple(range(len(stops))))
-    M = assembly.mass
-    vectors = _orthonormal(_joined(assembly, M, assembly.stiffness(state)), M)
-    square = np.sum((assembly.curvature @ vectors) ** 2, axis=0) + assembly.springs(state) @ vectors**2
+    M, (rows, k) = assembly.mass, assembly.springs(state)
+    rigid = _softly_held(assembly, rows, k)
+    r = rigid.shape[1]
+    joined = _joined(assembly, M, assembly.stiffness(state), bool(r))
+    vectors = _orthonormal(np.concatenate([rigid, joined[:, r:]], axis=1), M)
+    square = _rayleigh(assembly, rows, k, vectors)
+    if r:
+        square[:r], vectors[:, :r] = _soft(assembly, rows, k, vectors, square, r)
+        vectors = _orthonormal(vectors, M)
+        square[r:] = _rayleigh(assembly, rows, k, vectors[:, r:])
     order = np.argsort(square, kind="stable")
     omega, vectors = np.sqrt(square[order]), np.ascontiguousarray(vectors[:, order])
     omega[: assembly.rigid_modes(state)] = 0.0
@@ -63,12 +74,47 @@ def _eigenmodes(
     return omega, vectors
 
 
-def _joined(assembly: Assembly, M: FloatArray, K: FloatArray) -> FloatArray:
+def _rayleigh(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Twice the energy of mass-normalised vectors as columns, from curvatures and springs: omega^2, 1/s2."""
+    return np.asarray(np.sum((assembly.curvature @ vectors) ** 2, axis=0) + k @ (rows @ vectors) ** 2)
+
+
+def _softly_held(assembly: Assembly, rows: FloatArray, k: FloatArray) -> FloatArray:
+    """Rigid-body motions that springs hold softly or not at all, mass-normalised as columns, ``(n, 0 to 2)``."""
+    beam, rigid = assembly.problem.beam, assembly.rigid_motions
+    count = rigid.shape[1]
+    held = np.vstack([np.sqrt(k)[:, None] * (rows @ rigid), np.zeros((count, count))])
+    _, size, directions = np.linalg.svd(held)
+    return np.asarray(rigid @ directions[size**2 < _SOFT * beam.EI / (beam.m * beam.length**4)].T)
+
+
+def _soft(
+    assembly: Assembly, rows: FloatArray, k: FloatArray, V: FloatArray, square: FloatArray, r: int
+) -> tuple[FloatArray, FloatArray]:
+    """omega^2 and vectors of the `r` soft modes: rigid-body motions, and the bending that their springs' forces cause.
+
+    A rigid-body motion has no curvature, and none is computed, so that no rounding of the beam's stiffness is taken for
+    that of a soft spring.  Of the other modes, a soft one holds (felt force) / (omega^2 - omega_other^2).
+    """
+    rigid, bending, felt = V[:, :r], V[:, r:], rows @ V
+    coupling = felt[:, r:].T @ (k[:, None] * felt[:, :r])
+    found, turn = np.zeros(r), np.eye(r)
+    for _ in range(_ROUNDS):
+        bent = -(coupling @ turn) / (square[r:, None] - found)
+        curvature = assembly.curvature @ (bending @ bent)
+        forces = np.sqrt(k)[:, None] * (felt[:, :r] @ turn + felt[:, r:] @ bent)
+        _, rotation = eigh(curvature.T @ curvature + forces.T @ forces, turn.T @ turn + bent.T @ bent)
+        turn, bent = turn @ rotation, bent @ rotation
+        found = np.sum((curvature @ rotation) ** 2, axis=0) + np.sum((forces @ rotation) ** 2, axis=0)
+    return found, rigid @ turn + bending @ bent
+
+
+def _joined(assembly: Assembly, M: FloatArray, K: FloatArray, shifted: bool) -> FloatArray:
     """Low modes of the inverted problem beside high modes of the direct one, shape ``(n, n)``."""
     beam = assembly.problem.beam
     unit = beam.EI / (beam.m * beam.length**4)  # 1/s^2
     square, direct = eigh(K, M)
-    sigma = 0.0 if square[0] > _SOFT * unit else unit
+    sigma = unit if shifted else 0.0
     c = 1 / np.sqrt(np.diag(K + sigma * M))
     low = c[:, None] * eigh(M * np.outer(c, c), (K + sigma * M) * np.outer(c, c))[1][:, ::-1]
     middle = np.sqrt(max(square[0] + sigma, unit) * max(square[-1], unit))

@@ -11,6 +11,7 @@ from typing import Any
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point, plain_section, point_of, section_from
 from lapjoint.errors import InputError, SolverError
+from lapjoint.one_thread import in_one_thread
 from lapjoint.solver import Solver, make_solver
 
 BATCH_SECONDS = 1.0
@@ -46,10 +47,9 @@ class Solved:
     """The cells that are not done; None if all are."""
 
 
+@in_one_thread
 def solve_batch(plan: Plan, batch: Batch) -> Solved:
     """Solve the cells of a batch until all are done or `BATCH_SECONDS` are over, and at least one.
-
-    The linear algebra runs in one thread for every caller, so that answers do not depend on the number of workers.
 
     Parameters
     ----------
@@ -68,18 +68,14 @@ def solve_batch(plan: Plan, batch: Batch) -> Solved:
     InputError
         If a point has no valid problem; the message names it.
     """
-    import scipy.linalg  # noqa: F401  # what it loads is limited only if it is loaded before
-    from threadpoolctl import threadpool_limits
-
     solver = _solver(plan)
     deadline = time.monotonic() + BATCH_SECONDS
     points: dict[int, Point] = {}
     section = batch.section
-    with threadpool_limits(1):
-        for cell in batch.cells:
-            points[cell], section = _solve(plan, solver, cell, section if batch.chained else None)
-            if time.monotonic() > deadline:
-                break
+    for cell in batch.cells:
+        points[cell], section = _solve(plan, solver, cell, section if batch.chained else None)
+        if time.monotonic() > deadline:
+            break
     return Solved(points, section, after(batch, len(points), section))
 
 

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.orbits.compiled_watch import all_within
+from lapjoint.orbits.compiled_watch import sound_columns
 from lapjoint.orbits.watch import Deviated, Watch
 from lapjoint.problem import FloatArray
 
@@ -121,25 +121,22 @@ def forecast(
 def _sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
     """Whether each deviation meets all conditions, shape ``(K,)``."""
     switches, intervals = watch.switches, watch.intervals
-    rate = switches.rate[:, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shift = np.where(deviated.at_switches == 0, 0.0, np.abs(deviated.at_switches) / rate)
-    sound = all_within(
-        deviated.largest,
-        intervals.distance,
-        shift,
-        intervals.before,
-        intervals.since,
-        intervals.after,
-        intervals.until,
-        share,
-        _SHIFTS,
+    return np.asarray(
+        sound_columns(
+            deviated.largest,
+            deviated.at_switches,
+            deviated.rates,
+            intervals.distance,
+            intervals.before,
+            intervals.since,
+            intervals.after,
+            intervals.until,
+            switches.rate,
+            switches.curvature,
+            switches.spacing,
+            (share, _SHIFTS, _RATE),
+        )
     )
-    if switches.time.size:
-        sound &= (shift <= switches.spacing[:, None] / 3).all(axis=0)
-        sound &= (3 * shift * switches.curvature[:, None] <= rate).all(axis=0)
-        sound &= (np.abs(deviated.rates) <= _RATE * rate).all(axis=0)
-    return np.asarray(sound)
 
 
 def _decays(

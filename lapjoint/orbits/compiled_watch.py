@@ -1,195 +1,175 @@
-"""The inner loops of the watch over an orbit, compiled: bounds on deviations, and what they are compared with."""
+"""What deviations from an orbit come to, and what that is compared with, compiled; see `lapjoint.orbits.watch`."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
-
-IndexArray = npt.NDArray[np.intp]
 
 _SUM = {"reassoc", "contract", "nsz"}  # lets sums be vectorised; the order of a sum changes its rounding only
 
 
 @njit(cache=True)
-def orbit_distances(
-    segment: IndexArray,
-    tau: FloatArray,
-    rates: ComplexArray,
-    amplitudes: ComplexArray,
-    weights: ComplexArray,
-    polynomial: FloatArray,
-    orientation: FloatArray,
-    sign: FloatArray,
-    gap: FloatArray,
-    place: IndexArray,
+def terms_at_points(
+    segment: IndexArray, tau: FloatArray, rates: ComplexArray, weights: ComplexArray, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Distances of an orbit from its stops, in the intervals between points.
+    """The terms of deviations at the points between intervals, and what a chord of each misses.
 
     Parameters
     ----------
     segment, tau : ndarray, shape (I + 1,)
         Segment of each point, and time from its start, s.
-    rates, amplitudes : ndarray, complex, shape (S, K)
-        Terms of the motion in each segment; rates in 1/s.
-    weights : ndarray, complex, shape (S, U, K)
-        Weights of the terms at the ``U`` places of stops; weight times amplitude in m.
-    polynomial : ndarray, shape (S, U, 3)
-        Coefficients of 1, tau, tau^2 there, m over powers of s.
-    orientation : ndarray, shape (S, P)
-        +1 where a stop is open, -1 where it is closed.
-    sign, gap : ndarray, shape (P,)
-        Side of each stop, and its gap, m.
-    place : ndarray, shape (P,)
-        Which of the places each stop is at.
+    rates : ndarray, complex, shape (S, K' >= K)
+        Exponents of the terms in each segment, 1/s; deviations have the first ``K``.
+    weights : ndarray, complex, shape (S, U, K')
+        Weights of the terms at the ``U`` places of stops.
+    count : int
+        K.
 
     Returns
     -------
-    tuple of ndarray, shape (P, I)
-        Distance at the nearer end of each interval, m, not less than 0; and by how much it may be less within, m.
+    terms : ndarray, shape (2, U, I + 1, K)
+        Real and imaginary part of each term of unit amplitude, at each place.
+    misses : ndarray, shape (U, I, K)
+        What a chord of it misses between two points, over the size of its amplitude.
     """
-    stops, places, terms = sign.size, weights.shape[1], rates.shape[1]
-    nearer, miss = np.zeros((stops, segment.size - 1)), np.zeros((stops, segment.size - 1))
-    last, shift, now, bend = np.zeros(stops), np.zeros(stops), np.zeros(places), np.zeros(places)
-    before = np.zeros(places)
-    for i in range(segment.size):
-        s, t = segment[i], tau[i]
-        before[:] = bend
-        for u in range(places):
-            now[u] = polynomial[s, u, 0] + t * (polynomial[s, u, 1] + t * polynomial[s, u, 2])
-            bend[u] = 2 * abs(polynomial[s, u, 2])
-        for k in range(terms):
+    places = weights.shape[1]
+    terms, misses = np.empty((2, places, tau.size, count)), np.zeros((places, tau.size - 1, count))
+    for i in range(tau.size):
+        s = segment[i]
+        width = tau[i + 1] - tau[i] if i + 1 < tau.size and segment[i + 1] == s else 0.0
+        for k in range(count):
             rate = rates[s, k]
-            wave = amplitudes[s, k] * np.exp(rate * t)
-            square = rate.real * rate.real + rate.imag * rate.imag
+            wave = np.exp(rate * tau[i])
+            bend = min((rate.real * rate.real + rate.imag * rate.imag) * width * width / 8, 2.0)
             for u in range(places):
-                term = weights[s, u, k] * wave
-                now[u] += term.real
-                bend[u] += math.sqrt(term.real * term.real + term.imag * term.imag) * square
-        begins = i == 0 or segment[i - 1] != s
-        for p in range(stops):
-            h = orientation[s, p] * (sign[p] * now[place[p]] - gap[p])
-            if begins:
-                shift[p] = max(h, 0.0)
-            distance = shift[p] - h
-            if not begins:
-                width = t - tau[i - 1]
-                nearer[p, i - 1] = max(min(last[p], distance), 0.0)
-                miss[p, i - 1] = before[place[p]] * width * width / 8
-            last[p] = distance
-    return nearer, miss
+                weight = weights[s, u, k]
+                term = weight * wave
+                terms[0, u, i, k], terms[1, u, i, k] = term.real, term.imag
+                if i + 1 < tau.size:
+                    misses[u, i, k] = bend * abs(wave) * abs(weight)
+    return terms, misses
 
 
 @njit(cache=True, fastmath=_SUM)
 def largest_motion(
-    real: FloatArray,
-    imaginary: FloatArray,
-    misses: FloatArray,
-    parts: ComplexArray,
-    drift: FloatArray,
+    segment: IndexArray,
     tau: FloatArray,
-    counts: IndexArray,
+    terms: FloatArray,
+    misses: FloatArray,
+    amplitudes: FloatArray,
+    drift: FloatArray,
     place: IndexArray,
-) -> FloatArray:
+    result: FloatArray,
+) -> None:
     """Bounds on the motion that deviations make at the stops, in each interval.
 
     Parameters
     ----------
-    real, imaginary : ndarray, shape (S, U, J, K)
-        The terms of a deviation at the ends of the intervals of each segment, at the places of stops.
-    misses : ndarray, shape (S, U, J - 1, K)
-        What a chord of each term misses in an interval, over the size of its amplitude.
-    parts : ndarray, complex, shape (S, K, C)
-        Amplitudes of the terms of ``C`` deviations in each segment.
+    segment, tau : ndarray, shape (N,)
+        Segment of each point between intervals, and time from its start, s.
+    terms : ndarray, shape (2, U, N, K)
+        Real and imaginary part of each term of unit amplitude there, at the places of stops.
+    misses : ndarray, shape (U, N - 1, K)
+        What a chord of each term misses between two points, over the size of its amplitude.
+    amplitudes : ndarray, shape (2, S, K, C)
+        Real and imaginary part of the amplitudes of ``C`` deviations in each segment.
     drift : ndarray, shape (S, U, 2, C)
         Displacement, m, and speed, m/s, that rigid-body modes make there; of size 0 without such modes.
-    tau : ndarray, shape (S, J)
-        Ends of the intervals, s from the start of each segment.
-    counts : ndarray, shape (S,)
-        Number of intervals of each segment.
     place : ndarray, shape (P,)
         Which of the places each stop is at.
-
-    Returns
-    -------
-    ndarray, shape (P, I, C)
-        m; intervals in the order of time.
+    result : ndarray, shape (P, I, C)
+        Takes the bounds, m; intervals in the order of time.
     """
-    segments, terms, columns = parts.shape
-    places, stops = real.shape[1], place.size
-    result = np.empty((stops, counts.sum(), columns))
-    re, im = np.ascontiguousarray(parts.real), np.ascontiguousarray(parts.imag)
-    size = np.sqrt(re * re + im * im)
+    count, columns = terms.shape[3], amplitudes.shape[3]
+    size = np.empty((amplitudes.shape[1], count, columns))
+    for s in range(size.shape[0]):
+        for k in range(count):
+            for c in range(columns):
+                size[s, k, c] = math.sqrt(amplitudes[0, s, k, c] ** 2 + amplitudes[1, s, k, c] ** 2)
     last, now, bound = np.zeros(columns), np.zeros(columns), np.zeros(columns)
-    first = 0
-    for s in range(segments):
-        for u in range(places):
-            for j in range(counts[s] + 1):
-                now[:] = 0.0
-                for k in range(terms):
-                    a, b = real[s, u, j, k], imaginary[s, u, j, k]
+    for u in range(terms.shape[1]):
+        j = -1
+        for i in range(segment.size):
+            s = segment[i]
+            for c in range(columns):
+                last[c], now[c] = now[c], 0.0
+            for k in range(count):
+                a, b = terms[0, u, i, k], terms[1, u, i, k]
+                for c in range(columns):
+                    now[c] += a * amplitudes[0, s, k, c] - b * amplitudes[1, s, k, c]
+            if drift.size:
+                for c in range(columns):
+                    now[c] += drift[s, u, 0, c] + drift[s, u, 1, c] * tau[i]
+            if i == 0 or segment[i - 1] != s:
+                continue
+            j += 1
+            for c in range(columns):
+                bound[c] = max(abs(last[c]), abs(now[c]))
+            for k in range(count):
+                a = misses[u, i - 1, k]
+                for c in range(columns):
+                    bound[c] += a * size[s, k, c]
+            for p in range(place.size):
+                if place[p] == u:
                     for c in range(columns):
-                        now[c] += a * re[s, k, c] - b * im[s, k, c]
-                if drift.size:
-                    for c in range(columns):
-                        now[c] += drift[s, u, 0, c] + drift[s, u, 1, c] * tau[s, j]
-                if j > 0:
-                    for c in range(columns):
-                        bound[c] = max(abs(last[c]), abs(now[c]))
-                    for k in range(terms):
-                        a = misses[s, u, j - 1, k]
-                        for c in range(columns):
-                            bound[c] += a * size[s, k, c]
-                    for p in range(stops):
-                        if place[p] == u:
-                            result[p, first + j - 1] = bound
-                last[:] = now
-        first += counts[s]
-    return result
+                        result[p, j, c] = bound[c]
 
 
-@njit(cache=True)
-def all_within(
+@njit(cache=True, error_model="numpy")
+def sound_columns(
     largest: FloatArray,
+    at_switches: FloatArray,
+    rates: FloatArray,
     distance: FloatArray,
-    shift: FloatArray,
     before: IndexArray,
     since: FloatArray,
     after: IndexArray,
     until: FloatArray,
-    share: float,
-    shifts: float,
+    rate: FloatArray,
+    curvature: FloatArray,
+    spacing: FloatArray,
+    limits: tuple[float, float, float],
 ) -> np.ndarray:
-    """Whether deviations stay within a share of the distances, but near a stop's own switches.
+    """Whether deviations meet all conditions of `lapjoint.orbits.approach`.
 
     Parameters
     ----------
     largest : ndarray, shape (m, C)
         Bounds on the motion by ``C`` deviations, m.
+    at_switches, rates : ndarray, shape (J, C)
+        Their motion at the stop that switches, m, and its rate, m/s.
     distance : ndarray, shape (m,)
         Distance of the orbit from the stop, m.
-    shift : ndarray, shape (J, C)
-        By how much they shift each switch, s.
     before, since : ndarray, shape (m,)
         Index of the stop's last switch, and the time since then, s.
     after, until : ndarray, shape (m,)
         Index of its next switch, and the time until then, s.
-    share : float
-        Of the distance.
-    shifts : float
-        So many shifts from a switch nothing is asked for.
+    rate, curvature, spacing : ndarray, shape (J,)
+        |h'|, m/s, |h''|, m/s2, and the time to the stop's nearest other switch, s, of each switch.
+    limits : tuple of float
+        Share of the distance that a deviation may take; number of shifts from a switch within which nothing is asked
+        for; share of the rate that it may change.
 
     Returns
     -------
     ndarray of bool, shape (C,)
         Whether each deviation does.
     """
-    sound = np.ones(largest.shape[1], dtype=np.bool_)
+    share, shifts, change = limits
+    shift, sound = np.empty(at_switches.shape), np.ones(largest.shape[1], dtype=np.bool_)
+    for j in range(rate.size):
+        for c in range(sound.size):
+            moved = abs(at_switches[j, c])
+            now = 0.0 if moved == 0 else moved / rate[j]
+            shift[j, c] = now
+            kept = now <= spacing[j] / 3 and 3 * now * curvature[j] <= rate[j] and abs(rates[j, c]) <= change * rate[j]
+            sound[c] = sound[c] and kept
     for i in range(largest.shape[0]):
         allowed = share * distance[i]
         for c in range(sound.size):

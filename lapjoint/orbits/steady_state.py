@@ -6,6 +6,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint, SteadyState, impulses_per_period, periodic_outcome
+from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, MULTIPLES_AT_A_LOOK, Effort, Found, Search
@@ -13,6 +14,7 @@ from lapjoint.problem import StepLoad
 from lapjoint.solver import Progress
 
 
+@in_one_thread
 def find_steady_state(
     period_map: PeriodMap,
     solver: str,

@@ -16,6 +16,7 @@ from lapjoint import (
     FREE,
     BaseMotion,
     Beam,
+    ContactState,
     InputError,
     ModalDamping,
     NoDamping,
@@ -245,3 +246,14 @@ def test_bad_options_and_durations_are_named() -> None:
     ):
         with pytest.raises(InputError, match=word):
             call()
+
+
+def test_loads_and_gap_forces_act_where_they_are_though_lengths_round() -> None:
+    # 0.9 / 1.5 * 1.5 is less than 0.9 by a rounding: the force must not act at the next node.
+    beam = Beam(length=1.5, bending_stiffness=1e5, mass_per_length=10.0)
+    tip = Support(x=1.5, translational=1e5)
+    stop = Stop(x=0.9, side="top", gap=1e-4, stiffness=1e6)
+    problem = Problem(beam=beam, supports=(CLAMP, tip), stops=(stop,), point_loads=(StepLoad(x=0.9, force=100.0),))
+    free, closed = (Joint(problem, 8, 8).modal(state) for state in (FREE, ContactState((0,))))
+    for modal, force in ((free, 100.0), (closed, 100.0 + stop.stiffness * stop.gap)):
+        assert modal.force[0] == pytest.approx(force * modal.modes.shapes(np.array([0.9]))[:, 0], rel=1e-9)

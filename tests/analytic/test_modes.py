@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from analytic.march.joint import Joint
-from analytic.modes.beam_functions import gram, integral
+from analytic.modes import beam_functions, normal_modes
+from analytic.modes.beam_functions import gram, integral, squares
 from analytic.modes.normal_modes import exact_modes
 from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, contact_states, paper_joint
 
@@ -46,6 +47,34 @@ def test_closed_form_inner_products_agree_with_quadrature() -> None:
         problem.beam.m * gram(both, free), problem.beam.m * (both(x) * w) @ free(x).T, atol=1e-12
     )
     np.testing.assert_allclose(integral(both), both(x) @ w, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_squares_are_the_diagonal_of_all_inner_products(name: str) -> None:
+    shapes = exact_modes(Problem(beam=BEAM, supports=PROBLEMS[name]), FREE, 40).shapes
+    np.testing.assert_allclose(squares(shapes), np.diag(gram(shapes, shapes)), rtol=1e-13)
+
+
+def test_boundary_terms_and_integrals_of_exponentials_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = paper_joint()
+    one, other = (exact_modes(problem, state, 50).shapes for state in (ContactState((0,)), ContactState((1, 2))))
+    by_parts = gram(one, other)
+    monkeypatch.setattr(beam_functions, "_NEAR", 2.0)  # of the larger mu^4: every pair counts as close
+    np.testing.assert_allclose(by_parts, gram(one, other), atol=1e-13 / problem.beam.m)
+
+
+def test_a_long_beam_has_a_rigid_body_mode() -> None:
+    """The exponentials that a rigid-body mode does not have would overflow from 709 m on."""
+    beam = Beam(length=2000.0, bending_stiffness=1e9, mass_per_length=100.0)
+    shapes = exact_modes(Problem(beam=beam, supports=(Support(x=0.0, translational=math.inf),)), FREE, 12).shapes
+    np.testing.assert_allclose(beam.m * gram(shapes, shapes), np.eye(12), atol=1e-11)
+    np.testing.assert_allclose(shapes(np.array([2000.0]))[0], math.sqrt(3 / (beam.m * beam.length)), rtol=1e-12)
+
+
+def test_a_matrix_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
+    singular = np.array([[[1.0, 2.0, 0.0], [2.0, 4.0, 0.0], [0.0, 0.0, 1.0]]])
+    (vector,) = normal_modes._null_vectors(singular)
+    np.testing.assert_allclose(np.abs(vector), np.array([2.0, 1.0, 0.0]) / math.sqrt(5), atol=1e-13)
 
 
 def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:

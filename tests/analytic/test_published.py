@@ -15,6 +15,8 @@ from lapjoint import FREE, ContactState, History, InputError, Outcome, ViscousDa
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from lapjoint.solver import Solver
 
+pytestmark = pytest.mark.long_march
+
 PERIOD = 2 * math.pi / 515.0
 
 

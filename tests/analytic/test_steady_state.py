@@ -14,6 +14,8 @@ from analytic.march.initial_state import started
 from analytic.modes.mode_count import default_count, truncation_error
 from lapjoint import ModalDamping, Outcome, ViscousDamping, paper_joint
 
+pytestmark = pytest.mark.long_march
+
 
 @pytest.mark.parametrize("omega", [515.0, 2000.0])
 def test_newton_finds_the_orbit_that_marching_leads_to(omega: float) -> None:

@@ -16,6 +16,8 @@ import fe_lapjoint
 from lapjoint import Outcome, PolynomialShape, Problem, SteadyState
 from lapjoint.problem import AtRest, FloatArray
 
+pytestmark = pytest.mark.long_march
+
 ASKEW = PolynomialShape(displacement=(2e-5, -1e-5))  # the bar's ends 20 and 10 um off
 
 

@@ -14,6 +14,8 @@ from witness import Judgement, reached_from_rest, testify
 import analytic
 import fe_lapjoint
 
+pytestmark = pytest.mark.long_march
+
 ANALYTIC = analytic.Solver()
 FINITE_ELEMENTS = fe_lapjoint.Solver(elements=8)  # a coarse beam is a beam, too, and ten times as fast to march
 

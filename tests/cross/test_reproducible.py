@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 import fe_lapjoint
@@ -12,7 +17,10 @@ from analytic.modes.normal_modes import _exact_modes
 from analytic.published import joint
 from fe_lapjoint.modes.eigenmodes import _eigenmodes
 from lapjoint import paper_joint
+from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.solver import Solver, make_solver
+
+pytestmark = pytest.mark.long_march
 
 OMEGAS = (181.0, 515.0, 2060.0, 3300.0)  # they meet the contact states in different orders
 SOLVERS = {
@@ -53,3 +61,42 @@ def test_a_point_of_a_sweep_has_the_same_bits_whatever_was_computed_before(solve
     forwards = answers(SOLVERS[solver], OMEGAS)
     assert answers(SOLVERS[solver], OMEGAS[::-1]) == forwards
     assert answers(SOLVERS[solver], OMEGAS[1:2])[OMEGAS[1]] == forwards[OMEGAS[1]]
+
+
+IN_ANOTHER_PROCESS = """
+import hashlib, fe_lapjoint, analytic
+from lapjoint import paper_joint
+
+joint = paper_joint(angular_frequency=515.0)
+for solver in (analytic.Solver(n_modes=60), fe_lapjoint.Solver()):
+    steady = solver.steady_state(joint)
+    bits = steady.section_point.coordinates.tobytes() + steady.multipliers.tobytes() + steady.impulses.tobytes()
+    contacts = solver.simulate(joint, duration=0.05).contacts
+    print(hashlib.sha256(bits + repr([(c.start, c.impulse) for c in contacts]).encode()).hexdigest())
+"""
+
+
+def test_the_number_of_threads_of_the_linear_algebra_changes_no_bit() -> None:
+    def bits(threads: int) -> str:
+        environment = {**os.environ, "OPENBLAS_NUM_THREADS": str(threads)}
+        command = [sys.executable, "-c", IN_ANOTHER_PROCESS]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+
+    assert bits(1) == bits(4)
+
+
+@pytest.mark.parametrize("solver", ["analytic", "fe"])
+def test_workers_with_several_threads_find_the_same_bits_as_one(solver: str) -> None:
+    """As the workers of a cluster may have; without chaos, so that a difference is one of threads alone."""
+    axes = [Axis(FREQUENCY, [float(omega) for omega in np.linspace(180.0, 3300.0, 6)])]
+    options = {"elements": 40} if solver == "fe" else {}
+    alone = sweep(paper_joint(), axes, solver=solver, options=options)
+    forget()
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    try:
+        with ThreadPoolExecutor(4) as threads:
+            together = sweep(paper_joint(), axes, solver=solver, options=options, workers=threads.map)
+    finally:
+        sys.setswitchinterval(interval)
+    assert together.identical(alone)

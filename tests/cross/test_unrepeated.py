@@ -29,6 +29,8 @@ from lapjoint import (
     Tube,
 )
 
+pytestmark = pytest.mark.long_march
+
 PIPE = Problem(  # that of docs/gallery/own_joint.py at half its frequency
     beam=Beam(
         length=1.8,

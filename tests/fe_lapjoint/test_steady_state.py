@@ -20,6 +20,8 @@ from lapjoint import (
     sdnl104,
 )
 
+pytestmark = pytest.mark.long_march
+
 
 def test_newtons_orbit_is_where_the_march_ends() -> None:
     omega, problem = 515.0, paper_joint(angular_frequency=515.0)

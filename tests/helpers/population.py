@@ -121,6 +121,14 @@ def random_joint(rng: np.random.Generator) -> Problem:
     return bare.replace(title=title, base_motion=_base(frequency), stops=tuple(stops))
 
 
+def stiff_joint(seed: int, index: int) -> Problem:
+    """A joint of `random_joint` with stops of 1 to 1e7 EI / L^3, by a seed and an index."""
+    rng = np.random.default_rng((seed, index))
+    problem = random_joint(rng)
+    stops = tuple(s.model_copy(update={"stiffness": _between(rng, 1.0, 1e7)}) for s in problem.stops)
+    return problem.replace(stops=stops, title=f"seed {seed}, index {index}: {problem.title}, stiff")
+
+
 _FIXED = Support(x=0.0, translational=math.inf, torsional=math.inf)
 
 

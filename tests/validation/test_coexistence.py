@@ -13,6 +13,8 @@ import fe_lapjoint
 from lapjoint import BaseMotion, Beam, ModalDamping, Outcome, Problem, Stop, Support
 from validation.coexistence import Motion, same_motion, started_from, why_they_differ
 
+pytestmark = pytest.mark.long_march
+
 ANALYTIC, FE = analytic.Solver(), fe_lapjoint.Solver(elements=10)
 # A cantilever well above its first frequency: from rest it comes to strike its stop, yet it need not touch it.
 CANTILEVER = Problem(

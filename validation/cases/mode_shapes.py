@@ -13,9 +13,10 @@ from lapjoint.figures import plot_state_shapes
 from lapjoint.figures.mode_shapes import state_groups
 from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Drawing, Level, Say, table
+from validation.references.reading import printed
 from validation.report.drawing import draw, drawing
 from validation.uncertainty import refined_estimate
-from validation.verdict import Check, Criterion, Estimate, Kind
+from validation.verdict import Check, Criterion, Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,16 +128,12 @@ def tip_ratios() -> list[Check]:
         "told from the text.",
         "",
     )
-    for i, printed in enumerate((0.32, 1.67)):
+    for i, explanation in enumerate(explanations):
         a = Estimate(ratio(analytic.Solver(), i), 1e-9, "closed form")
         fe = refined_estimate(
             [ratio(fe_lapjoint.Solver(elements=n), i) for n in (16, 32, 64)], 2.0, 4.0, "64 elements", 1e-8
         )
-        paper = Estimate(
-            printed, 0.005, "Rahmani and Ervin (2014), Section 2.2; half a unit of the last digit", Kind.PUBLISHED
-        )
+        paper = printed("tip ratios", str(i + 1)).estimate()
         checks.append(Check(f"tip of state 2 over free, mode {i + 1}", "%", a, fe))
-        checks.append(
-            Check(f"tip of state 2 over free, mode {i + 1}, printed", "%", a, paper, explanation=explanations[i])
-        )
+        checks.append(Check(f"tip of state 2 over free, mode {i + 1}, printed", "%", a, paper, explanation=explanation))
     return checks

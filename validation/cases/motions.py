@@ -14,7 +14,7 @@ from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate
 
 ANALYTIC_ORDER = 5.0
-"""Impulses converge with the sixth power of the number of modes, event times with the fifth
+"""Impulses converge with the seventh power of the number of modes, event times with the fifth
 (tests/analytic/test_steady_state.py)."""
 FE_ORDER = 4.0
 EVENT_FLOOR = 2.2e-11  # s, to which both solvers locate a switch

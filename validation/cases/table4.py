@@ -10,33 +10,26 @@ from lapjoint import contact_states, paper_joint, paper_state_number
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.case import CaseResult, Level, Say, Table, table
+from validation.references.reading import Printed, group
 from validation.uncertainty import ROUNDING, refined_estimate
-from validation.verdict import Check, Estimate, Kind
+from validation.verdict import Check, Estimate
 
 MODES = 8  # lowest ones of each state
 STIFFNESSES = (5.0, 1200.0, 5000.0)  # k / (3 EI / L^3)
-# Table 4, rad/s: as printed, by k* and by group of states with equal springs.
-PRINTED = {
-    5.0: {
-        (1,): ("41.5", "260.4", "729.1"),
-        (2, 4): ("94.4", "277.4", "734.92"),
-        (3, 5): ("51.3", "268.5", "729.0"),
-        (6, 7, 8, 9): ("101.6", "284.2", "734.9"),
-    },
-    5000.0: {
-        (1,): ("41.5", "260.4", "729.1"),
-        (2, 4): ("182.0", "588.4", "1223.1"),
-        (3, 5): ("116.1", "728.7", "999.0"),
-        (6, 7, 8, 9): ("538.6", "909.0", "1925.4"),
-    },
-}
+PRINTED = {5.0: group("table 4, k* = 5"), 5000.0: group("table 4, k* = 5000")}
+"""Table 4, rad/s, as printed: by k*, and by states with equal springs."""
 MISPRINTS = {(5.0, 3, 2), (5.0, 5, 2)}  # k*, state, mode index
 
 
-def printed(k_star: float, state: int) -> tuple[str, ...]:
+def numbers(states: str) -> tuple[int, ...]:
+    """The states of a row, as in "2, 4"."""
+    return tuple(int(state) for state in states.split(", "))
+
+
+def printed(k_star: float, state: int) -> tuple[Printed, ...]:
     """The printed frequencies of a state; empty where the paper has none."""
-    for group, values in PRINTED.get(k_star, {}).items():
-        if state in group:
+    for states, values in PRINTED.get(k_star, {}).items():
+        if state in numbers(states):
             return values
     return ()
 
@@ -70,8 +63,8 @@ def run(level: Level, say: Say) -> CaseResult:
                 how = "roots bracketed by their count, to rounding"
                 a = Estimate(float(exact[i]), u, how, parts=((ROUNDING, u),))
                 checks.append(Check(f"k* = {k_star:g}, state {label}, omega_{i + 1}", "rad/s", a, fe))
-                given = paper[i] if i < len(paper) else ""
-                if given:
+                given = paper[i] if i < len(paper) else None
+                if given is not None:
                     checks.append(_against_paper(k_star, label, i, a, given))
                 rows.append(
                     (
@@ -80,7 +73,7 @@ def run(level: Level, say: Say) -> CaseResult:
                         a.value,
                         fe.value,
                         f"{abs(a.value / fe.value - 1):.1e}",
-                        given,
+                        given.text if given is not None else "",
                         float(others[i]),
                     )
                 )
@@ -111,17 +104,13 @@ def run(level: Level, say: Say) -> CaseResult:
     )
 
 
-def _against_paper(k_star: float, state: int, i: int, a: Estimate, given: str) -> Check:
-    digits = len(given.partition(".")[2])
-    half = 0.5 * 10.0**-digits
-    source = Estimate(
-        float(given), half, "Rahmani and Ervin (2014), Table 4; half a unit of the last digit", Kind.PUBLISHED
-    )
+def _against_paper(k_star: float, state: int, i: int, a: Estimate, given: Printed) -> Check:
+    source = given.estimate()
     explanation = ""
     if (k_star, state, i) in MISPRINTS:
         free = np.float64(a.value)
         explanation = (
-            f"Misprint: {free:.2f} rad/s rounds to {free:.1f}, not {given}; by interlacing it cannot lie below the "
-            "third free frequency, 729.06 rad/s, which the same table prints as 729.1."
+            f"Misprint: {free:.2f} rad/s rounds to {free:.1f}, not {given.text}; by interlacing it cannot lie below "
+            "the third free frequency, 729.06 rad/s, which the same table prints as 729.1."
         )
     return Check(f"k* = {k_star:g}, state {state}, omega_{i + 1}, printed", "rad/s", a, source, explanation=explanation)

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
-from dataclasses import dataclass
-from pathlib import Path
 
 import analytic
 import fe_lapjoint
@@ -14,38 +11,12 @@ from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER
 from validation.cases.textbook_equations import BEAMS, ROOTS, Textbook, roots
+from validation.references.reading import Printed, group, group_names
 from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate, Kind
 
-DATA = Path(__file__).with_name("textbook.toml")
 EXACT = 4e-15  # relative: some roundings of either root finder
 ROUNDING_OF_EIGENVALUES = 1e-9  # relative: what the finite element eigenvalues cannot show
-
-
-@dataclass(frozen=True)
-class Printed:
-    """One row of a textbook's table."""
-
-    beam: str
-    source: str
-    via: str
-    """Where the digits were read."""
-    values: tuple[str, ...]
-
-    def estimate(self, i: int, besides: float) -> Estimate:
-        """The `i`-th value (from 0), to half a unit of its last digit.
-
-        Rounding is no chance: what it leaves and `besides`, the uncertainty of the number compared, add up in full.
-        """
-        digits = len(self.values[i].partition(".")[2])
-        how = f"{self.source}, {self.via}; half a unit of the last digit"
-        return Estimate(float(self.values[i]), 0.5 * 10.0**-digits + besides, how, Kind.PUBLISHED)
-
-
-def printed() -> tuple[Printed, ...]:
-    """All rows of the data file."""
-    rows = tomllib.loads(DATA.read_text())["printed"]
-    return tuple(Printed(**{**row, "values": tuple(row["values"])}) for row in rows)
 
 
 def parameters(solver: Solver, beam: Textbook) -> tuple[float, ...]:
@@ -78,9 +49,8 @@ def run(level: Level, say: Say) -> CaseResult:
             for solver, found in answers.items():
                 checks.append(Check(f"{name}, b_{i + 1}: {solver} against the equation", "1", found[i], reference))
             rows.append((name, i + 1, f"{root:.12f}", *(f"{found[i].value:.12f}" for found in answers.values())))
-        for row in printed():
-            if row.beam == name:
-                checks += _against_print(row, answers)
+        for row in rows_of(name):
+            checks += _against_print(name, row, answers)
     return CaseResult(
         "textbook",
         "Single-span beams of the textbooks",
@@ -95,15 +65,19 @@ def run(level: Level, say: Say) -> CaseResult:
     )
 
 
-def _against_print(row: Printed, answers: dict[str, tuple[Estimate, ...]]) -> list[Check]:
-    book = row.source.split(",")[0].split(" (")[0]
+def rows_of(beam: str) -> list[tuple[Printed, ...]]:
+    """The rows of printed tables that are about a beam."""
+    return [group(name)[beam] for name in group_names() if name.startswith(f"{beam}, ")]
+
+
+def _against_print(beam: str, row: tuple[Printed, ...], answers: dict[str, tuple[Estimate, ...]]) -> list[Check]:
     return [
         Check(
-            f"{row.beam}, b_{i + 1}: {solver} against {book}",
+            f"{beam}, b_{i + 1}: {solver} against {given.source.short}",
             "1",
             found[i],
-            row.estimate(i, found[i].uncertainty),
+            given.estimate(found[i].uncertainty),
         )
-        for i in range(len(row.values))
+        for i, given in enumerate(row)
         for solver, found in answers.items()
     ]

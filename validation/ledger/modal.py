@@ -10,7 +10,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, contact_states, paper_joint, paper_state_number
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
-from validation.cases.table4 import PRINTED
+from validation.cases.table4 import PRINTED, numbers
 from validation.ledger.entry import Entry, Ruling, matches, written
 from validation.uncertainty import refined_estimate
 from validation.verdict import Estimate
@@ -42,9 +42,9 @@ def table_4() -> list[Entry]:
     for k_star, groups in PRINTED.items():
         problem, heavier = (paper_joint(k_star=k_star, density=rho) for rho in (TABLE_4_DENSITY, PAPER_DENSITY))
         by_number = {paper_state_number(problem, state): state for state in contact_states(problem)}
-        for numbers, values in groups.items():
-            for i, text in enumerate(values):
-                state = by_number[numbers[0]]
+        for states, values in groups.items():
+            for i, given in enumerate(values):
+                state, text = by_number[numbers(states)[0]], given.text
                 exact, fe = frequencies(problem, state, i)
                 other = float(analytic.Solver().modes(heavier, state, i + 1).angular_frequencies[i])
                 fits = matches(exact.value, text)
@@ -53,7 +53,7 @@ def table_4() -> list[Entry]:
                     if fits
                     else f"{exact.value:.6g} with rho = {TABLE_4_DENSITY:g}: the last digit is cut, not rounded"
                 )
-                claim = f"k* = {k_star:g}, states {', '.join(map(str, numbers))}: omega_{i + 1}, rad/s"
+                claim = f"k* = {k_star:g}, states {states}: omega_{i + 1}, rad/s"
                 ruling = Ruling.CONFIRMED if fits else Ruling.MISPRINT
                 entries.append(Entry("Table 4", claim, text, written(exact), written(fe), "", ruling, why, "table4"))
     return [*entries, density(entries)]

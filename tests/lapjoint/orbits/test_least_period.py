@@ -17,6 +17,8 @@ from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 
+pytestmark = pytest.mark.long_march
+
 
 def orbit_of(map_: PeriodMap, half_periods: int, settle: int) -> Orbit:
     point = map_.march(map_.initial(), 2 * settle).end

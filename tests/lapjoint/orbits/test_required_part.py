@@ -17,6 +17,8 @@ from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Solver
 
+pytestmark = pytest.mark.long_march
+
 
 def marched(problem: Problem, periods: int, multiple: int) -> FloatArray:
     """Impulses a period over the last `multiple` periods of a march from rest, shape ``(stops,)``."""

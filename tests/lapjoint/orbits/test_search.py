@@ -22,6 +22,8 @@ from lapjoint.orbits.search import STRETCH, TRANSIENT, Found, Search
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
 from lapjoint.problem import FloatArray
 
+pytestmark = pytest.mark.long_march
+
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=6), "FE": fe_lapjoint.Solver(elements=3), "bar": Bar()}
 JOINTS: dict[str, Problem] = {"analytic": paper_joint(), "FE": paper_joint(), "bar": bar(0.8, (0.5, 5.0))}
 

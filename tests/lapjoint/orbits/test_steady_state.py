@@ -28,6 +28,8 @@ from lapjoint.answers import SectionPoint
 from lapjoint.orbits import Effort, PeriodMap, find_steady_state
 from lapjoint.orbits.half_periods import HalfPeriods
 
+pytestmark = pytest.mark.long_march
+
 FIRST = 3.5160152685  # rad/s: first natural frequency of a cantilever of EI = m = L = 1
 
 

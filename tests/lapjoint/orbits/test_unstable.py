@@ -13,6 +13,8 @@ from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_off
 
+pytestmark = pytest.mark.long_march
+
 
 def lopsided(map_: PeriodMap, point: SectionPoint) -> float:
     """How much farther the left end is out than the right one, m."""

@@ -1,0 +1,387 @@
+"""Cutting an orbit into intervals, compiled: where they end, how far the orbit keeps from its stops, what is beside.
+
+`lapjoint.orbits.watch` says what the intervals are for, and has the bounds that hold in them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.problem import FloatArray
+
+IndexArray = npt.NDArray[np.intp]
+
+_LEAST = 4
+"""Least number of intervals in a segment, to begin with."""
+_HALVINGS = 5
+"""How often the first and the last interval of a segment are halved, towards the switch at its end."""
+_PARTS = 8
+"""Most parts that an interval is divided into at once, where the distance to a stop is not known well enough."""
+_ROUNDS = 6
+"""How often, at most, intervals are so divided: to a 260 000th of their width."""
+_NEGLIGIBLE = 1e-9
+"""Distance to a stop over its largest, up to which no interval is divided."""
+_TIGHT = 0.5
+"""Share of the distance at the ends of an interval that must be certain within it, or else it is divided."""
+
+
+class Motion(NamedTuple):
+    """An orbit of ``S`` segments as sums of ``K`` terms at the ``U`` places of ``P`` stops."""
+
+    start: FloatArray
+    """Start of each segment, s from that of the orbit, shape ``(S,)``."""
+    duration: FloatArray
+    """Length of each segment, s, shape ``(S,)``."""
+    rates: ComplexArray
+    """Exponents of the terms in each segment, 1/s, shape ``(S, K)``."""
+    amplitudes: ComplexArray
+    """Amplitudes of the terms at its start, shape ``(S, K)``; a term of no size fills up."""
+    weights: ComplexArray
+    """Weights of the terms at the places of stops, shape ``(S, U, K)``; weight times amplitude in m."""
+    polynomial: FloatArray
+    """Coefficients of 1, tau, tau^2 there, m over powers of s, shape ``(S, U, 3)``."""
+    orientation: FloatArray
+    """+1 where a stop is open, -1 where it is closed, shape ``(S, P)``."""
+
+
+class Stops(NamedTuple):
+    """The ``P`` stops that are watched."""
+
+    sign: FloatArray
+    """+1 for a stop at the top, -1 for one at the bottom, shape ``(P,)``."""
+    gap: FloatArray
+    """m, shape ``(P,)``."""
+    place: IndexArray
+    """Which of the places each stop is at, shape ``(P,)``."""
+    beyond: IndexArray
+    """Whose switches follow those of each stop after the orbit: its own, or its twin's, shape ``(P,)``."""
+
+
+@njit(cache=True)
+def slopes_at_switches(
+    motion: Motion, stops: Stops, which: IndexArray, stop: IndexArray
+) -> tuple[FloatArray, FloatArray]:
+    """How fast an orbit crosses its stops, and how much that changes.
+
+    Parameters
+    ----------
+    motion, stops : Motion, Stops
+        The orbit, and the stops.
+    which, stop : ndarray, shape (J,)
+        The segments that end with a switch, and the stops that switch.
+
+    Returns
+    -------
+    tuple of ndarray, shape (J,)
+        |h'| before each switch, m/s, and the larger |h''| of both sides of it, m/s2.
+    """
+    rate, curvature = np.empty(which.size), np.empty(which.size)
+    for j in range(which.size):
+        i, other = which[j] + 1, stop[j]
+        if i == motion.duration.size:
+            i, other = 0, stops.beyond[other]
+        first, before = _derivatives(motion, which[j], stops.place[stop[j]], motion.duration[which[j]])
+        _, after = _derivatives(motion, i, stops.place[other], 0.0)
+        rate[j], curvature[j] = abs(first), max(abs(before), abs(after))
+    return rate, curvature
+
+
+@njit(cache=True)
+def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, float]:
+    """First two derivatives of z at a place, `tau` after the start of a segment, m/s and m/s2."""
+    first = motion.polynomial[s, u, 1] + 2 * tau * motion.polynomial[s, u, 2]
+    second = 2 * motion.polynomial[s, u, 2]
+    for k in range(motion.rates.shape[1]):
+        rate = motion.rates[s, k]
+        wave = motion.weights[s, u, k] * motion.amplitudes[s, k] * np.exp(rate * tau) * rate
+        first += wave.real
+        second += (wave * rate).real
+    return first, second
+
+
+@njit(cache=True)
+def unrolled(
+    times: FloatArray, stops: IndexArray, stop: int, beyond: int, length: float
+) -> tuple[FloatArray, IndexArray]:
+    """Switches of one stop in the period before, in this one, and in the one after.
+
+    Parameters
+    ----------
+    times : ndarray, shape (J,)
+        Times of all switches of the orbit, s from its start, ascending.
+    stops : ndarray, shape (J,)
+        The stops that switch.
+    stop, beyond : int
+        The stop whose switches are asked for, and the one whose switches the other periods hold: its twin where the
+        orbit goes on mirrored.
+    length : float
+        Of the orbit, s.
+
+    Returns
+    -------
+    times : ndarray, shape (k,)
+        Times of the switches, s from the start of the orbit, ascending.
+    indices : ndarray, shape (k,)
+        Which of the J switches each is, or repeats.
+    """
+    own, others = 0, 0
+    for j in range(stops.size):
+        own += stops[j] == stop
+        others += stops[j] == beyond
+    when, index = np.empty(own + 2 * others), np.empty(own + 2 * others, dtype=np.intp)
+    before, now, after = 0, others, others + own
+    for j in range(stops.size):
+        if stops[j] == beyond:
+            when[before], index[before] = times[j] - length, j
+            when[after], index[after] = times[j] + length, j
+            before += 1
+            after += 1
+        if stops[j] == stop:
+            when[now], index[now] = times[j], j
+            now += 1
+    return when, index
+
+
+@njit(cache=True)
+def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: float) -> FloatArray:
+    """Time from each switch to the nearest other one of the same stop, before or after.
+
+    Parameters
+    ----------
+    times : ndarray, shape (J,)
+        Times of all switches of the orbit, s from its start, ascending.
+    stops : ndarray, shape (J,)
+        The stops that switch.
+    beyond : ndarray, shape (P,)
+        The stop whose switches the periods before and after hold, see `Stops`.
+    length : float
+        Of the orbit, s.
+
+    Returns
+    -------
+    ndarray, shape (J,)
+        Times, s; inf where there is no other.
+    """
+    result = np.empty(times.size)
+    for stop in range(beyond.size):
+        when, index = unrolled(times, stops, stop, beyond[stop], length)
+        own = 0
+        for j in range(stops.size):
+            own += stops[j] == stop
+        first = (when.size - own) // 2
+        for i in range(first, first + own):
+            before = when[i] - when[i - 1] if i > 0 else np.inf
+            after = when[i + 1] - when[i] if i + 1 < when.size else np.inf
+            result[index[i]] = min(before, after)
+    return result
+
+
+@njit(cache=True)
+def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatArray]:
+    """Ends of intervals of equal width in each segment, with the first and the last one halved some times.
+
+    Parameters
+    ----------
+    duration : ndarray, shape (S,)
+        Length of each segment, s.
+    width : float
+        Largest width of an interval, s.
+
+    Returns
+    -------
+    tuple of ndarray, shape (I,)
+        Segment of each point, and time from its start, s.
+    """
+    count = np.empty(duration.size, dtype=np.intp)
+    total = 0
+    for s in range(duration.size):
+        count[s] = max(_LEAST, math.ceil(duration[s] / width))
+        total += count[s] + 1 + 2 * _HALVINGS
+    segment, tau = np.empty(total, dtype=np.intp), np.empty(total)
+    i = 0
+    for s in range(duration.size):
+        step, points = duration[s] / count[s], count[s] + 1 + 2 * _HALVINGS
+        for j in range(points):
+            after, before = j - _HALVINGS, points - 1 - j
+            if j == 0:
+                tau[i] = 0.0
+            elif before == 0:
+                tau[i] = duration[s]
+            elif after <= 0:
+                tau[i] = step * 0.5 ** (1 - after)
+            elif before <= _HALVINGS:
+                tau[i] = duration[s] - step * 0.5 ** (_HALVINGS + 1 - before)
+            else:
+                tau[i] = step * after
+            segment[i] = s
+            i += 1
+    return segment, tau
+
+
+@njit(cache=True)
+def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distances of an orbit from its stops, in the intervals between points.
+
+    A stop that truncation leaves beyond its gap at a switch switches again when it comes back to where it was left.
+
+    Parameters
+    ----------
+    motion, stops : Motion, Stops
+        The orbit, and the stops.
+    segment, tau : ndarray, shape (I + 1,)
+        Segment of each point, and time from its start, s.
+
+    Returns
+    -------
+    tuple of ndarray, shape (P, I)
+        Distance at the nearer end of each interval, m, not less than 0; and by how much it may be less within, m.
+    """
+    count, places, terms = stops.sign.size, motion.weights.shape[1], motion.rates.shape[1]
+    nearer, miss = np.zeros((count, segment.size - 1)), np.zeros((count, segment.size - 1))
+    last, shift, now, bend = np.zeros(count), np.zeros(count), np.zeros(places), np.zeros(places)
+    before = np.zeros(places)
+    for i in range(segment.size):
+        s, t = segment[i], tau[i]
+        for u in range(places):
+            first, second, third = motion.polynomial[s, u, 0], motion.polynomial[s, u, 1], motion.polynomial[s, u, 2]
+            before[u], bend[u] = bend[u], 2 * abs(third)
+            now[u] = first + t * (second + t * third)
+        for k in range(terms):
+            rate = motion.rates[s, k]
+            wave = motion.amplitudes[s, k] * np.exp(rate * t)
+            square = rate.real * rate.real + rate.imag * rate.imag
+            for u in range(places):
+                term = motion.weights[s, u, k] * wave
+                now[u] += term.real
+                bend[u] += math.sqrt(term.real * term.real + term.imag * term.imag) * square
+        begins = i == 0 or segment[i - 1] != s
+        for p in range(count):
+            u = stops.place[p]
+            h = motion.orientation[s, p] * (stops.sign[p] * now[u] - stops.gap[p])
+            if begins:
+                shift[p] = max(h, 0.0)
+            distance = shift[p] - h
+            if not begins:
+                width = t - tau[i - 1]
+                nearer[p, i - 1] = max(min(last[p], distance), 0.0)
+                miss[p, i - 1] = before[u] * width * width / 8
+            last[p] = distance
+    return nearer, miss
+
+
+@njit(cache=True)
+def refined(
+    motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray
+) -> tuple[IndexArray, FloatArray, FloatArray]:
+    """Intervals divided where the orbit's distance from a stop is not known well enough.
+
+    Parameters
+    ----------
+    motion, stops : Motion, Stops
+        The orbit, and the stops.
+    segment, tau : ndarray, shape (N,)
+        Segment of each point to begin with, and time from its start, s.
+
+    Returns
+    -------
+    segment, tau : ndarray, shape (I + 1,)
+        The same for all points, I + 1 >= N.
+    least : ndarray, shape (P, I)
+        Least distance of each stop from its gap between two points, m.
+    """
+    nearer, miss = distances(motion, stops, segment, tau)
+    least = np.zeros(stops.sign.size)
+    for p in range(least.size):
+        for i in range(nearer.shape[1]):
+            least[p] = max(least[p], _NEGLIGIBLE * nearer[p, i])
+    for _ in range(_ROUNDS):
+        parts = _parts(segment, nearer, miss, least)
+        more = 0
+        for i in range(parts.size):
+            more += parts[i] - 1
+        if more == 0:
+            break
+        segment, tau = _divided(segment, tau, parts, more)
+        nearer, miss = distances(motion, stops, segment, tau)
+    for p in range(least.size):
+        for i in range(nearer.shape[1]):
+            nearer[p, i] = max(nearer[p, i] - miss[p, i], 0.0)
+    return segment, tau, nearer
+
+
+@njit(cache=True)
+def _parts(segment: IndexArray, nearer: FloatArray, miss: FloatArray, least: FloatArray) -> IndexArray:
+    """Into how many parts each interval is to be divided, shape ``(I,)``.
+
+    A chord of a part of the width misses by the square of that part.  Distances up to `least`, ``(P,)``, do not count.
+    """
+    parts = np.ones(segment.size - 1, dtype=np.intp)
+    for p in range(least.size):
+        for i in range(parts.size):
+            if segment[i] == segment[i + 1] and nearer[p, i] > least[p]:
+                wanted = math.sqrt(miss[p, i] / max((1 - _TIGHT) * nearer[p, i], 1e-300))
+                parts[i] = max(parts[i], math.ceil(min(wanted, _PARTS)))
+    return parts
+
+
+@njit(cache=True)
+def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int) -> tuple[IndexArray, FloatArray]:
+    """Points of intervals that are divided into equal parts, `more` points in all."""
+    where, when = np.empty(segment.size + more, dtype=np.intp), np.empty(segment.size + more)
+    j = 0
+    for i in range(segment.size):
+        where[j], when[j] = segment[i], tau[i]
+        j += 1
+        if i < parts.size:
+            for k in range(1, parts[i]):
+                where[j], when[j] = segment[i], tau[i] + k / parts[i] * (tau[i + 1] - tau[i])
+                j += 1
+    return where, when
+
+
+@njit(cache=True)
+def among_switches(
+    start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, beyond: IndexArray, length: float
+) -> tuple[IndexArray, FloatArray, IndexArray, FloatArray]:
+    """Where intervals lie among the switches of each stop.
+
+    Parameters
+    ----------
+    start, end : ndarray, shape (I,)
+        Start and end of each interval, s from the start of the orbit, ascending.
+    times, which : ndarray, shape (J,)
+        Times of all switches of the orbit, ascending, and the stops that switch.
+    beyond : ndarray, shape (P,)
+        The stop whose switches the periods before and after hold, see `Stops`.
+    length : float
+        Of the orbit, s.
+
+    Returns
+    -------
+    before, since, after, until : ndarray, shape (P, I)
+        Index of the stop's last switch, or -1; time since then, s, or inf; the same of its next one.
+    """
+    shape = (beyond.size, start.size)
+    before, after = np.empty(shape, dtype=np.intp), np.empty(shape, dtype=np.intp)
+    since, until = np.empty(shape), np.empty(shape)
+    tiny = 1e-12 * length  # ends of intervals that are switches are so to rounding
+    for stop in range(beyond.size):
+        when, index = unrolled(times, which, stop, beyond[stop], length)
+        at = 0
+        for i in range(start.size):
+            while at < when.size and when[at] < 0.5 * (start[i] + end[i]):
+                at += 1
+            before[stop, i], since[stop, i], after[stop, i], until[stop, i] = -1, np.inf, -1, np.inf
+            if at > 0:
+                gone = start[i] - when[at - 1]
+                before[stop, i], since[stop, i] = index[at - 1], gone if gone > tiny else 0.0
+            if at < when.size:
+                left = when[at] - end[i]
+                after[stop, i], until[stop, i] = index[at], left if left > tiny else 0.0
+    return before, since, after, until

@@ -1,0 +1,137 @@
+"""The default number of modes keeps its promise, from soft stops to stiff ones."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import analytic
+from analytic.modes.mode_count import most_closed
+from lapjoint import FREE, BaseMotion, Beam, ContactState, ModalDamping, Problem, Stop, Support, paper_joint
+from lapjoint.answers import History
+from lapjoint.problem import FloatArray
+from tests.helpers.population import stiff_joint
+
+CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
+FIRST = 6  # contacts compared: fewer than it takes a chaotic motion to magnify an error much
+
+
+def cantilever(stiffness: float) -> Problem:
+    return Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(CLAMP,),
+        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=stiffness),),
+        damping=ModalDamping(ratio=0.05),
+        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=7.0),
+    )
+
+
+def impulses(history: History) -> FloatArray:
+    """Sum over all contacts of each stop, N s."""
+    total = np.zeros(len(history.problem.stops))
+    for contact in history.contacts:
+        total[contact.stop] += contact.impulse
+    return total
+
+
+def first_contacts(problem: Problem) -> History | None:
+    """The motion from rest up to a moment between two of its first contacts, or None if it has too few."""
+    assert problem.base_motion is not None
+    two_periods = 4 * math.pi / problem.base_motion.angular_frequency
+    contacts = analytic.Solver().simulate(problem, two_periods).contacts
+    if len(contacts) < 3:
+        return None
+    last = min(FIRST, len(contacts) - 1)
+    end = max((contacts[last - 1].end + contacts[last].start) / 2, contacts[0].end)
+    return analytic.Solver().simulate(problem, min(end, two_periods))
+
+
+def truncation(history: History) -> float:
+    """Error of a motion's impulses against nearly twice as many modes, over the largest one."""
+    (count, _) = analytic.Solver().mode_counts(history.problem)
+    many = analytic.Solver(n_modes=min(500, max(60, int(1.8 * count))))
+    exact = impulses(many.simulate(history.problem, history.end))
+    return float(np.abs(impulses(history) - exact).max() / np.abs(exact).max())
+
+
+def strongest_pull(history: History) -> float:
+    """The largest tensile force of any closed stop, over the largest force of all."""
+    pull, push = 0.0, max(contact.peak_force for contact in history.contacts)
+    for contact in history.contacts:
+        stop = history.problem.stops[contact.stop]
+        t = np.linspace(contact.start, contact.end, 103)[1:-1]
+        z = np.ravel(history.displacement(x=stop.x, t=t))
+        pull = max(pull, float(np.max(stop.stiffness * (stop.gap - stop.sign * z))))
+    return pull / push
+
+
+def check_population(seed: int, indices: range) -> None:
+    motions = [motion for i in indices if (motion := first_contacts(stiff_joint(seed, i))) is not None]
+    errors = np.array([truncation(motion) for motion in motions])
+    assert np.count_nonzero(errors <= 1e-5) >= 0.9 * errors.size, np.sort(errors)[::-1][:10]
+    assert errors.max() <= 1e-3  # a motion that multiplies a difference a hundredfold in six contacts
+    pulls = [strongest_pull(motion) for motion in motions]
+    assert max(pulls) <= 1e-5  # what the impulses are held to
+
+
+def test_random_joints_of_all_stiffnesses_hold_the_tolerance_and_no_stop_pulls() -> None:
+    check_population(seed=41, indices=range(8))
+
+
+@pytest.mark.slow
+def test_many_random_joints_of_all_stiffnesses_hold_the_tolerance_and_no_stop_pulls() -> None:
+    check_population(seed=42, indices=range(200))
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e2, 1e4, 1e5, 1e6])
+def test_a_stiff_stop_at_the_tip(stiffness: float) -> None:
+    problem = cantilever(stiffness)
+    default = analytic.Solver().steady_state(problem, sensitivity=False)
+    many = analytic.Solver(n_modes=2 * analytic.Solver().mode_counts(problem)[0])
+    exact = many.steady_state(problem, sensitivity=False)
+    np.testing.assert_allclose(default.impulses, exact.impulses, rtol=1e-5)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-6, 1e-4])
+def test_stiff_stops_on_both_sides_with_little_room(gap: float) -> None:
+    stops = tuple(Stop(x=1.0, side=side, gap=gap, stiffness=1e6) for side in ("top", "bottom"))
+    problem = cantilever(1.0).replace(stops=stops)
+    count = analytic.Solver().mode_counts(problem)[0]
+    assert count < 90  # 102 with the room of the base's motion
+    motion, many = (solver.simulate(problem, 0.9) for solver in (analytic.Solver(), analytic.Solver(n_modes=2 * count)))
+    assert np.abs(impulses(motion) - impulses(many)).max() <= 1e-5 * np.abs(impulses(many)).max()
+
+
+def test_one_stop_of_the_papers_joint_at_a_low_frequency() -> None:
+    joint = paper_joint(angular_frequency=100.0)
+    problem = joint.replace(stops=joint.stops[:1])
+    exact = analytic.Solver(n_modes=40).steady_state(problem, sensitivity=False).impulses
+    np.testing.assert_allclose(analytic.Solver().steady_state(problem).impulses, exact, rtol=1e-5)
+
+
+def test_the_papers_joint_needs_few_modes() -> None:
+    counts = [
+        analytic.Solver().mode_counts(paper_joint(angular_frequency=w))[0] for w in (100.0, 515.0, 2966.0, 5000.0)
+    ]
+    assert counts == sorted(counts)
+    assert counts[1] <= 16  # with 15 the impulse of a tip stop is in error by 1.4e-5
+    assert counts[3] <= 27
+
+
+def test_the_number_grows_as_the_two_sevenths_power_of_the_stiffness() -> None:
+    few, many = (analytic.Solver().mode_counts(cantilever(k))[0] for k in (1e4, 1e7))
+    assert many / few == pytest.approx(1000 ** (2 / 7), rel=0.1)
+
+
+def test_most_closed_takes_the_stiffer_side_of_every_position() -> None:
+    stops = (
+        Stop(x=0.5, side="top", gap=1e-3, stiffness=10.0),
+        Stop(x=0.5, side="bottom", gap=1e-3, stiffness=20.0),
+        Stop(x=1.0, side="top", gap=1e-3, stiffness=30.0),
+        Stop(x=1.0, side="top", gap=2e-3, stiffness=1.0),
+        Stop(x=1.0, side="bottom", gap=2e-3, stiffness=30.5),
+    )
+    assert most_closed(cantilever(1.0).replace(stops=stops)) == ContactState((1, 2, 3))
+    assert most_closed(cantilever(1.0).replace(stops=())) == FREE

@@ -1,0 +1,78 @@
+"""Frequencies of beams on springs of any stiffness against the roots of the characteristic equation, to 60 digits."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import fe_lapjoint
+from lapjoint import FREE, Beam, Problem, Support
+
+BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
+Ends = tuple[tuple[float, float], tuple[float, float]]
+"""Translational and torsional stiffness, over EI / L^3 and EI / L, of the springs at both ends."""
+
+
+def determinant(beta: mp.mpf, ends: Ends) -> mp.mpf:
+    """Of the boundary conditions z'' = +- kt z', z''' = -+ k z on z = a cos + b sin + c cosh + d sinh of beta x."""
+    rows = []
+    for x, sign, (k, kt) in ((mp.mpf(0), 1, ends[0]), (mp.mpf(1), -1, ends[1])):
+        s, c, sh, ch = mp.sin(beta * x), mp.cos(beta * x), mp.sinh(beta * x), mp.cosh(beta * x)
+        z, z1 = (c, s, ch, sh), (-s, c, sh, ch)
+        z2, z3 = (-c, -s, ch, sh), (s, -c, sh, ch)
+        moment = [beta**2 * z2[i] - sign * mp.mpf(kt) * beta * z1[i] for i in range(4)]
+        shear = [beta**3 * z3[i] + sign * mp.mpf(k) * z[i] for i in range(4)]
+        rows += [moment if math.isfinite(kt) else list(z1), shear if math.isfinite(k) else list(z)]
+    return mp.det(mp.matrix(rows))
+
+
+def root_near(omega: float, ends: Ends) -> float:
+    """The angular frequency nearest to an estimate."""
+    with mp.workdps(60):
+        start = mp.sqrt(mp.mpf(omega))
+        beta = mp.findroot(
+            lambda b: determinant(b, ends), (start, start * (1 + mp.mpf(10) ** -9)), tol=mp.mpf(10) ** -90
+        )
+        return float(beta**2)
+
+
+def springs(kappa: float) -> dict[str, Ends]:
+    return {
+        "both ends alike": ((kappa, 0.0), (kappa, 0.0)),
+        "both ends unlike": ((kappa, 0.0), (3 * kappa, 0.0)),
+        "one end": ((kappa, kappa), (0.0, 0.0)),
+        "a pin and a torsional spring": ((math.inf, kappa), (0.0, 0.0)),
+        "a pin and a spring": ((math.inf, 0.0), (kappa, 0.0)),
+        "a stiff one and a soft one": ((1e6, 0.0), (kappa, 0.0)),
+    }
+
+
+@pytest.mark.parametrize("elements", [8, 40, 200])
+@pytest.mark.parametrize("kappa", [1e-12, 1e-6, 1e-3, 3e-2, 1.0, 1e6, math.inf])
+def test_frequencies_keep_their_digits_however_soft_the_springs(kappa: float, elements: int) -> None:
+    for name, ends in springs(kappa).items():
+        supports = tuple(Support(x=float(x), translational=k, torsional=kt) for x, (k, kt) in enumerate(ends))
+        problem = Problem(beam=BEAM, supports=supports)
+        for omega in fe_lapjoint.Solver(elements=elements).modes(problem, FREE, 2).angular_frequencies:
+            if omega == 0.0:
+                assert name in ("a pin and a spring", "one end"), name
+                continue
+            # Discretisation: (beta / n)^4 / 1440 for a beam's own modes, less for those that hardly bend it; rounding
+            # leaves 1e-10 of the modes of 200 elements, and 1e-12 of those that soft springs make.
+            allowed = omega**2 / elements**4 / 300 + (1e-12 if omega < 1e-2 else 3e-10)
+            assert omega == pytest.approx(root_near(omega, ends), rel=allowed), f"{name}, {kappa:g}"
+
+
+def test_shapes_on_soft_springs_are_orthogonal_and_rigid_ones_straight() -> None:
+    problem = Problem(beam=BEAM, supports=(Support(x=0.0, translational=1e-9), Support(x=1.0, translational=2e-9)))
+    shapes = fe_lapjoint.Solver(elements=100).modes(problem, FREE, 4).shapes
+    node, weight = np.polynomial.legendre.leggauss(4)
+    h = 0.01
+    x = (h * np.arange(100)[:, None] + h * (node + 1) / 2).ravel()
+    phi = shapes(x)
+    assert (phi * np.tile(weight * h / 2, 100)) @ phi.T == pytest.approx(np.eye(4), abs=1e-12)  # rounding
+    straight = np.polynomial.polynomial.polyfit(x, phi[:2].T, 1)
+    assert phi[:2] == pytest.approx(np.polynomial.polynomial.polyval(x, straight), abs=1e-8)  # bending by the springs

@@ -1,0 +1,304 @@
+"""The ground: is a problem read as it is written, and are answers made of the right arithmetic?
+
+Solvers share what is solved and what an answer is, so neither can tell when that is wrong.  Here plain numbers stand on
+the other side: those of the file by `tomllib`, those of the paper's tables, and closed forms.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+import analytic
+import fe_lapjoint
+from lapjoint import FREE, ContactState, History, Problem, paper_joint, sdnl104
+from lapjoint.answers import Contact
+from lapjoint.answers.steady_state import impulses_per_period
+from lapjoint.orbits.exponent import exponent_of
+from lapjoint.problem import FloatArray
+from lapjoint.problem.files import from_toml, to_toml
+from validation.case import CaseResult, Level, Say, table
+from validation.cases.textbook_equations import BEAMS, roots
+from validation.references.reading import Printed, group
+from validation.verdict import Check, Criterion, Estimate, Kind
+
+ROUNDING = 1e-14  # relative, of a few operations
+EIGENVALUES = 1e-5  # relative: 16 elements give the first frequency so well
+FILE = """
+title = "Every kind of part"
+[beam]
+length = 2.25
+[beam.material]
+youngs_modulus = 7.1e10
+density = 2713.0
+[beam.section]
+shape = "tube"
+outer_diameter = 0.061
+inner_diameter = 0.047
+[[supports]]
+x = 0.0
+translational = inf
+torsional = 8.1e4
+[[supports]]
+x = 1.75
+translational = 3.3e5
+torsional = 410.0
+[[stops]]
+name = "tip"
+x = 2.25
+side = "bottom"
+gap = 1.3e-3
+stiffness = 5.7e5
+[[stops]]
+name = "inner"
+x = 0.9
+side = "top"
+gap = 0.7e-3
+stiffness = 2.9e5
+[damping]
+kind = "modal"
+ratio = [0.013, 0.027, 0.041]
+[base_motion]
+amplitude = 2.7e-3
+angular_frequency = 143.0
+phase = 0.37
+[[point_loads]]
+kind = "step"
+x = 1.1
+force = -17.0
+[[point_loads]]
+kind = "sine"
+x = 0.45
+force = 23.0
+angular_frequency = 143.0
+phase = -1.21
+[initial]
+kind = "polynomial"
+displacement = [0.0, 0.0, 1.9e-4, -3.1e-5]
+velocity = [0.0, 0.07, 0.011]
+"""
+SECTIONS = {
+    'shape = "rectangle"\nbreadth = 0.3\nheight = 0.05': (0.3 * 0.05, 0.3 * 0.05**3 / 12),
+    'shape = "circle"\ndiameter = 0.2': (math.pi * 0.2**2 / 4, math.pi * 0.2**4 / 64),
+    'shape = "tube"\nouter_diameter = 0.061\ninner_diameter = 0.047': (
+        math.pi * (0.061**2 - 0.047**2) / 4,
+        math.pi * (0.061**4 - 0.047**4) / 64,
+    ),
+}
+"""Area, m2, and second moment, m4, of each section by arithmetic."""
+
+
+def same(name: str, found: float, reference: float, unit: str = "SI", rounding: float = 0.0) -> Check:
+    """A number against what it must be, to rounding relative to it."""
+    a = Estimate(float(found), rounding * abs(reference), "as the project has it")
+    return Check(name, unit, a, Estimate(float(reference), 0.0, "plain arithmetic", Kind.ANALYTICAL))
+
+
+def leaves(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """All values of nested tables and lists, with their paths."""
+    if isinstance(tables, Mapping):
+        for key, value in tables.items():
+            yield from leaves(value, f"{path}.{key}" if path else key)
+    elif isinstance(tables, Sequence) and not isinstance(tables, str):
+        for i, value in enumerate(tables):
+            yield from leaves(value, f"{path}[{i}]")
+    else:
+        yield path, tables
+
+
+def field(part: Any, path: str) -> Any:
+    """The value at a path of a problem."""
+    for key in path.replace("[", ".").replace("]", "").split("."):
+        part = part[int(key)] if key.isdigit() else getattr(part, key)
+    return part
+
+
+def read_as_written(problem: Problem, how: str) -> Iterator[Check | Criterion]:
+    """Every value of `FILE` against the problem."""
+    words = []
+    for path, value in leaves(tomllib.loads(FILE)):
+        found = field(problem, path)
+        if isinstance(value, str) or math.isinf(value):
+            words.append(found == value)
+        else:
+            yield same(f"{how}: {path}", found, value)
+    yield Criterion(f"{how}: words and infinities", "1", float(sum(words)), len(words), len(words), "as written")
+
+
+def meanings(problem: Problem) -> Iterator[Check]:
+    """What the parts of `FILE` amount to, by arithmetic."""
+    x = np.array([0.3, 1.9])
+    for i, at in enumerate(x):
+        z = 1.9e-4 * at**2 - 3.1e-5 * at**3
+        curvature = 2 * 1.9e-4 - 6 * 3.1e-5 * at
+        yield same(f"initial displacement at {at:g} m", problem.initial.displacement_at(x)[i], z, "m", ROUNDING)
+        name = f"initial curvature at {at:g} m"
+        yield same(name, problem.initial.displacement_at(x, 2)[i], curvature, "1/m", ROUNDING)
+        v = 0.07 * at + 0.011 * at**2
+        yield same(f"initial velocity at {at:g} m", problem.initial.velocity_at(x)[i], v, "m/s", ROUNDING)
+    for i, ratio in enumerate((0.013, 0.027, 0.041, 0.041, 0.041)):
+        found = problem.damping.ratios(5)[i]  # type: ignore[union-attr]
+        yield same(f"damping ratio of mode {i + 1}", found, ratio, "1")
+    for stop, sign in zip(problem.stops, (-1, 1), strict=True):
+        yield same(f"side of {stop.name}", stop.sign, sign, "1")
+    assert problem.excitation_frequency is not None
+    yield same("common excitation frequency", problem.excitation_frequency, 143.0, "rad/s")
+    for text, (area, second) in SECTIONS.items():
+        body = (
+            f"[beam]\nlength = 1.0\nmaterial = {{youngs_modulus = 2.05e11, density = 7890.0}}\n[beam.section]\n{text}"
+        )
+        beam, shape = from_toml(body).beam, text.split('"')[1]
+        yield same(f"mass per length of a {shape}", beam.m, 7890.0 * area, "kg/m", ROUNDING)
+        yield same(f"bending stiffness of a {shape}", beam.EI, 2.05e11 * second, "N m2", 10 * ROUNDING)
+
+
+def presets() -> Iterator[Check]:
+    """The two presets against the numbers of their sources."""
+
+    def against(name: str, found: float, given: Printed, exact: bool = True) -> Check:
+        reference = given.estimate()
+        # What a file of inputs prints is the number itself; a computed one is printed to its last digit.
+        u = 0.0 if exact else given.half_unit
+        b = Estimate(reference.value, u, reference.how, reference.kind)
+        return Check(f"preset: {name}", given.unit, Estimate(found, ROUNDING * abs(given.value), "the preset"), b)
+
+    joint, table_6 = paper_joint(), {key: row[0] for key, row in group("paper joint").items()}
+    beam, base = joint.beam, joint.base_motion
+    assert base is not None
+    assert beam.material is not None
+    E, L = table_6["youngs_modulus"].value, table_6["length"].value
+    EI = E * table_6["breadth"].value * table_6["height"].value ** 3 / 12
+    yield against("length", beam.length, table_6["length"])
+    yield against("Young's modulus", beam.material.youngs_modulus, table_6["youngs_modulus"])
+    yield against("density", beam.material.density, table_6["density"])
+    yield same("preset: bending stiffness", beam.EI, EI, "N m2", 10 * ROUNDING)
+    area = table_6["breadth"].value * table_6["height"].value
+    yield same("preset: mass per length", beam.m, table_6["density"].value * area, "kg/m", 10 * ROUNDING)
+    yield against("base amplitude", base.amplitude, table_6["base_amplitude"])
+    yield same("preset: phase of the base", base.phase, 0.0, "rad")
+    yield against("damping ratio", joint.damping.ratio, table_6["damping_ratio"])  # type: ignore[union-attr, arg-type]
+    tip, middle = table_6["length"].value, table_6["contact_point"].value
+    for stop, (name, x, sign) in zip(
+        joint.stops, (("P2", tip, -1), ("P3", middle, -1), ("P4", tip, 1), ("P5", middle, 1)), strict=True
+    ):
+        yield against(f"gap of {name}", stop.gap, table_6["gap"])
+        yield same(f"preset: place of {name}", stop.x, x, "m")
+        yield same(f"preset: side of {name}", stop.sign, sign, "1")
+        k = table_6["k_star"].value * 3 * EI / L**3
+        yield same(f"preset: stiffness of {name}", stop.stiffness, k, "N/m", 10 * ROUNDING)
+    for k_star, (given,) in group("paper stiffness").items():
+        stiffness = paper_joint(k_star=float(k_star)).stops[0].stiffness
+        yield against(f"stiffness at k* = {k_star}", stiffness, given, exact=False)
+    drop, of = sdnl104(), {key: row[0] for key, row in group("sdnl104 problem").items()}
+    assert drop.beam.material is not None
+    yield against("SDNL104: length", drop.beam.length, of["length"])
+    yield against("SDNL104: diameter", drop.beam.section.diameter, of["diameter"])  # type: ignore[union-attr]
+    yield against("SDNL104: Young's modulus", drop.beam.material.youngs_modulus, of["youngs_modulus"])
+    yield against("SDNL104: density", drop.beam.material.density, of["density"])
+    yield against("SDNL104: gap", drop.stops[0].gap, of["gap"])
+    yield against("SDNL104: stiffness", drop.stops[0].stiffness, of["stiffness"])
+    yield against("SDNL104: force", drop.point_loads[0].force, of["force"])
+    yield same("SDNL104: side", drop.stops[0].sign, -1, "1")
+
+
+def written_down(problem: Problem) -> History:
+    """A motion that is written down: z = 2 mm sin(143 t) x^3, with three contacts."""
+
+    def motion(x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
+        shape = 2e-3 * (x**3, 3 * x**2, 6 * x, np.full_like(x, 6.0))[dx]
+        return np.outer(shape, 143.0**dt * np.sin(143.0 * t + dt * math.pi / 2))
+
+    contacts = (Contact(0, 0.01, 0.02, -3.0, 7.0), Contact(1, 0.03, 0.04, 2.0, 5.0), Contact(0, 0.05, 0.06, -4.0, 9.0))
+    states = (FREE, ContactState((0,)), FREE, ContactState((1,)), FREE, ContactState((0,)), FREE)
+    times = np.array([0.01, 0.02, 0.03, 0.04, 0.05, 0.06])
+    return History(problem, "written down", 0.0, 0.08, times, states, contacts, motion)
+
+
+def arithmetic(problem: Problem) -> Iterator[Check]:
+    """What a History, its impulses, and an exponent are made of."""
+    history, t = written_down(problem), 0.0123
+    wave = 2e-3 * math.sin(143.0 * t)
+    EI = 7.1e10 * math.pi * (0.061**4 - 0.047**4) / 64
+    x = 1.3
+    yield same("displacement", history.displacement(x, t)[0, 0], wave * x**3, "m", ROUNDING)
+    yield same("velocity", history.velocity(x, t)[0, 0], 2e-3 * 143 * math.cos(143 * t) * x**3, "m/s", 10 * ROUNDING)
+    yield same("slope", history.slope(x, t)[0, 0], 3 * wave * x**2, "1", ROUNDING)
+    yield same("bending moment", history.moment(x, t)[0, 0], EI * 6 * wave * x, "N m", 10 * ROUNDING)
+    yield same("shear force", history.shear(x, t)[0, 0], EI * 6 * wave, "N", 10 * ROUNDING)
+    for k, (place, sign, gap, stiffness) in enumerate(((2.25, -1, 1.3e-3, 5.7e5), (0.9, 1, 0.7e-3, 2.9e5))):
+        for when in (t, t + math.pi / 143.0):
+            z = 2e-3 * math.sin(143.0 * when) * place**3
+            force = -sign * stiffness * max(sign * z - gap, 0.0)
+            name = f"force of stop {k + 1} at {when:.4f} s"
+            yield same(name, history.contact_force(when)[k, 0], force, "N", 1e4 * ROUNDING)
+    for k, impulse in enumerate((-7.0 / 3, 2.0 / 3)):
+        name = f"impulse of stop {k + 1} per period, of three"
+        yield same(name, impulses_per_period(history, 3)[k], impulse, "N s", ROUNDING)
+    yield same("impulses before 0.045 s", history.impulses(end=0.045)[0], -3.0, "N s", ROUNDING)
+    series = correlated()
+    found = exponent_of(series, 0.25)
+    yield same("exponent of a series of growths", found.value, float(series.sum()) / (series.size * 0.25), "1/s", 1e-12)
+    yield same("time of its measurement", found.time, series.size * 0.25, "s", ROUNDING)
+
+
+CORRELATION, LENGTH = 0.8, 65_536
+"""Of the growths of neighbouring periods, and how many they are."""
+
+
+def correlated() -> FloatArray:
+    """An AR(1) series of unit scatter about 0.3."""
+    noise = np.random.default_rng(11).standard_normal(LENGTH) * math.sqrt(1 - CORRELATION**2)
+    series = np.empty(LENGTH)
+    series[0] = noise[0]
+    for i in range(1, LENGTH):
+        series[i] = CORRELATION * series[i - 1] + noise[i]
+    return np.asarray(0.3 + series)
+
+
+def statistics() -> Iterator[Criterion]:
+    """The standard error of a correlated mean against its closed form."""
+    exact = math.sqrt((1 + CORRELATION) / (1 - CORRELATION) / LENGTH) / 0.25
+    found = exponent_of(correlated(), 0.25).standard_error / exact
+    reason = "fifteen degrees of freedom leave a factor of two"
+    yield Criterion("standard error of correlated growths over its closed form", "1", found, 0.5, 2.0, reason)
+
+
+def frequencies(problem: Problem) -> Iterator[Check]:
+    """The lowest frequency of a cantilever of steel by both solvers, from the textbook's root and arithmetic."""
+    joint = paper_joint().replace(stops=())
+    root = roots(BEAMS["clamped-free"].equation, 1)[0]
+    omega = (root / 2.5) ** 2 * math.sqrt(2.05e11 * 0.05**2 / 12 / 7890.0)
+    for solver, u in ((analytic.Solver(), 100 * ROUNDING), (fe_lapjoint.Solver(elements=16), EIGENVALUES)):
+        found = solver.modes(joint, FREE, 1).angular_frequencies[0]
+        yield same(f"first frequency of the paper's beam: {solver.name}", found, omega, "rad/s", u)
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """All of it, at once."""
+    say("file, presets, arithmetic")
+    problem = from_toml(FILE)
+    items = [
+        *read_as_written(problem, "read"),
+        *read_as_written(from_toml(to_toml(problem)), "written and read again"),
+        *meanings(problem),
+        *presets(),
+        *arithmetic(problem),
+        *statistics(),
+        *frequencies(problem),
+    ]
+    checks = tuple(item for item in items if isinstance(item, Check))
+    rows = [(c.name, c.unit, c.b.value, c.a.value, c.b.how) for c in checks]
+    return CaseResult(
+        "as-given",
+        "The ground: problems as given",
+        "Both solvers share what is solved and what an answer is, so neither can tell when that is wrong. Every value "
+        "of a problem file is compared with what `tomllib` reads, both presets with the tables that they are from, and "
+        "sections, initial shapes, forces, moments, impulses per period and exponents with plain arithmetic.",
+        checks=checks,
+        criteria=tuple(item for item in items if isinstance(item, Criterion)),
+        tables=(table("As given", ("quantity", "unit", "given", "found", "from"), rows),),
+    )

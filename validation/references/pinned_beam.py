@@ -1,0 +1,151 @@
+r"""A beam on two pins without stops, as the sum over its sines: by numpy alone, no code of the project takes part.
+
+With phi_n = sqrt(2 / (m L)) sin(n pi x / L) and omega_n = (n pi / L)^2 sqrt(EI / m),
+
+    z = sum_n phi_n q_n,    q_n'' + 2 zeta_n omega_n q_n' + omega_n^2 q_n = f_n + sum_h f_hn sin(Omega_h t + phase_h)
+
+Each q_n is its static answer to the loads of the moment plus a rest that falls fast with n.  The sum over all static
+answers is the static deflection, of a uniform load q or of a force F at a (b = L - a, for x <= a, else mirrored),
+
+    EI z = q x (L^3 - 2 L x^2 + x^3) / 24,    EI z = F b x (L^2 - b^2 - x^2) / (6 L)
+
+so that only the rests are summed, and moments and shear forces come out as well as displacements.
+The problem is read from the text of a problem file by `tomllib`.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import CubicSpline
+
+Array = npt.NDArray[np.float64]
+
+_TERMS = 600  # of the sum; the rests fall at least as n^-4, but for undamped waves from a jump of load
+_GAUSS = np.polynomial.legendre.leggauss(16)
+_PANELS = 400  # of the quadrature of the initial shapes: less than two half waves of the highest sine each
+
+
+@dataclass(frozen=True, eq=False)
+class PinnedBeam:
+    """The beam of a problem file; what holds it is taken for pins at both ends."""
+
+    tables: dict[str, Any]
+    """The file, as `tomllib` reads it."""
+
+    @staticmethod
+    def from_toml(text: str) -> PinnedBeam:
+        """The beam of a problem given as the text of its file."""
+        return PinnedBeam(tomllib.loads(text))
+
+    @cached_property
+    def _beam(self) -> tuple[float, float, float]:
+        """Length, m, bending stiffness, N m2, and mass per length, kg/m."""
+        beam = self.tables["beam"]
+        b, h = beam["section"]["breadth"], beam["section"]["height"]
+        material = beam["material"]
+        return beam["length"], material["youngs_modulus"] * b * h**3 / 12, material["density"] * b * h
+
+    @cached_property
+    def _n(self) -> Array:
+        return np.arange(1.0, _TERMS + 1)
+
+    @cached_property
+    def omega(self) -> Array:
+        """Natural angular frequencies, rad/s."""
+        L, EI, m = self._beam
+        return np.asarray((self._n * math.pi / L) ** 2 * math.sqrt(EI / m))
+
+    @cached_property
+    def _decay(self) -> Array:
+        damping = self.tables["damping"]
+        if damping["kind"] == "viscous":
+            return np.full(_TERMS, damping["coefficient"] / (2 * self._beam[2]))
+        ratios = np.array(damping["ratio"], dtype=float)
+        return np.asarray(ratios[np.minimum(np.arange(_TERMS), ratios.size - 1)] * self.omega)
+
+    def _sines(self, x: float, dx: int = 0) -> Array:
+        """phi_n or an x-derivative at a place, by n."""
+        L, _, m = self._beam
+        wave = self._n * math.pi / L
+        return np.asarray(math.sqrt(2 / (m * L)) * wave**dx * np.sin(wave * x + dx * math.pi / 2))
+
+    @cached_property
+    def _loads(self) -> list[tuple[float | None, float, float, float]]:
+        """Place (None: uniform), size, angular frequency and phase; a step is a cosine of frequency zero."""
+        found: list[tuple[float | None, float, float, float]] = []
+        if "base_motion" in self.tables:
+            base = self.tables["base_motion"]
+            w = base["angular_frequency"]
+            found.append((None, self._beam[2] * base["amplitude"] * w**2, w, base.get("phase", 0.0)))
+        for load in self.tables.get("point_loads", ()):
+            w, phase = load.get("angular_frequency", 0.0), load.get("phase", 0.0)
+            found.append((load["x"], load["force"], w, phase if load["kind"] == "sine" else math.pi / 2))
+        return found
+
+    def _projected(self, place: float | None) -> Array:
+        """Modal force of a unit load."""
+        if place is not None:
+            return self._sines(place)
+        L, _, m = self._beam
+        return np.asarray(math.sqrt(2 / (m * L)) * L / (self._n * math.pi) * (1 - np.cos(self._n * math.pi)))
+
+    def _static(self, place: float | None, x: float, dx: int) -> float:
+        """Static deflection under a unit load, or an x-derivative."""
+        L, EI, _ = self._beam
+        if place is None:
+            curve, sign = np.polynomial.Polynomial([0, L**3, 0, -2 * L, 1]) / 24, 1.0
+        else:
+            mirrored = x > place
+            b, x, sign = (place, L - x, (-1.0) ** dx) if mirrored else (L - place, x, 1.0)
+            curve = np.polynomial.Polynomial([0, L**2 - b**2, 0, -1]) * b / (6 * L)
+        return sign * float((curve.deriv(dx) if dx else curve)(x)) / EI
+
+    @cached_property
+    def _initial(self) -> tuple[Array, Array]:
+        """Modal coordinates and rates at t = 0."""
+        L, _, m = self._beam
+        edges = np.linspace(0.0, L, _PANELS + 1)
+        half = np.diff(edges)[:, None] / 2
+        x, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        shapes = math.sqrt(2 / (m * L)) * np.sin(np.multiply.outer(self._n * math.pi / L, x))
+        given = self.tables.get("initial", {})
+
+        def along(name: str) -> Array:
+            values = given.get(name) or [0.0]
+            if given.get("kind") == "sampled" and len(values) > 1:
+                return np.asarray(CubicSpline(given["x"], values)(x))
+            return np.asarray(np.polynomial.polynomial.polyval(x, np.array(values, dtype=float)))
+
+        return m * shapes @ (w * along("displacement")), m * shapes @ (w * along("velocity"))
+
+    def evaluate(self, x: float, t: float, dx: int = 0, dt: int = 0) -> float:
+        """z at x and t, or a derivative, dx up to 3 and dt up to 1."""
+        omega, decay = self.omega, self._decay
+        q, v = self._initial
+        total, rest = 0.0, np.zeros(_TERMS)
+        for place, size, w, phase in self._loads:
+            force = size * self._projected(place)
+            wave = force / (omega**2 - w**2 + 2j * decay * w)
+            at_start, now = np.exp(1j * phase), (1j * w) ** dt * np.exp(1j * (w * t + phase))
+            q, v = q - (wave * at_start).imag, v - (1j * w * wave * at_start).imag
+            rest = rest + ((wave - force / omega**2) * now).imag
+            total += size * self._static(place, x, dx) * float(now.imag)
+        root = -decay + 1j * np.sqrt(omega**2 - decay**2)
+        free = q - 1j * (v + decay * q) / root.imag
+        rest = rest + (free * root**dt * np.exp(root * t)).real
+        return total + float(self._sines(x, dx) @ rest)
+
+    def moment(self, x: float, t: float) -> float:
+        """EI z'', N m."""
+        return self._beam[1] * self.evaluate(x, t, 2)
+
+    def shear(self, x: float, t: float) -> float:
+        """EI z''', N."""
+        return self._beam[1] * self.evaluate(x, t, 3)

@@ -1,0 +1,429 @@
+r"""A rigid bar on springs between stops, by numpy and scipy alone: no code of the project takes part.
+
+A beam so stiff that it does not bend has the displacement z(x, t) = N(x) . u(t) with N(x) = (1 - x / L, x / L) and the
+displacements u of its ends, or N(x) = x / L where a pin holds its root.  It obeys
+
+    M u'' + C u' + K u = f(t),    M = int m N^T N dx,    K = sum k N^T N + sum kt N'^T N'
+
+over the springs of all supports and of the closed stops, with f from the base's inertia, point loads and gaps.  Every
+contact state has its own K, and under modal damping its own C = M Phi diag(2 zeta_i omega_i) Phi^T M, so that its
+modes decouple: between two switches the motion is a sum of decaying sines, the gap functions are sampled closely, and
+their roots refined by bisection.
+
+The problem is read from the text of a problem file by `tomllib`, without the reader that is on trial.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+Array = npt.NDArray[np.float64]
+Closed = frozenset[int]
+
+_SAMPLES = 60  # of the gap functions in a period of the fastest mode or load; a contact longer than one is not missed
+_PERIODS = 2  # such periods that are looked at together
+_CLOSE = 1e-15  # s: switches are located as closely as double precision allows
+_PANELS, _GAUSS = 4, np.polynomial.legendre.leggauss(12)  # of a contact's quadrature
+_DIFFERENCE = 1e-6  # of the motion, by which it is moved to differentiate: the cube root of rounding
+_REPEATS = 1e-3  # of the motion: what a settled march returns to within a multiple of its period, at the latest
+_STEPS, _CLOSES = 20, 1e-12  # of Newton's method, and how closely the motion closes, over its size
+
+
+@dataclass(frozen=True)
+class BarContact:
+    """A contact of one stop."""
+
+    stop: int
+    start: float
+    """s."""
+    end: float
+    """s."""
+    impulse: float
+    """Time integral of the stop's spring force magnitude, N s; positive at the top, negative at the bottom."""
+    peak: float
+    """Largest spring force magnitude, N."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The motion between two switches, valid from `start` to `end`."""
+
+    start: float
+    end: float
+    closed: Closed
+    motion: Callable[[Array, int], Array]
+    """u(t), shape ``(n, m)``, or its first or second derivative, at times of shape ``(m,)``."""
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBar:
+    """The bar of a problem file."""
+
+    tables: dict[str, Any]
+    """The file, as `tomllib` reads it."""
+
+    @staticmethod
+    def from_toml(text: str) -> RigidBar:
+        """The bar of a problem given as the text of its file."""
+        return RigidBar(tomllib.loads(text))
+
+    @cached_property
+    def length(self) -> float:
+        """m."""
+        return float(self.tables["beam"]["length"])
+
+    @cached_property
+    def mass_per_length(self) -> float:
+        """kg/m."""
+        return float(self.tables["beam"]["mass_per_length"])
+
+    @cached_property
+    def pinned(self) -> bool:
+        """Whether a pin holds the root: the bar can only turn."""
+        return any(s["x"] == 0 and math.isinf(s.get("translational", 0.0)) for s in self.tables.get("supports", ()))
+
+    def N(self, x: float | Array) -> Array:
+        """Displacement at x by each coordinate, shape ``(n,)`` or ``(places, n)``."""
+        part = np.asarray(x, dtype=float) / self.length
+        return np.stack([part] if self.pinned else [1 - part, part], axis=-1)
+
+    @cached_property
+    def slope(self) -> Array:
+        """Slope by each coordinate, 1/m, shape ``(n,)``."""
+        return np.array([1.0] if self.pinned else [-1.0, 1.0]) / self.length
+
+    @cached_property
+    def M(self) -> Array:
+        """Mass matrix, kg."""
+        whole = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6 * self.mass_per_length * self.length
+        return whole[1:, 1:] if self.pinned else whole
+
+    @cached_property
+    def stops(self) -> list[dict[str, Any]]:
+        """The stops, with their sign: +1 at the top, -1 at the bottom."""
+        return [{**s, "sign": {"top": 1.0, "bottom": -1.0}[s["side"]]} for s in self.tables.get("stops", ())]
+
+    @cached_property
+    def rows(self) -> Array:
+        """N at each stop, shape ``(stops, n)``."""
+        return np.array([self.N(s["x"]) for s in self.stops]).reshape(-1, self.M.shape[0])
+
+    @cached_property
+    def uniform(self) -> Array:
+        """int N dx, m, shape ``(n,)``: what a force per unit length is multiplied by."""
+        return self.length / 2 * np.ones(self.M.shape[0])
+
+    @cached_property
+    def harmonics(self) -> list[tuple[Array, float, float]]:
+        """Loads force sin(omega t + phase): N, shape ``(n,)``, rad/s and rad."""
+        found = []
+        if "base_motion" in self.tables:
+            base = self.tables["base_motion"]
+            w = float(base["angular_frequency"])
+            found.append((self.mass_per_length * base["amplitude"] * w**2 * self.uniform, w, base.get("phase", 0.0)))
+        for load in self.tables.get("point_loads", ()):
+            if load["kind"] == "sine":
+                found.append((load["force"] * self.N(load["x"]), load["angular_frequency"], load.get("phase", 0.0)))
+        return found
+
+    @cached_property
+    def damping_is_modal(self) -> bool:
+        """Whether modes have damping ratios."""
+        return bool(self.tables["damping"]["kind"] == "modal")
+
+    @cached_property
+    def period(self) -> float:
+        """Excitation period, s."""
+        return 2 * math.pi / float(self.harmonics[0][1])
+
+    def gap_function(self, k: int, u: Array) -> Array:
+        """sign z - gap of a stop, m: positive where it is pressed."""
+        return np.asarray(self.stops[k]["sign"] * (self.rows[k] @ u) - self.stops[k]["gap"])
+
+    @cached_property
+    def _state(self) -> Callable[[Closed], tuple[Array, Array, Array, Array]]:
+        @cache
+        def state(closed: Closed) -> tuple[Array, Array, Array, Array]:
+            """Modes Phi, omega, decay rates, and constant forces of a contact state."""
+            K, constant = np.zeros_like(self.M), np.zeros(self.M.shape[0])
+            for support in self.tables.get("supports", ()):
+                k, kt = support.get("translational", 0.0), support.get("torsional", 0.0)
+                if math.isfinite(k):
+                    K = K + k * np.outer(self.N(support["x"]), self.N(support["x"]))
+                K = K + kt * np.outer(self.slope, self.slope)
+            for i in closed:
+                stop, row = self.stops[i], self.rows[i]
+                K = K + stop["stiffness"] * np.outer(row, row)
+                constant = constant + stop["sign"] * stop["stiffness"] * stop["gap"] * row
+            for load in self.tables.get("point_loads", ()):
+                if load["kind"] == "step":
+                    constant = constant + load["force"] * self.N(load["x"])
+            squared, modes = eigh(K, self.M)
+            omega = np.sqrt(squared)
+            return modes, omega, self._decay(omega), constant
+
+        return state
+
+    def _decay(self, omega: Array) -> Array:
+        damping = self.tables.get("damping", {"kind": "none"})
+        if damping["kind"] == "modal":
+            ratios = np.atleast_1d(np.asarray(damping["ratio"], dtype=float))
+            return np.asarray(ratios[np.minimum(np.arange(omega.size), ratios.size - 1)] * omega)
+        c = float(damping["coefficient"]) if damping["kind"] == "viscous" else 0.0
+        return np.full(omega.size, c / (2 * self.mass_per_length))
+
+    def flow(self, closed: Closed, start: float, u: Array, v: Array) -> Callable[[Array, int], Array]:
+        """The motion in one contact state from u and v at a time, as `Flow.motion`."""
+        modes, omega, decay, constant = self._state(closed)
+        rest = modes.T @ constant / omega**2
+        waves = [
+            (modes.T @ force / (omega**2 - w**2 + 2j * decay * w), w, phase) for force, w, phase in self.harmonics
+        ]  # q = Im(wave exp(i (w t + phase)))
+        q, p = modes.T @ self.M @ u - rest, modes.T @ self.M @ v
+        for wave, w, phase in waves:
+            now = wave * np.exp(1j * (w * start + phase))
+            q, p = q - now.imag, p - (1j * w * now).imag
+        root = -decay + 1j * np.sqrt(omega**2 - decay**2)
+        free = q - 1j * (p + decay * q) / root.imag  # q(t) = Re(free exp(root t))
+
+        def motion(t: Array, derivative: int = 0) -> Array:
+            at = np.atleast_1d(np.asarray(t, dtype=float))
+            total = (free * root**derivative)[:, None] * np.exp(np.multiply.outer(root, at - start))
+            result = total.real + (rest[:, None] if derivative == 0 else 0.0)
+            for wave, w, phase in waves:
+                result = result + np.multiply.outer(wave * (1j * w) ** derivative, np.exp(1j * (w * at + phase))).imag
+            return np.asarray(modes @ result)
+
+        return motion
+
+    @cached_property
+    def initial(self) -> tuple[Array, Array]:
+        """u and v at t = 0 of an initial state that is linear in x."""
+        given = self.tables.get("initial", {})
+        ends = np.array([self.length] if self.pinned else [0.0, self.length])
+        u, v = (
+            np.polynomial.polynomial.polyval(ends, np.array(given.get(name) or [0.0], dtype=float))
+            for name in ("displacement", "velocity")
+        )
+        return np.asarray(u), np.asarray(v)
+
+    def march(self, duration: float, u: Array | None = None, v: Array | None = None) -> BarMotion:
+        """The motion over a time, s, from the initial state or from u and v at t = 0."""
+        if u is None or v is None:
+            u, v = self.initial
+        closed = frozenset(k for k in range(len(self.stops)) if self._pressed(k, u, v))
+        t, just, flows = 0.0, -1, []
+        while t < duration:
+            motion = self.flow(closed, t, u, v)
+            end, just = self._next_switch(motion, closed, t, duration, just)
+            flows.append(Flow(t, end, closed, motion))
+            now = np.array([end])
+            t, u, v = end, motion(now, 0)[:, 0], motion(now, 1)[:, 0]
+            closed = closed ^ ({just} if just >= 0 else set())
+        return BarMotion(self, tuple(flows), u, v)
+
+    def _pressed(self, k: int, u: Array, v: Array) -> bool:
+        beyond = float(self.gap_function(k, u))
+        return beyond > 0 or (beyond == 0 and self.stops[k]["sign"] * float(self.rows[k] @ v) > 0)
+
+    def _next_switch(
+        self, motion: Callable[[Array, int], Array], closed: Closed, start: float, end: float, just: int
+    ) -> tuple[float, int]:
+        """When a stop next switches, and which; the end, and -1, if none does.  Stop `just` did so at the start."""
+        fastest = max([float(self._state(closed)[1][-1]), *(w for _, w, _ in self.harmonics)])
+        a, window = start, 2 * math.pi / fastest * _PERIODS
+        while a < end and self.stops:
+            b = min(a + window, end)
+            t = np.linspace(a, b, _SAMPLES * _PERIODS + 1)
+            u, found = motion(t, 0), []
+            for k in range(len(self.stops)):
+                h = (-1.0 if k in closed else 1.0) * self.gap_function(k, u)
+                if a == start and k == just:
+                    h[0] = -math.inf  # it is zero, and falls
+                rises = np.flatnonzero((h[:-1] < 0) & (h[1:] >= 0))
+                if rises.size:
+                    i = int(rises[0])
+                    if h[i] == -math.inf:
+                        raise ArithmeticError(f"stop {k} switches twice within {t[1] - t[0]:.1e} s")
+
+                    def gap(s: float, k: int = k) -> float:
+                        return float(self.gap_function(k, motion(np.array([s]), 0))[0])
+
+                    found.append((float(brentq(gap, t[i], t[i + 1], xtol=_CLOSE)), k))
+            if found:
+                return min(found)
+            a = b
+        return end, -1
+
+    def periodic(self, periods: int = 1, settle: int = 30) -> BarMotion:
+        """The motion over `periods` excitation periods that closes, by Newton's method after `settle` periods."""
+        begun = self.march(settle * periods * self.period)
+        y = np.concatenate([begun.u, begun.v])
+        for _ in range(_STEPS):
+            motion, matrix = self.linearised(y, periods)
+            step = np.linalg.solve(np.eye(y.size) - matrix, motion.y - y)
+            y = y + step
+            if self._size(step) <= _CLOSES * self._size(y):
+                return self.march(periods * self.period, *np.split(y, 2))
+        raise ArithmeticError("Newton's method does not close the motion")
+
+    def period_multiple(self, settle: int = 60, most: int = 6) -> int:
+        """Excitation periods after which the motion repeats that is reached after `settle` periods; 0 if none do."""
+        u, v = self.initial
+        points = []
+        for n in range(settle + most + 1):
+            if n >= settle:
+                points.append(np.concatenate([u, v]))
+            # The loads are those of a whole number of periods earlier.
+            motion = self.march(self.period, u, v)
+            u, v = motion.u, motion.v
+        for n in range(1, most + 1):
+            if self._size(points[n] - points[0]) <= _REPEATS * self._size(points[0]):
+                return n
+        return 0
+
+    def linearised(self, y: Array, periods: int = 1) -> tuple[BarMotion, Array]:
+        """A march over some periods from (u, v), and the derivative of its end by its start, by differences."""
+        scale = np.repeat([1.0, 2 * math.pi / self.period], y.size // 2) * self._size(y) * _DIFFERENCE
+
+        def end(start: Array) -> Array:
+            return self.march(periods * self.period, *np.split(start, 2)).y
+
+        columns = [(end(y + e) - end(y - e)) / (2 * e.sum()) for e in np.diag(scale)]
+        return self.march(periods * self.period, *np.split(y, 2)), np.stack(columns, axis=1)
+
+    def moment(self, x: float, t: float, flow: Flow) -> float:
+        """Bending moment EI z'' at x and t, N m, by the balance of all that acts on the part beyond x."""
+        now = np.array([t])
+        u, v, a = (flow.motion(now, derivative)[:, 0] for derivative in range(3))
+        modes, _, decay, _ = self._state(flow.closed)
+        inertia = self.mass_per_length * (a + modes @ (2 * decay * (modes.T @ self.M @ v)))  # damping with it
+        places, weights = _GAUSS
+        half = (self.length - x) / 2
+        s = x + half * (1 + places)
+        total = -float(half * weights * (s - x) @ (self.N(s) @ inertia))
+        if "base_motion" in self.tables:
+            base = self.tables["base_motion"]
+            w = base["angular_frequency"]
+            total += (
+                self.mass_per_length * base["amplitude"] * w**2 * math.sin(w * t + base.get("phase", 0.0)) * 2 * half**2
+            )
+        for load in self.tables.get("point_loads", ()):
+            if load["x"] > x:
+                wave = math.sin(load["angular_frequency"] * t + load.get("phase", 0.0)) if load["kind"] == "sine" else 1
+                total += load["force"] * wave * (load["x"] - x)
+        for k, stop in enumerate(self.stops):
+            if stop["x"] > x and k in flow.closed:
+                total -= stop["sign"] * stop["stiffness"] * float(self.gap_function(k, u)) * (stop["x"] - x)
+        for support in self.tables.get("supports", ()):
+            if support["x"] > x:
+                total -= support.get("translational", 0.0) * float(self.N(support["x"]) @ u) * (support["x"] - x)
+                total -= support.get("torsional", 0.0) * float(self.slope @ u)
+        return total
+
+    def _size(self, y: Array) -> float:
+        u, v = np.split(y, 2)
+        return float(np.linalg.norm(u) + np.linalg.norm(v) * self.period / (2 * math.pi))
+
+
+@dataclass(frozen=True, eq=False)
+class BarMotion:
+    """A motion of the bar, from t = 0."""
+
+    bar: RigidBar
+    flows: tuple[Flow, ...]
+    u: Array
+    """Displacements at the end, m."""
+    v: Array
+    """Velocities at the end, m/s."""
+
+    @property
+    def y(self) -> Array:
+        """(u, v) at the end."""
+        return np.concatenate([self.u, self.v])
+
+    @cached_property
+    def multipliers(self) -> Array:
+        """Floquet multipliers over the whole motion, largest modulus first, complex."""
+        first = self.flows[0]
+        y = np.concatenate([first.motion(np.array([0.0]), d)[:, 0] for d in (0, 1)])
+        found = np.linalg.eigvals(self.bar.linearised(y, round(self.flows[-1].end / self.bar.period))[1])
+        return np.asarray(found[np.argsort(-np.abs(found))])
+
+    def evaluate(self, x: float, t: Array, derivative: int = 0) -> Array:
+        """z(x, t), m, or a derivative by time, at times of shape ``(m,)``."""
+        result = np.empty(t.size)
+        for flow in self.flows:
+            here = (t >= flow.start) & (t <= flow.end)
+            result[here] = self.bar.N(x) @ flow.motion(t[here], derivative)
+        return result
+
+    @cached_property
+    def contacts(self) -> tuple[BarContact, ...]:
+        """All contacts, by start; those that the ends of the motion cut are cut."""
+        found = [c for k in range(len(self.bar.stops)) for c in self._contacts_of(k)]
+        return tuple(sorted(found, key=lambda contact: contact.start))
+
+    @property
+    def closings(self) -> int:
+        """How often a stop closes."""
+        return sum(bool(flow.closed - before.closed) for before, flow in pairwise(self.flows))
+
+    @property
+    def mirrors_itself(self) -> bool:
+        """Whether z(t + T / 2) = -z(t), for a motion over its period T."""
+        half = self.flows[-1].end / 2
+        t = np.linspace(0.0, half, 40)[1:-1]
+        one, other = (np.array([self.evaluate(x, s) for x in (0.0, self.bar.length)]) for s in (t, t + half))
+        return bool(np.abs(one + other).max() < _REPEATS * np.abs(one).max())
+
+    def impulses(self) -> Array:
+        """Impulse of each stop, N s, shape ``(stops,)``."""
+        return np.array([sum(c.impulse for c in self.contacts if c.stop == k) for k in range(len(self.bar.stops))])
+
+    def _contacts_of(self, k: int) -> list[BarContact]:
+        found: list[list[Flow]] = []
+        for before, flow in zip((None, *self.flows), self.flows, strict=False):
+            if k in flow.closed:
+                if before is not None and k in before.closed:
+                    found[-1].append(flow)
+                else:
+                    found.append([flow])
+        return [self._contact(k, flows) for flows in found]
+
+    def _contact(self, k: int, flows: list[Flow]) -> BarContact:
+        stop, area, deepest = self.bar.stops[k], 0.0, 0.0
+        for flow in flows:
+            edges = np.linspace(flow.start, flow.end, _PANELS + 1)
+            half = np.diff(edges)[:, None] / 2
+            t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+            area += float(self.bar.gap_function(k, flow.motion(t, 0)) @ w)
+            deepest = max(deepest, self._deepest(k, flow))
+        force = stop["stiffness"] * area * stop["sign"]
+        return BarContact(k, flows[0].start, flows[-1].end, force, stop["stiffness"] * deepest)
+
+    def _deepest(self, k: int, flow: Flow) -> float:
+        """Largest sign z - gap in a flow, m: at its ends, or where the stop's speed vanishes."""
+
+        def speed(s: float) -> float:
+            return float(self.bar.rows[k] @ flow.motion(np.array([s]), 1)[:, 0])
+
+        t = np.linspace(flow.start, flow.end, _PANELS * _GAUSS[0].size)
+        v = self.bar.rows[k] @ flow.motion(t, 1)
+        turns = [brentq(speed, t[i], t[i + 1], xtol=_CLOSE) for i in np.flatnonzero(v[:-1] * v[1:] < 0)]
+        return float(self.bar.gap_function(k, flow.motion(np.array([flow.start, flow.end, *turns]), 0)).max())
+
+    def moment(self, x: float, t: float) -> float:
+        """Bending moment EI z'' at x and t, N m."""
+        return self.bar.moment(x, t, next(flow for flow in self.flows if flow.start <= t <= flow.end))
