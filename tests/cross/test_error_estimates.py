@@ -30,7 +30,7 @@ SOLVERS: tuple[AnySolver, ...] = (analytic.Solver(max_periods=FEW), fe_lapjoint.
 
 SEED, DRAWN, COUNT = 2718, 640, 200  # joints drawn, and how many of those that repeat with contacts are judged
 COVERED, MOST_TIMES = 0.95, 10.0  # share of stated errors that hold; median of stated over true ones
-NOT_STATED, NO_TRUTH = 0.1, 0.05  # most joints whose errors are infinite, or whose truth is out of reach
+NOT_STATED, NO_TRUTH = 0.1, 0.15  # most joints whose errors are infinite, or whose truth rounding hides (fine meshes)
 SHARE = 1 / 20  # of the stated error, by which another doubling may move the truth
 DOUBLINGS = 3
 MARCHED = 10  # excitation periods from rest
@@ -181,7 +181,7 @@ def check_contacts(found: Sequence[Judged]) -> None:
     assert times <= MOST_TIMES
 
 
-QUICK = (0, 6, 8)
+QUICK = (4, 8, 30)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
