@@ -125,10 +125,16 @@ class PeriodMap:
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point with other numbers of modes, or of other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
-        known = all(k < len(self.problem.stops) for k in point.state.closed)
-        coordinates = np.asarray(point.coordinates, dtype=float)
-        if point.nodes is not None or coordinates.ndim != 2 or coordinates.shape[0] != 2 or not known:
+        stops = range(len(self.problem.stops))
+        if point.nodes is not None or not all(k in stops for k in point.state.closed):
             raise InputError("start: is no section point of the analytic solver for a joint with these stops")
+        coordinates = np.asarray(point.coordinates)
+        real = coordinates.dtype.kind in "fiu"
+        if not real or coordinates.ndim != 2 or coordinates.shape[0] != 2 or not coordinates.size:
+            raise InputError(
+                f"start: has coordinates of type {coordinates.dtype} and shape {coordinates.shape}; the analytic "
+                "solver takes two rows of real numbers, displacements and velocities of one mode or more"
+            )
         if not np.all(np.isfinite(coordinates)):
             raise InputError("start: has coordinates that are not finite")
         return _section_point(resumed(self.joint, point))

@@ -102,6 +102,41 @@ def start_terms(
             poly[i, 1] += y
 
 
+@njit(cache=True)
+def start_all_terms(
+    tables: Tables,
+    slot: int,
+    start: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    theta: ComplexArray,
+    term: ComplexArray,
+    poly: FloatArray,
+) -> None:
+    """Write phases and constants of ``M`` segments in one state; see `set_phases` and `start_terms`.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    start : FloatArray, shape (M,)
+        When each starts, s.
+    q, v : FloatArray, shape (M, N)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start.
+    theta : ComplexArray, shape (M, H)
+        exp(i theta_h), without unit, at the start; written.
+    term : ComplexArray, shape (M, T)
+        The c_t, kg^1/2 m; written.
+    poly : FloatArray, shape (M, N, 3)
+        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s; written.
+    """
+    for i in range(start.size):
+        set_phases(tables, start[i], theta[i])
+        start_terms(tables, slot, theta[i], q[i], v[i], term[i], poly[i])
+
+
 @njit(cache=True, inline="always")
 def state_from_terms(
     tables: Tables,
