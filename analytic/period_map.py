@@ -79,7 +79,7 @@ class PeriodMap:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(_coordinates(start), [self.period] * periods, None)
 
-    def simulated(self, duration: float, progress: Progress | None) -> History:
+    def simulated(self, duration: float, progress: Progress | None, depth: bool = True) -> History:
         """The motion from the initial state, in the same pieces as the search marches.
 
         Parameters
@@ -88,13 +88,15 @@ class PeriodMap:
             How long, s.
         progress : callable or None
             Called with (pieces done, pieces in all).
+        depth : bool
+            Whether to find the peak forces of the contacts.
 
         Returns
         -------
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        return self._recorded(started(self.joint), period_pieces(self.period, duration), progress)
+        return self._recorded(started(self.joint), period_pieces(self.period, duration), progress, depth)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         """Deviation, as (q, v) in the modes of `origin`. See `lapjoint.orbits.PeriodMap.difference`."""
@@ -157,16 +159,18 @@ class PeriodMap:
             SectionPoint(states[slot], part[:, : sizes[slot]])
             for slot, part in zip(found.slots.tolist(), found.coordinates, strict=True)
         )
-        return Followed(points, self._impulses(found.penetration), found.switches, found.growth, found.deviation)
+        return Followed(points, self._impulses(found.penetrations), found.switches, found.growth, found.deviation)
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
-        """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(P,)``."""
+        """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
         return np.array([stop.sign * stop.stiffness for stop in self.problem.stops]) * penetration
 
-    def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
+    def _recorded(
+        self, start: Coordinates, pieces: list[float], progress: Progress | None, depth: bool = True
+    ) -> History:
         now, motions = start, []
         for i, piece in enumerate(pieces):
-            motions.append(march(self.joint, now, 0.0, piece, depth=True))
+            motions.append(march(self.joint, now, 0.0, piece, depth=depth))
             now = motions[-1].end
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))

@@ -87,7 +87,7 @@ class PeriodMap:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(start, [self.period] * periods, None)
 
-    def simulated(self, duration: float, progress: Progress | None) -> History:
+    def simulated(self, duration: float, progress: Progress | None, peaks: bool = True) -> History:
         """The motion from the initial state, in the same pieces as the search marches.
 
         Parameters
@@ -96,18 +96,22 @@ class PeriodMap:
             How long, s.
         progress : callable or None
             Called with (pieces done, pieces in all).
+        peaks : bool
+            Whether to find the peak forces of the contacts.
 
         Returns
         -------
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        return self._recorded(self.initial(), period_pieces(self.period, duration), progress)
+        return self._recorded(self.initial(), period_pieces(self.period, duration), progress, peaks)
 
-    def _recorded(self, start: SectionPoint, pieces: list[float], progress: Progress | None) -> History:
+    def _recorded(
+        self, start: SectionPoint, pieces: list[float], progress: Progress | None, peaks: bool = True
+    ) -> History:
         motions, point = [], start
         for i, piece in enumerate(pieces):
-            motions.append(march(self.model, point.state, self.modal(point), 0.0, piece))
+            motions.append(march(self.model, point.state, self.modal(point), 0.0, piece, peaks=peaks))
             point = self._section_point(motions[-1].state, motions[-1].y)
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))
@@ -184,7 +188,7 @@ class PeriodMap:
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         model, point, points, growth = self.model, start, [], np.zeros(periods)
-        impulses, switches = np.zeros(len(self.problem.stops)), 0
+        impulses, switches = np.zeros((periods, len(self.problem.stops))), 0
         for i in range(periods):
             motion = march(model, point.state, self.modal(point), 0.0, self.period, peaks=False)
             there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
@@ -193,7 +197,7 @@ class PeriodMap:
             size = self.norm(deviation)
             growth[i], deviation = math.log(size), deviation / size
             point = self._section_point(motion.state, motion.y)
-            impulses += motion.impulses
+            impulses[i] = motion.impulses
             switches += motion.switches
             points.append(point)
         return Followed(tuple(points), impulses, switches, growth, deviation)

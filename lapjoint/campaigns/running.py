@@ -35,6 +35,7 @@ def sweep(
     starts: int = 1,
     seed: int = 0,
     sensitivity: bool = False,
+    errors: bool = False,
     workers: Workers = 1,
     scheduler: str | None = None,
     out: str | Path | None = None,
@@ -62,6 +63,8 @@ def sweep(
         Seed of the random initial states.
     sensitivity : bool
         Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
+    errors : bool
+        Whether to estimate the numerical errors of the impulses; it takes less than as long again.
     workers : int or map-like callable
         Number of processes, -1 for all processors; or a function that maps a function over an iterable, as
         ``multiprocessing.Pool.imap_unordered`` does.  A script that asks for processes must do so below
@@ -91,7 +94,7 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
-    plan = Plan(Grid(problem, tuple(axes)), solver, dict(options or {}), start, starts, seed, sensitivity)
+    plan = Plan(Grid(problem, tuple(axes)), solver, dict(options or {}), start, starts, seed, sensitivity, errors)
     return run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
 
 

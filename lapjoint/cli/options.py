@@ -96,6 +96,14 @@ figure_options = together(
 )
 """--figure, and --draw to say what it shows."""
 
+errors_option = click.option(
+    "--errors/--no-errors",
+    default=True,
+    show_default=True,
+    help="Estimate the numerical errors too; takes up to as long again.",
+)
+"""--errors, on by default for one problem."""
+
 motion_options = together(
     click.option(
         "--beside",

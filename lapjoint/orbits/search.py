@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lapjoint.answers.steady_state import Acceptance, Outcome, SectionPoint
-from lapjoint.orbits.exponent import exponent_of, largest_growth
+from lapjoint.orbits.exponent import exponent_of, largest_growth, standard_error
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
@@ -399,6 +399,7 @@ class Search:
             point=found.points[-1],
             breadth=breadth,
             residual=residual,
-            impulses=found.impulses / periods,
+            impulses=found.impulses.mean(axis=0),
+            standard_errors=np.array([standard_error(impulses) for impulses in found.impulses.T]),
         )
         return wandering, found.points

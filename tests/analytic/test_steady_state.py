@@ -211,3 +211,9 @@ def test_numbers_of_modes_may_differ_between_free_and_contact_states() -> None:
     mixed = analytic.Solver(free_modes=30, contact_modes=18).steady_state(problem)
     both = analytic.Solver(n_modes=30).steady_state(problem)
     np.testing.assert_allclose(mixed.impulses, both.impulses, rtol=2e-5)
+
+
+def test_with_the_most_modes_there_are_no_error_is_stated() -> None:
+    found = analytic.Solver(n_modes=480).simulate(paper_joint(), 1e-3)
+    assert "500 modes are the most" in found.error_source
+    assert all(contact.impulse_error == math.inf for contact in found.contacts)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -19,6 +20,7 @@ from lapjoint import FREE, ContactState, Outcome, Problem, SteadyState, Stop, pa
 from lapjoint.answers import Exponent
 from lapjoint.cli.main import main
 from lapjoint.cli.options import DRAWINGS
+from lapjoint.cli.printing import error_text
 from lapjoint.cli.progress import duration_text, lines_of_progress, lines_with_time_left
 from lapjoint.errors import SolverError
 from lapjoint.problem.example import commented_example
@@ -83,8 +85,24 @@ def test_simulate_prints_and_writes_the_contacts(tmp_path: Path) -> None:
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["impulse_Ns"]) for row in rows] == [contact.impulse for contact in history.contacts]
+    assert [float(row["impulse_error_Ns"]) for row in rows] == [contact.impulse_error for contact in history.contacts]
     assert f"{len(rows)} contacts" in printed
+    first = history.contacts[0]
+    assert f"{first.start:15.9f}{first.start_error:10.1e}" in printed
+    assert f"{first.impulse:15.6g}{first.impulse_error:10.1e}" in printed
+    assert f"Numerical errors (+-): {history.error_source}" in printed
     assert figure.stat().st_size > 1000
+
+
+def test_errors_are_left_out_if_asked() -> None:
+    for command in (("simulate", PAPER, "--duration", "0.02"), ("steady", PAPER)):
+        printed = run_well(*command, *FEW, "--no-errors")
+        assert "Numerical errors (+-): no errors were estimated" in printed
+    assert printed.count("+-") == 1
+
+
+def test_an_error_that_cannot_be_stated_is_a_question_mark() -> None:
+    assert [error_text(error) for error in (None, 1.23e-5, math.inf)] == ["", "1.2e-05", "?"]
 
 
 @pytest.mark.parametrize("drawing", DRAWINGS)
@@ -123,6 +141,10 @@ def test_steady_prints_the_impulse_of_every_stop(tmp_path: Path) -> None:
     ] == (exact.multipliers.tolist())
     assert "Floquet multipliers" in printed
     assert all(name in printed for name in ("P2", "P3", "P4", "P5"))
+    assert exact.impulse_errors is not None
+    assert list(content["impulse_errors_Ns"].values()) == exact.impulse_errors.tolist()
+    assert f"{exact.impulses[2]:14.8g}  +- {exact.impulse_errors[2]:.1e}" in printed
+    assert exact.error_source in printed
 
 
 def test_values_of_a_problem_are_changed_on_the_command_line(tmp_path: Path) -> None:
