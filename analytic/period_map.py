@@ -153,7 +153,12 @@ class PeriodMap:
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         found = measure_growth(self.joint, _coordinates(start), deviation, self.period, periods)
-        points = tuple(_section_point(point) for point in found.sections)
+        states = {slot: self.joint.state_in(slot) for slot in set(found.slots.tolist())}
+        sizes = {slot: self.joint.count(state) for slot, state in states.items()}
+        points = tuple(
+            SectionPoint(states[slot], part[:, : sizes[slot]])
+            for slot, part in zip(found.slots.tolist(), found.coordinates, strict=True)
+        )
         return Followed(points, self._impulses(found.penetrations), found.switches, found.growth, found.deviation)
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
@@ -187,7 +192,7 @@ def _coordinates(point: SectionPoint) -> Coordinates:
 
 
 def _section_point(point: Coordinates) -> SectionPoint:
-    return SectionPoint(point.state, np.stack([point.q, point.v]))
+    return SectionPoint(point.state, np.array((point.q, point.v)))
 
 
 def _segments(motion: March) -> tuple[Segment, ...]:

@@ -49,6 +49,10 @@ def validate(
     if list_cases:
         echo("\n".join(suite.case_names()))
         return
+    if problem is None:
+        arguments.refuse(
+            "it changes a PROBLEM, and none is given; preset:paper is one", set=" ".join(overrides) or None
+        )
     arguments.check_directory(output)
     this = None if problem is None else arguments.problem_from(problem, overrides)
     named, console = tuple(dict.fromkeys(peers)), rich.console.Console()

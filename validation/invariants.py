@@ -5,6 +5,8 @@ It knows the problem and may evaluate displacement and velocity anywhere; how th
 - energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Under viscous
   damping dissipation is C int z_t^2 dx; under modal damping it is not local, and only its sign can be asked for;
 - force law and gaps: a stop of the state is pressed, another is not;
+- momentum: of a beam whose supports all give way, damped viscously or not at all, what supports, base, point loads,
+  drag and the *stated* impulses of the stops give adds up to the change of momentum, and of angular momentum;
 - impulse: the stated one is the time integral of the force law;
 - continuity: displacement and velocity do not jump at a switch (36), (41).
 
@@ -26,7 +28,7 @@ from dataclasses import replace
 import numpy as np
 
 from lapjoint.answers import History, SteadyState
-from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, Problem, SineLoad, StepLoad, ViscousDamping
 from validation.verdict import Criterion
 
 _GAUSS = np.polynomial.legendre.leggauss(12)  # points and weights on each panel
@@ -161,6 +163,81 @@ def energy_balance(history: History, tolerance: float) -> Criterion:
         reason = "modal damping takes energy and gives none; created energy only within the truncation"
         return Criterion("energy created", "1", float(surplus), -math.inf, tolerance, reason)
     return Criterion("energy unaccounted for", "1", float(surplus), -tolerance, tolerance, "quadrature and truncation")
+
+
+def momentum_applies(problem: Problem) -> bool:
+    """Whether all forces on the beam are known from its motion: none by modal damping, or of a support that fixes.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    """
+    fixed = any(math.isinf(support.translational) or math.isinf(support.torsional) for support in problem.supports)
+    return not fixed and not isinstance(problem.damping, ModalDamping)
+
+
+def _from_middle(length: float) -> Callable[[FloatArray], FloatArray]:
+    """The arm of a force about the middle of the beam."""
+    return lambda x: x - length / 2
+
+
+def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Criterion]:
+    """Momentum and angular momentum left unaccounted for, by the stated impulses, over what the parts amount to.
+
+    Parameters
+    ----------
+    history : History
+        The motion of a problem to which `momentum_applies`.
+    tolerance : float
+        Largest value that is allowed, relative as the value is.
+
+    Returns
+    -------
+    Criterion, Criterion
+        The two residuals.
+    """
+    problem, (x, w) = history.problem, _space(history)
+    m, L = problem.beam.m, problem.beam.length
+    breaks = np.unique([history.start, *history.switch_times, history.end])
+    found: list[Criterion] = []
+    arms: tuple[tuple[str, Callable[[FloatArray], FloatArray], float], ...] = (
+        ("momentum", np.ones_like, 0.0),
+        ("angular momentum", _from_middle(L), 1.0),
+    )
+    for name, arm, slope in arms:
+
+        def force(t: FloatArray, arm: Callable[[FloatArray], FloatArray] = arm, slope: float = slope) -> FloatArray:
+            total = np.zeros(t.size)
+            if problem.base_motion is not None:
+                base = problem.base_motion
+                total += (
+                    m
+                    * base.amplitude
+                    * base.angular_frequency**2
+                    * float(w @ arm(x))
+                    * np.sin(base.angular_frequency * t + base.phase)
+                )
+            for load in problem.point_loads:
+                wave = np.sin(load.angular_frequency * t + load.phase) if isinstance(load, SineLoad) else 1.0
+                total += load.force * float(arm(np.asarray(load.x))) * wave
+            for support in problem.supports:
+                total -= (
+                    support.translational * float(arm(np.asarray(support.x))) * history.displacement(support.x, t)[0]
+                )
+                total -= support.torsional * slope * history.slope(support.x, t)[0]
+            if isinstance(problem.damping, ViscousDamping):
+                total -= problem.damping.coefficient * ((w * arm(x)) @ history.evaluate(x, t, dt=1))
+            return total
+
+        ends = m * ((w * arm(x)) @ history.evaluate(x, np.array([history.start, history.end]), dt=1))
+        stops = [-c.impulse * float(arm(np.asarray(problem.stops[c.stop].x))) for c in history.contacts]
+        scale = float(np.abs(ends).sum() + np.abs(stops).sum()) or 1e-300
+        given = _time_integral(force, breaks, _first_panel(history), tolerance, scale) + sum(stops)
+        left = float(ends[1] - ends[0] - given) / scale
+        reason = "quadrature and truncation, by the stated impulses"
+        found.append(Criterion(f"{name} unaccounted for", "1", left, -tolerance, tolerance, reason))
+    return found[0], found[1]
 
 
 def gaps(history: History, tolerance: float) -> Criterion:
@@ -406,4 +483,6 @@ def witness(history: History, tolerance: float, label: str) -> list[Criterion]:
         Each with its verdict.
     """
     found = [check(history, tolerance) for check in (energy_balance, gaps, stated_impulses, continuity)]
+    if momentum_applies(history.problem):
+        found += momentum_balance(history, tolerance)
     return [replace(item, name=f"{label}: {item.name}") for item in found]

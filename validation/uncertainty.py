@@ -14,18 +14,42 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lapjoint.problem import FloatArray
-from validation.verdict import Estimate
+from validation.verdict import ErrorSource, Estimate
 
 SAFETY_WITHOUT_ORDER = 3.0
 """Factor when the order is not shown: two refinements only, no monotone convergence, or an unexpected order."""
 FLOOR = 1e-12
 """Relative round-off floor: smaller changes say nothing about convergence."""
-ROUNDING = "rounding"
+
+
+@dataclass(frozen=True)
+class Refined:
+    """What was refined, and to what."""
+
+    source: ErrorSource
+    what: str
+    """The finest level, for the report."""
+
+
+def elements(finest: int) -> Refined:
+    """A mesh that was refined to so many elements.
+
+    Parameters
+    ----------
+    finest : int
+        Elements of the finest mesh.
+
+    Returns
+    -------
+    Refined
+        For `refined_estimate`.
+    """
+    return Refined(ErrorSource.MESH, f"{finest} elements")
 
 
 def observed_order(coarse: float, medium: float, fine: float, ratio: float) -> float:
@@ -89,9 +113,9 @@ def refined_estimate(
     values: Sequence[float],
     ratio: float,
     expected_order: float,
-    what: str,
+    refined: Refined,
     floor: float = FLOOR,
-    floor_source: str = ROUNDING,
+    floor_source: ErrorSource = ErrorSource.ROUNDING,
 ) -> Estimate:
     """The finest of two or three values at refinement `ratio`, and its uncertainty.
 
@@ -103,11 +127,11 @@ def refined_estimate(
         Refinement from one to the next.
     expected_order : float
         Order of the method in theory or as observed elsewhere; used unless three values show less.
-    what : str
-        What was refined, for the report.
+    refined : Refined
+        What was refined, for the report and the uncertainty budget.
     floor : float
         Relative accuracy below which values cannot be distinguished.
-    floor_source : str
+    floor_source : ErrorSource
         What limits that accuracy, for the uncertainty budget.
 
     Returns
@@ -126,8 +150,8 @@ def refined_estimate(
     smallest = floor * abs(fine)
 
     def estimate(error: float, how: str) -> Estimate:
-        parts = ((_refined(what), error), (floor_source, smallest))
-        return Estimate(fine, error + smallest, f"{what}, {how}", parts=parts)
+        parts = ((refined.source, error), (floor_source, smallest))
+        return Estimate(fine, error + smallest, f"{refined.what}, {how}", parts=parts)
 
     if len(values) == 2:
         error = abs(fine - medium) / (ratio**expected_order - 1)
@@ -144,20 +168,13 @@ def refined_estimate(
     return estimate(factor_of_safety(order / expected_order) * error, f"observed order {order:.2f}")
 
 
-def _refined(what: str) -> str:
-    """Name of what was refined, for the uncertainty budget."""
-    if "element" in what:
-        return "mesh"
-    return "modes" if "mode" in what else "refinement"
-
-
 def refined_vector(
     values: FloatArray,
     ratio: float,
     expected_order: float,
-    what: str,
+    refined: Refined,
     floor: float = FLOOR,
-    floor_source: str = ROUNDING,
+    floor_source: ErrorSource = ErrorSource.ROUNDING,
 ) -> tuple[Estimate, ...]:
     """Several numbers of one solution, with one uncertainty for all of them.
 
@@ -172,11 +189,11 @@ def refined_vector(
         Refinement from one level to the next.
     expected_order : float
         Order of the method in theory or as observed elsewhere; used unless the values show less.
-    what : str
-        What was refined, for the report.
+    refined : Refined
+        What was refined, for the report and the uncertainty budget.
     floor : float
         Relative accuracy below which values cannot be distinguished.
-    floor_source : str
+    floor_source : ErrorSource
         What limits that accuracy, for the uncertainty budget.
 
     Returns
@@ -188,6 +205,6 @@ def refined_vector(
     size = float(np.abs(values[-1]).max(initial=0.0))
     # A sequence with these changes, rising to the largest number
     norm = refined_estimate(
-        [size - changes[1] - changes[0], size - changes[1], size], ratio, expected_order, what, floor, floor_source
+        [size - changes[1] - changes[0], size - changes[1], size], ratio, expected_order, refined, floor, floor_source
     )
     return tuple(replace(norm, value=float(value)) for value in values[-1])

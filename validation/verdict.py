@@ -24,8 +24,34 @@ class Kind(Enum):
     REGRESSION = "regression"
 
 
-STATED = "stated as a whole"
-"""Source of an uncertainty that is not broken down."""
+class ErrorSource(Enum):
+    """What makes a computed number uncertain."""
+
+    MESH = "mesh"
+    MODES = "modes"
+    REFINEMENT = "refinement"
+    STIFFNESS = "stiffness of a nearly rigid beam"
+    ROUNDING = "rounding"
+    EVENT_TIMES = "event times"
+    ORBIT = "Newton's residual, event times"
+    FINITE_TIME = "finite time"
+    STATED = "stated as a whole"
+
+
+def source_name(source: ErrorSource | Kind) -> str:
+    """Name of a source of uncertainty for tables: what makes a number uncertain, or the kind of a reference.
+
+    Parameters
+    ----------
+    source : ErrorSource or Kind
+        The source.
+
+    Returns
+    -------
+    str
+        Its name.
+    """
+    return f"reference: {source.value}" if isinstance(source, Kind) else source.value
 
 
 class Verdict(Enum):
@@ -44,13 +70,13 @@ class Estimate:
     uncertainty: float
     how: str
     kind: Kind = Kind.COMPUTED
-    parts: tuple[tuple[str, float], ...] = ()
+    parts: tuple[tuple[ErrorSource, float], ...] = ()
     """What contributes to the uncertainty, and how much of it: the amounts add up; empty: not broken down."""
 
     @property
-    def contributions(self) -> tuple[tuple[str, float], ...]:
+    def contributions(self) -> tuple[tuple[ErrorSource | Kind, float], ...]:
         """The parts; an uncertainty that is not broken down is one part, named by the kind of the number."""
-        whole = STATED if self.kind is Kind.COMPUTED else f"reference: {self.kind.value}"
+        whole = ErrorSource.STATED if self.kind is Kind.COMPUTED else self.kind
         return self.parts or ((whole, self.uncertainty),)
 
 

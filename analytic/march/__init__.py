@@ -14,7 +14,6 @@ from analytic.march.growth import Growth, march_linearised, measure_growth
 from analytic.march.joint import Joint
 from analytic.march.march import March, Segment, march
 from analytic.march.periods import Periods, march_periods
-from analytic.march.tangent import carried, monodromy
 
 __all__ = [
     "Coordinates",
@@ -24,11 +23,9 @@ __all__ = [
     "March",
     "Periods",
     "Segment",
-    "carried",
     "gap_view",
     "march",
     "march_linearised",
     "march_periods",
     "measure_growth",
-    "monodromy",
 ]

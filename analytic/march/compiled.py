@@ -17,7 +17,7 @@ from analytic.march.deepest import find_deepest
 from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
 from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
-from analytic.march.terms import set_phases, start_terms, state_from_terms, turn_exactly
+from analytic.march.terms import put, set_phases, start_terms, state_from_terms, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
@@ -339,13 +339,16 @@ def advance(
             if logged == room:
                 return LOG_FULL, logged
             log.slot[logged], log.start[logged] = motion.counts[SLOT], motion.time[0]
-            log.q[logged], log.v[logged] = motion.q, motion.v
+            put(log.q[logged], motion.q)
+            put(log.v[logged], motion.v)
         if not leave(tables, frozen, motion, work, end, shortest, depth):
             return STUCK, logged
         if room > 0:
             log.end[logged], log.stop[logged], log.rate[logged] = motion.time[0], motion.counts[PENDING], motion.time[1]
-            log.q_end[logged], log.v_end[logged] = motion.q, motion.v
-            log.area[logged], log.deepest[logged] = work.area, work.deepest
+            put(log.q_end[logged], motion.q)
+            put(log.v_end[logged], motion.v)
+            put(log.area[logged], work.area)
+            put(log.deepest[logged], work.deepest)
             logged += 1
         if motion.counts[PENDING] == NO_SWITCH:
             return DONE, logged
@@ -419,7 +422,8 @@ def advance_periods(
             done = motion.counts[PERIODS]
             if slots.size > 0:
                 slots[done] = motion.counts[SLOT]
-                sections[done, 0], sections[done, 1] = motion.q, motion.v
+                put(sections[done, 0], motion.q)
+                put(sections[done, 1], motion.v)
             next_period(motion, penetration)
         elif motion.counts[SWITCHES] > most:
             return TOO_MANY

@@ -32,6 +32,7 @@ from analytic.march.periods import Periods
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, saltation
+from analytic.march.terms import put
 from lapjoint.problem import FloatArray
 
 
@@ -120,7 +121,8 @@ def _grow(
         if status == DONE:
             done = motion.counts[PERIODS]
             slots[done] = motion.counts[SLOT]
-            sections[done, 0], sections[done, 1] = motion.q, motion.v
+            put(sections[done, 0], motion.q)
+            put(sections[done, 1], motion.v)
             sizes[done] = size_of(now[:, 0], period)
             now /= sizes[done]
             next_period(motion, penetration[done])
@@ -140,7 +142,7 @@ def march_linearised(
 ) -> tuple[Coordinates, FloatArray]:
     """March from the time 0 on, and carry deviations along.
 
-    It does as `march` and `analytic.march.tangent.carried` do one after the other, to the bit, but without a log.
+    It ends where `march` does, to the bit, but keeps no log.
 
     Parameters
     ----------

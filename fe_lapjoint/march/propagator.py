@@ -82,11 +82,16 @@ class Flow:
     """Modal velocities at the start, kg^1/2 m/s, shape ``(n,)``."""
 
     @cached_property
+    def _loads(self) -> ComplexArray:
+        """exp(i angle) of the loads at the start, shape ``(H,)``."""
+        return np.asarray(np.exp(1j * (self.system.driven * self.start + self.system.phase)))
+
+    @cached_property
     def free(self) -> tuple[FloatArray, FloatArray]:
         """Modal displacement and velocity at the start less those of the forced motion, each of shape ``(n,)``."""
         it = self.system
-        wave = it.amplitudes * np.exp(1j * (it.driven * self.start + it.phase))
-        x = self.q - wave.imag.sum(axis=1) - it.equilibrium
+        wave = it.amplitudes * self._loads
+        x = self.q - _summed(wave.imag) - it.equilibrium
         y = self.v - (wave.real @ it.driven)
         return (x, y) if it.drift is None else (x, y - it.drift[0])
 
@@ -96,20 +101,24 @@ class Flow:
         x, y = self.free
         if not self.system.all_oscillate:
             x, y = x[self.system.oscillating], y[self.system.oscillating]
-        root = self.system.roots
-        return np.asarray(x - 1j * (y - root.real * x) / root.imag)
+        damped, inverse = self.system.parts_of_roots
+        phasors = np.empty(x.size, dtype=complex)
+        phasors.real, phasors.imag = x, (damped * x - y) * inverse
+        return phasors
 
     @cached_property
     def _terms(self) -> ComplexArray:
         """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
         it = self.system
-        loads = it.place_amplitudes * (-1j * np.exp(1j * (it.driven * self.start + it.phase)))
+        loads = it.place_amplitudes * (-1j * self._loads)
         return np.concatenate([it.place_modes * self._phasors, loads, it.place_equilibrium], axis=1)
 
     @cached_property
     def _terms_and_rates(self) -> ComplexArray:
         """Those of the displacement and of the velocity, shape ``(p, 2, terms)``."""
-        return np.stack([self._terms, self._terms * self.system.rates_of_terms], axis=1)
+        both = np.empty((self._terms.shape[0], 2, self._terms.shape[1]), dtype=complex)
+        both[:, 0], both[:, 1] = self._terms, self._terms * self.system.rates_of_terms
+        return both
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
@@ -141,7 +150,7 @@ class Flow:
             return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
         wave = it.amplitudes * np.exp(1j * (it.driven * t + it.phase))
         now = self._phasors * np.exp(it.roots * (t - self.start))
-        q = now.real + wave.imag.sum(axis=1) + it.equilibrium
+        q = now.real + _summed(wave.imag) + it.equilibrium
         return np.concatenate([q, (now * it.roots).real + wave.real @ it.driven])
 
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
@@ -199,7 +208,10 @@ class Flow:
         """
         it = self.system
         place, since = it.place_of[k], t - self.start
-        both = (self._terms_and_rates[place] @ np.exp(it.rates_of_terms * since)).real
+        both = self._terms_and_rates[place].dot(np.exp(it.rates_of_terms * since)).real
+        if it.plain:
+            z, rate = both.tolist()
+            return z, rate
         if not it.all_oscillate:
             others = self._others(np.array([t]))
             both = both + [it.places[place, ~it.oscillating] @ part[:, 0] for part in others[:2]]
@@ -385,6 +397,11 @@ def _powers(
 def _frequency(it: System) -> FloatArray:
     """sqrt(omega^2 - a^2) of the modes that oscillate, 1 for the others, rad/s, shape ``(n,)``."""
     return np.sqrt(np.where(it.oscillating, it.omega**2 - it.decay**2, 1.0))
+
+
+def _summed(parts: FloatArray) -> FloatArray:
+    """Parts by each load, ``(n, H)``, added up, ``(n,)``; most problems have one load."""
+    return parts[:, 0] if parts.shape[1] == 1 else np.asarray(parts.sum(axis=1))
 
 
 class _ExactDense(DenseOutput):  # type: ignore[misc]

@@ -73,6 +73,11 @@ class System:
         return np.asarray(-a + 1j * np.sqrt(omega**2 - a**2))
 
     @cached_property
+    def parts_of_roots(self) -> tuple[FloatArray, FloatArray]:
+        """Real parts of `roots`, 1/s, and inverse imaginary parts, s, shape ``(oscillating,)`` each."""
+        return self.roots.real.copy(), 1.0 / self.roots.imag
+
+    @cached_property
     def equilibrium(self) -> FloatArray:
         """Modal displacements under the constant forces, 0 for rigid-body modes, kg^1/2 m, shape ``(n,)``."""
         rigid = self.omega == 0
@@ -96,7 +101,7 @@ class System:
         """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
         return self._distinct[0]
 
-    @property
+    @cached_property
     def place_of(self) -> IndexArray:
         """Which of the `places` each stop is at, shape ``(P,)``."""
         return self._distinct[1]

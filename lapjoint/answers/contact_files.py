@@ -12,6 +12,7 @@ from typing import Any
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
 from lapjoint.output_files import write_file
+from lapjoint.plain_text import no_formula
 from lapjoint.problem.files import problem_tables_json
 
 CONTACT_COLUMNS = (
@@ -33,8 +34,9 @@ def write_contacts(history: History, path: str | Path) -> None:
     """Write the contacts of a history as CSV or JSON, by the ending of `path`.
 
     The columns are `CONTACT_COLUMNS`; times in s, impulses in N s (top positive), forces in N.  Errors are empty where
-    none were estimated, and infinite (in JSON null) where none can be stated.  The JSON file also holds the problem,
-    the solver, the first and last time, the total impulse of each stop, and how errors were estimated.
+    none were estimated, and infinite (in JSON null) where none can be stated.  In CSV, a name that a spreadsheet would
+    take for a formula begins with an apostrophe.  The JSON file also holds the problem, the solver, the first and last
+    time, the total impulse of each stop, and how errors were estimated.
 
     Parameters
     ----------
@@ -55,7 +57,7 @@ def write_contacts(history: History, path: str | Path) -> None:
         out = io.StringIO()
         writer = csv.DictWriter(out, CONTACT_COLUMNS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(contact_rows(history))
+        writer.writerows({key: no_formula(cell) for key, cell in row.items()} for row in contact_rows(history))
         write_file(path, out.getvalue())
     elif ending == ".json":
         impulses = dict(zip(history.problem.stop_names, history.impulses().tolist(), strict=True))

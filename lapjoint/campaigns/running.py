@@ -12,7 +12,7 @@ from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.plan import Plan, Start
 from lapjoint.campaigns.point import Point
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
-from lapjoint.errors import InputError, Interrupted, OutputError
+from lapjoint.errors import InputError, Interrupted, OutputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
@@ -184,6 +184,8 @@ def solve(
         If the plan is not valid, the journal belongs to another sweep, or another process works on it.
     OutputError
         If the disk is full; the message says how many points are kept.
+    SolverError
+        If the workers are lost; the message says how many points are kept.
     Interrupted
         After Ctrl-C; the message says how many points are kept.
     """
@@ -201,8 +203,8 @@ def solve(
         dataset = dataset_of(plan, journal.points)
         write_curve(dataset, out)
         journal.remove()
-    except OutputError as error:
-        raise OutputError(f"{error}; {journal.kept()}") from None
+    except (OutputError, SolverError) as error:
+        raise type(error)(f"{error}; {journal.kept()}") from None
     except KeyboardInterrupt:
         raise Interrupted(f"interrupted: {journal.kept()}") from None
     finally:

@@ -371,9 +371,10 @@ class Search:
         """
         if now.outcome is not Outcome.APERIODIC or self._stable_known:
             return self._stable_known and now.outcome is Outcome.APERIODIC
-        last, apart = points[-_WATCHED:], self._half_periods.apart
+        last, map_ = points[-_WATCHED:], self._map
+        sizes = [max(map_.size(point), float(np.finfo(float).tiny)) for point in last]
         nearly = [
-            (apart(last[i + multiple], last[i]), i, multiple)
+            (map_.norm(map_.difference(last[i + multiple], last[i])) / sizes[i], i, multiple)
             for multiple in range(1, _FEW + 1)
             for i in range(0, len(last) - multiple, multiple)
         ]

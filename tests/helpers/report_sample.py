@@ -6,18 +6,18 @@ import math
 
 from validation.case import CaseResult, Drawing, table
 from validation.report.drawing import draw
-from validation.verdict import Check, Criterion, Estimate, Kind
+from validation.verdict import Check, Criterion, ErrorSource, Estimate, Kind
 
 HOSTILE = '<script>alert("&")</script> "=1+1" \'é'
 
 
-def estimate(value: float, u: float, kind: Kind = Kind.COMPUTED, source: str = "mesh") -> Estimate:
-    parts = ((source, 0.75 * u), ("rounding", 0.25 * u)) if kind is Kind.COMPUTED else ()
+def estimate(value: float, u: float, kind: Kind = Kind.COMPUTED, source: ErrorSource = ErrorSource.MESH) -> Estimate:
+    parts = ((source, 0.75 * u), (ErrorSource.ROUNDING, 0.25 * u)) if kind is Kind.COMPUTED else ()
     return Estimate(value, u, f"{HOSTILE}, 64 elements", kind, parts)
 
 
 def checks() -> tuple[Check, ...]:
-    a = estimate(1.0, 1e-3, source="modes")
+    a = estimate(1.0, 1e-3, source=ErrorSource.MODES)
     return (
         Check("agrees", "N s", a, estimate(1.0005, 1e-3), cap=1e-2),
         Check(f"differs {HOSTILE}", "N s", a, estimate(2.0, 1e-3)),

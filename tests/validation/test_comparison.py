@@ -13,13 +13,17 @@ import pytest
 from rich.console import Console
 
 import analytic
+import fe_lapjoint
 from lapjoint import History, InputError, Problem, paper_joint, sdnl104
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import problem_tables_json
 from validation import suite
+from validation.cases.motions import refined_by
 from validation.invariants import continuity, energy_balance, gaps, stated_impulses, witness
-from validation.uncertainty import factor_of_safety, observed_order, refined_estimate, refined_vector
-from validation.verdict import Check, Criterion, Estimate, Verdict
+from validation.uncertainty import Refined, factor_of_safety, observed_order, refined_estimate, refined_vector
+from validation.verdict import Check, Criterion, ErrorSource, Estimate, Kind, Verdict
+
+TEST = Refined(ErrorSource.REFINEMENT, "test")
 
 
 def check(a: float, b: float, u: float, **options: object) -> Check:
@@ -45,14 +49,14 @@ def test_nan_never_agrees() -> None:
 def test_a_known_sequence_gives_its_order_and_a_bound_on_its_error(order: float) -> None:
     values = [1.0 + 0.1 * h**order for h in (1.0, 0.5, 0.25)]
     assert observed_order(*values, 2.0) == pytest.approx(order, rel=1e-9)
-    estimate = refined_estimate(values, 2.0, order, "test")
+    estimate = refined_estimate(values, 2.0, order, TEST)
     error = abs(estimate.value - 1.0)
     assert error < estimate.uncertainty < 2 * error
 
 
 def test_an_unexpected_order_costs_confidence() -> None:
     values = [1.0, 1.01, 1.005]  # not monotone
-    estimate = refined_estimate(values, 2.0, 4.0, "test")
+    estimate = refined_estimate(values, 2.0, 4.0, TEST)
     assert estimate.uncertainty >= 0.005
     assert "not asymptotic" in estimate.how
 
@@ -65,7 +69,7 @@ def test_factors_of_safety_are_those_of_xing_and_stern() -> None:
 
 def test_numbers_of_one_motion_share_their_uncertainty() -> None:
     values = np.array([[1.0 + 0.1 * h**4, 5.0 + 1e-6 * h**4] for h in (1.0, 0.5, 0.25)])
-    a, b = refined_vector(values, 2.0, 4.0, "test")
+    a, b = refined_vector(values, 2.0, 4.0, TEST)
     assert a.uncertainty == b.uncertainty >= 0.1 / 4**4
 
 
@@ -148,3 +152,13 @@ def test_unknown_cases_and_unwritable_reports_are_named(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="cannot be written"):
         suite.main(None, ("table4",), "quick", tmp_path / "file", Console())
+
+
+def test_sources_of_error_follow_from_what_was_refined_and_not_from_a_name() -> None:
+    named = Refined(ErrorSource.MODES, "a solver that calls its modes elements")
+    estimate = refined_estimate([1.0, 1.1, 1.11], 2.0, 4.0, named)
+    assert estimate.contributions[0][0] is ErrorSource.MODES
+    assert refined_by(fe_lapjoint.Solver()).source is ErrorSource.MESH
+    assert refined_by(analytic.Solver(n_modes=7)).source is ErrorSource.MODES
+    assert refined_by(analytic.PublishedScheme()).source is ErrorSource.REFINEMENT
+    assert Estimate(1.0, 0.1, "", Kind.PUBLISHED).contributions == ((Kind.PUBLISHED, 0.1),)

@@ -7,7 +7,7 @@ import fe_lapjoint
 from lapjoint import ModalDamping, Outcome, Problem, SteadyState, ViscousDamping, paper_joint
 from lapjoint.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
-from validation.verdict import Check, Criterion, Estimate
+from validation.verdict import Check, Criterion, ErrorSource, Estimate
 
 JOINTS = {
     "modal damping 0.002, 700 rad/s": paper_joint(angular_frequency=700.0).replace(damping=ModalDamping(ratio=0.002)),
@@ -48,7 +48,7 @@ def run(level: Level, say: Say) -> CaseResult:
                 assert steady.exponent is not None
                 value, error, periods = steady.exponent.value, steady.exponent.standard_error, steady.exponent.periods
                 how = f"{steady.solver}, over {periods} periods"
-                parts = (("finite time", COVERAGE * error),)
+                parts = ((ErrorSource.FINITE_TIME, COVERAGE * error),)
                 estimates.append(Estimate(value, COVERAGE * error, how, parts=parts))
                 rows.append((label, steady.solver, f"{value:.3g}", f"{error:.2g}", periods))
             checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", estimates[0], estimates[1]))

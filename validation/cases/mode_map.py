@@ -13,6 +13,7 @@ from analytic.published.loss import frozen_part
 from lapjoint import paper_joint
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
+from lapjoint.processes import process_pool
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.report.drawing import draw
@@ -31,6 +32,7 @@ PUBLISHED_COUNTS = ((8, 5), (12, 8), (20, 12), (30, 20))  # modes without contac
 REFERENCE = 60  # modes: converged, next to any of these
 MECHANISM = (515.0, 1000.0, 1398.5, 2060.5, 2160.5, 2950.0)  # rad/s: peaks and windows of the paper's Figure 4
 AFTER = (40, 290)  # cycles from rest
+WORKERS = 2
 SMALL = 1e-3  # of the largest impulse of the motion
 Make = Callable[[], Solver]
 
@@ -39,19 +41,23 @@ def impulses(make: Make, omega: float) -> FloatArray:
     """Per excitation period, N s, shape ``(stops,)``; NaN if the solver gives up."""
     problem = paper_joint(angular_frequency=omega)
     try:
-        return make().steady_state(problem, errors=False).impulses
+        return make().steady_state(problem, sensitivity=False, errors=False).impulses
     except SolverError:
         return np.full(len(problem.stops), np.nan)
 
 
 def errors(makes: dict[str, Make], frequencies: tuple[float, ...], say: Say) -> FloatArray:
     """Largest error of an impulse over the largest impulse, shape ``(schemes, frequencies)``; NaN: no answer."""
-    reference = [impulses(partial(analytic.Solver, n_modes=REFERENCE), omega) for omega in frequencies]
-    result = np.empty((len(makes), len(frequencies)))
-    for i, (label, make) in enumerate(makes.items()):
-        for j, omega in enumerate(frequencies):
-            result[i, j] = np.abs(impulses(make, omega) - reference[j]).max() / np.abs(reference[j]).max()
-        say(label)
+    every = (partial(analytic.Solver, n_modes=REFERENCE), *makes.values())
+    pairs = [(make, omega) for make in every for omega in frequencies]
+    with process_pool(WORKERS) as pool:
+        answers = iter(pool.map(impulses, *zip(*pairs, strict=True)))
+        reference = [next(answers) for _ in frequencies]
+        result = np.empty((len(makes), len(frequencies)))
+        for i, label in enumerate(makes):
+            for j in range(len(frequencies)):
+                result[i, j] = np.abs(next(answers) - reference[j]).max() / np.abs(reference[j]).max()
+            say(label)
     return result
 
 

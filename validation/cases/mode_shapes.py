@@ -15,7 +15,7 @@ from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Drawing, Level, Say, table
 from validation.references.reading import printed
 from validation.report.drawing import draw, drawing
-from validation.uncertainty import refined_estimate
+from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Check, Criterion, Estimate
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def tip_ratios() -> list[Check]:
     for i, explanation in enumerate(explanations):
         a = Estimate(ratio(analytic.Solver(), i), 1e-9, "closed form")
         fe = refined_estimate(
-            [ratio(fe_lapjoint.Solver(elements=n), i) for n in (16, 32, 64)], 2.0, 4.0, "64 elements", 1e-8
+            [ratio(fe_lapjoint.Solver(elements=n), i) for n in (16, 32, 64)], 2.0, 4.0, elements(64), 1e-8
         )
         paper = printed("tip ratios", str(i + 1)).estimate()
         checks.append(Check(f"tip of state 2 over free, mode {i + 1}", "%", a, fe))

@@ -10,8 +10,9 @@ import analytic
 import fe_lapjoint
 from lapjoint import FREE, History, Problem
 from lapjoint.answers import Contact
-from validation.uncertainty import refined_estimate
-from validation.verdict import Check, Estimate
+from lapjoint.solver import Solver
+from validation.uncertainty import Refined, refined_estimate
+from validation.verdict import Check, ErrorSource, Estimate
 
 ANALYTIC_ORDER = 5.0
 """Impulses converge with the seventh power of the number of modes, event times with the fifth
@@ -31,6 +32,12 @@ def fe_levels(finest: int) -> list[fe_lapjoint.Solver]:
     return [fe_lapjoint.Solver(elements=n) for n in (finest // 4, finest // 2, finest)]
 
 
+def refined_by(solver: Solver) -> Refined:
+    """What a solver refines: its modes, its mesh, or, of a peer, whatever it has."""
+    by_kind = {analytic.Solver: ErrorSource.MODES, fe_lapjoint.Solver: ErrorSource.MESH}
+    return Refined(by_kind.get(type(solver), ErrorSource.REFINEMENT), solver.name)
+
+
 def longest_period(problem: Problem) -> float:
     """The excitation period, or without one that of the slowest elastic mode of the free beam, s."""
     if problem.excitation_frequency is not None:
@@ -45,15 +52,15 @@ def complete(history: History, count: int) -> list[Contact]:
 
 
 def contact_estimates(
-    contacts: Sequence[Sequence[Contact]], ratio: float, order: float, what: str, i: int
+    contacts: Sequence[Sequence[Contact]], ratio: float, order: float, refined: Refined, i: int
 ) -> dict[str, Estimate]:
     """Start, end and impulse of the i-th contact from refined solutions, coarse to fine."""
     same = [run[i] for run in contacts]
     found = {}
     for field in ("start", "end", "impulse"):
-        estimate = refined_estimate([getattr(c, field) for c in same], ratio, order, what)
+        estimate = refined_estimate([getattr(c, field) for c in same], ratio, order, refined)
         floor = EVENT_FLOOR if field != "impulse" else 0.0
-        parts = (*estimate.parts, ("event times", floor))
+        parts = (*estimate.parts, (ErrorSource.EVENT_TIMES, floor))
         found[field] = replace(estimate, uncertainty=estimate.uncertainty + floor, parts=parts)
     return found
 
@@ -70,8 +77,8 @@ def compare_contacts(
     for i in range(shortest):
         if len({run[i].stop for run in runs}) > 1:
             break
-        a = contact_estimates(runs[:3], 1.5, ANALYTIC_ORDER, f"{exact[-1].solver}", i)
-        b = contact_estimates(runs[3:], 2.0, FE_ORDER, f"{fe[-1].solver}", i)
+        a = contact_estimates(runs[:3], 1.5, ANALYTIC_ORDER, refined_by(analytic_levels(problem, 1.5)[-1]), i)
+        b = contact_estimates(runs[3:], 2.0, FE_ORDER, refined_by(fe_levels(finest)[-1]), i)
         label = f"contact {i + 1}, {names[runs[-1][i].stop]}"
         checks.append(Check(f"{label}: impact", "s", a["start"], b["start"]))
         checks.append(Check(f"{label}: rebound", "s", a["end"], b["end"]))

@@ -14,8 +14,8 @@ from lapjoint import Beam, History, PolynomialShape, Problem, Stop, Support
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.bilinear import Bilinear, classical_frequency
-from validation.uncertainty import refined_estimate
-from validation.verdict import Check, Estimate, Kind
+from validation.uncertainty import Refined, refined_estimate
+from validation.verdict import Check, ErrorSource, Estimate, Kind
 
 LENGTH, MASS = 1.0, 3.0  # m, kg/m: a moment of inertia of m L^3 / 3 about the pin
 TORSION, STOP = 100.0, 525.0  # N m/rad, N/m: omega_2 / omega_1 = 2.5, at which no harmonic looked at is resonant
@@ -88,7 +88,7 @@ def exact_period(limit: Bilinear) -> list[tuple[str, str, float]]:
 
 def to_the_limit(levels: Sequence[Sequence[float]], i: int, unit: str, solver: Solver) -> Estimate:
     """A number of the stiffest beam, and its distance from the rigid bar by extrapolation."""
-    what = f"{solver.name}, beam {RATIO:g} and {RATIO**2:g} times as stiff"
+    what = Refined(ErrorSource.STIFFNESS, f"{solver.name}, beam {RATIO:g} and {RATIO**2:g} times as stiff")
     found = refined_estimate([level[i] for level in levels], RATIO, LIMIT_ORDER, what, 1e-10)
     return replace(found, uncertainty=found.uncertainty + (EVENT_FLOOR if unit == "s" else 0.0))
 

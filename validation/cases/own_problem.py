@@ -10,8 +10,8 @@ from validation.cases.motions import FE_ORDER, compare_contacts, longest_period
 from validation.cases.steady import compare_steady
 from validation.cases.transient import WITNESS_TOLERANCE, contact_table, motion_drawing
 from validation.invariants import witness
-from validation.uncertainty import ROUNDING, refined_estimate
-from validation.verdict import Check, Estimate
+from validation.uncertainty import elements, refined_estimate
+from validation.verdict import Check, ErrorSource, Estimate
 
 MODES = 6
 PERIODS = 6  # of the excitation or the slowest motion, in which contacts are looked for
@@ -28,8 +28,10 @@ def frequencies(problem: Problem, level: Level, say: Say) -> CaseResult:
         found = [fe_lapjoint.Solver(elements=n).modes(problem, state, MODES).angular_frequencies for n in meshes]
         for i in range(MODES):
             u = 1e-12 * float(exact[i])
-            a = Estimate(float(exact[i]), u, "roots bracketed by their count, to rounding", parts=((ROUNDING, u),))
-            b = refined_estimate([float(f[i]) for f in found], 2.0, FE_ORDER, f"{meshes[-1]} elements", 1e-8)
+            a = Estimate(
+                float(exact[i]), u, "roots bracketed by their count, to rounding", parts=((ErrorSource.ROUNDING, u),)
+            )
+            b = refined_estimate([float(f[i]) for f in found], 2.0, FE_ORDER, elements(meshes[-1]), 1e-8)
             checks.append(Check(f"{state.name(problem)}: omega_{i + 1}", "rad/s", a, b))
             rows.append((state.name(problem), i + 1, a.value, b.value, f"{checks[-1].relative:.1e}"))
     return CaseResult(

@@ -15,10 +15,10 @@ from lapjoint.problem import FloatArray
 from lapjoint.processes import process_pool
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
-from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
-from validation.cases.steady import IMPULSE_ORDER, ORBIT
+from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels, refined_by
+from validation.cases.steady import IMPULSE_ORDER
 from validation.uncertainty import refined_estimate, refined_vector
-from validation.verdict import Check, Criterion, Estimate
+from validation.verdict import Check, Criterion, ErrorSource, Estimate
 
 NEAR = {515.0: 15.0, 820.0: 15.0, 2950.0: 40.0}
 """The paper's peak frequencies, and how far around each the peak is looked for, rad/s."""
@@ -36,7 +36,7 @@ class Peak:
 
 def tip_impulse(solver: Solver, omega: float) -> float:
     """Magnitude of the tip stop's impulse per excitation period in the steady state, N s."""
-    found = solver.steady_state(paper_joint(angular_frequency=omega), errors=False)
+    found = solver.steady_state(paper_joint(angular_frequency=omega), sensitivity=False, errors=False)
     assert found.outcome is Outcome.PERIODIC
     return abs(float(found.impulses[TIP]))
 
@@ -69,10 +69,12 @@ def peak(near: float, at: float, solvers: Sequence[Solver], ratio: float, order:
     omega = at + SPACING * NEAR[near] / 2
     curves = np.array([[tip_impulse(solver, w) for w in omega] for solver in solvers])
     tops = np.array([top(omega, curve) for curve in curves])
-    what = solvers[-1].name
+    what = refined_by(solvers[-1])
     # The height shares the error of the impulses that it comes from.
-    heights = refined_vector(np.column_stack([tops[:, 1], curves]), ratio, order, what, floor=1e-8, floor_source=ORBIT)
-    places = refined_estimate(tops[:, 0].tolist(), ratio, order, what, floor=1e-8, floor_source=ORBIT)
+    heights = refined_vector(
+        np.column_stack([tops[:, 1], curves]), ratio, order, what, floor=1e-8, floor_source=ErrorSource.ORBIT
+    )
+    places = refined_estimate(tops[:, 0].tolist(), ratio, order, what, floor=1e-8, floor_source=ErrorSource.ORBIT)
     return Peak(places, heights[0])
 
 

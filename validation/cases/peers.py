@@ -25,6 +25,7 @@ from validation.cases.motions import (
     contact_estimates,
     fe_levels,
     longest_period,
+    refined_by,
 )
 from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate, Kind
@@ -100,7 +101,7 @@ def frequencies(
     for i in range(MODES):
         answers = {"analytic": Estimate(float(exact[i]), 1e-12 * float(exact[i]), "roots bracketed by their count")}
         for name, values in found.items():
-            what = f"{series[name][-1].name}"
+            what = refined_by(series[name][-1])
             estimate = refined_estimate([float(v[i]) for v in values], RATIO, FREQUENCY_ORDER, what, 1e-8)
             floor = (RIGID_FLOOR if exact[i] == 0 else ELASTIC_FLOOR) * float(exact[-1])
             answers[name] = marked(replace(estimate, uncertainty=estimate.uncertainty + floor), name)
@@ -120,7 +121,7 @@ def first_contacts(
         if len({run[i].stop for run in every}) > 1:
             return
         found = {
-            name: contact_estimates(runs[name], ratio, order, solvers[-1].name, i)
+            name: contact_estimates(runs[name], ratio, order, refined_by(solvers[-1]), i)
             for name, (solvers, ratio, order) in chosen.items()
         }
         label = f"contact {i + 1}, {problem.stop_names[every[0][i].stop]}"

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import cmath
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
 import analytic
 import fe_lapjoint
 from lapjoint import History
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, table
 from validation.references.pinned_beam import PinnedBeam
-from validation.uncertainty import refined_estimate
+from validation.uncertainty import elements, refined_vector
 from validation.verdict import Check, Estimate, Kind
 
 LOADED = """
@@ -71,7 +77,27 @@ x = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6]
 displacement = [0.0, 7.654e-4, 1.4142e-3, 1.8478e-3, 2e-3, 1.8478e-3, 1.4142e-3, 7.654e-4, 0.0]
 velocity = [0.0, -0.0707, -0.1, -0.0707, 0.0, 0.0707, 0.1, 0.0707, 0.0]
 """
-BEAMS = {"loaded": LOADED, "ringing": RINGING}
+OVERDAMPED = RINGING.replace("coefficient = 13.0", "coefficient = 800.0")
+"""Above critical for the first mode, 2 m omega_1 = 520 N s/m2, and below for all others."""
+FREE = """
+title = "Free beam under a step load and base motion"
+[beam]
+length = 1.6
+bending_stiffness = 1209.6
+mass_per_length = 3.768
+[damping]
+kind = "{kind}"
+{value}
+[base_motion]
+amplitude = 1.5e-3
+angular_frequency = 95.0
+phase = 1.1
+[[point_loads]]
+kind = "step"
+x = 1.2
+force = 42.0
+"""
+BEAMS = {"loaded": LOADED, "ringing": RINGING, "overdamped": OVERDAMPED}
 PLACES, TIMES = (0.3, 0.9), (0.0613, 0.1307)  # m and s: no node of the coarsest mesh, no multiple of a period
 DURATION = 0.14  # s
 MODES, MESHES = 24, (8, 16, 32)
@@ -87,6 +113,8 @@ RINGING_SHOWS = ("displacement", "slope")
 """What few modes have of a beam whose waves of all lengths are damped alike: not the velocity of the short ones."""
 TRUNCATION = {"displacement": 2e-6, "velocity": 1e-5, "slope": 5e-5, "bending moment": 1e-5, "shear force": 1e-4}
 """Of the largest value of its kind: what 24 modes and the static residual leave of waves that a jump sent out."""
+CONSERVED = 1e-7  # relative: quadrature, and rounding of the finite elements' rigid-body modes
+FEW = 3  # modes, of a motion that six waves drive
 SUMMED = 1e-8  # of the same: what the witness leaves out
 
 
@@ -111,17 +139,65 @@ def compared(label: str, text: str) -> list[Check]:
     witness = [exact(beam, x, t) for x, t in points]
     checks = []
     for i, (name, unit, order) in enumerate(QUANTITIES):
-        if label == "ringing" and name not in RINGING_SHOWS:
+        if label != "loaded" and name not in RINGING_SHOWS:
             continue
         size = max(abs(values[i]) for values in witness)
-        for (x, t), values in zip(points, witness, strict=True):
+        levels = np.array([[found(history, x, t)[i] for x, t in points] for history in meshes])
+        by_mesh = refined_vector(levels, 2.0, order, elements(MESHES[-1]), 1e-7)
+        for (x, t), values, b in zip(points, witness, by_mesh, strict=True):
             reference = Estimate(values[i], SUMMED * size, "sum over the sines, by numpy alone", Kind.ANALYTICAL)
             a = Estimate(found(whole, x, t)[i], TRUNCATION[name] * size, f"{MODES} modes")
-            levels = [found(history, x, t)[i] for history in meshes]
-            b = refined_estimate(levels, 2.0, order, f"{MESHES[-1]} elements", 1e-7)
             for solver, estimate in (("analytic", a), ("FE", b)):
                 checks.append(Check(f"{label}, {name} at {x:g} m, {t:g} s: {solver}", unit, estimate, reference))
     return checks
+
+
+def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
+    """Centre and turn of a free beam: elastic modes carry neither, so both obey the equations of a rigid body.
+
+    Under viscous damping of coefficient C both decay with 2 a = C / m; modal ratios do not damp a rigid body.
+    """
+    problem = from_toml(FREE.format(kind=kind, value=value))
+    L, m, Y, w, phase, force, at, t = 1.6, 3.768, 1.5e-3, 95.0, 1.1, 42.0, 1.2, DURATION
+    # Of a constant acceleration of one, and of a base that moves.
+    one = t**2 / 2 if decay == 0 else (t - (1 - math.exp(-2 * decay * t)) / (2 * decay)) / (2 * decay)
+    wave = Y * w**2 / (-(w**2) + 2j * decay * w)
+    begin, now = wave * cmath.exp(1j * phase), wave * cmath.exp(1j * (w * t + phase))
+    leave = (1j * w * begin).imag
+    gone = t if decay == 0 else (1 - math.exp(-2 * decay * t)) / (2 * decay)
+    centre = force / (m * L) * one + (now - begin).imag - leave * gone
+    turn = force * (at - L / 2) / (m * L**3 / 12) * one
+    x, weights = np.polynomial.legendre.leggauss(12)
+    edges = np.linspace(0.0, L, 41)
+    half = np.diff(edges)[:, None] / 2
+    places, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * weights).ravel()
+    for solver in (analytic.Solver(n_modes=MODES), fe_lapjoint.Solver(elements=MESHES[0])):
+        z = solver.simulate(problem, DURATION, errors=False).displacement(places, t)[:, 0]
+        for name, unit, value_found, reference in (
+            ("centre", "m", weights @ z / L, centre),
+            ("turn", "rad", weights @ (z * (places - L / 2)) / (L**3 / 12), turn),
+        ):
+            a = Estimate(float(value_found), CONSERVED * abs(reference), f"{solver.name}, integrated along the beam")
+            b = Estimate(reference, 0.0, "rigid body", Kind.ANALYTICAL)
+            yield Check(f"free beam, {kind} damping, {name}: {solver.name}", unit, a, b)
+
+
+def rates() -> Iterator[Check]:
+    """Velocity and acceleration against what they integrate to, with so few modes that the residual counts."""
+    problem = from_toml(LOADED)
+    x, w = np.polynomial.legendre.leggauss(20)
+    edges = np.linspace(*TIMES, 201)
+    half = np.diff(edges)[:, None] / 2
+    t, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    for solver in (analytic.Solver(n_modes=FEW), fe_lapjoint.Solver(elements=MESHES[0])):
+        history = solver.simulate(problem, DURATION, errors=False)
+        for name, unit, order in (("velocity", "m", 1), ("acceleration", "m/s", 2)):
+            integral = history.evaluate(PLACES[0], t, dt=order)[0] @ weights
+            ends = history.evaluate(PLACES[0], np.array(TIMES), dt=order - 1)[0]
+            u = CONSERVED * float(np.abs(ends).max())
+            a = Estimate(float(integral), u, f"{solver.name}, integrated over time")
+            b = Estimate(float(ends[1] - ends[0]), u, "what it is the rate of")
+            yield Check(f"integral of the {name}: {solver.name}", unit, a, b)
 
 
 def run(level: Level, say: Say) -> CaseResult:
@@ -130,6 +206,10 @@ def run(level: Level, say: Say) -> CaseResult:
     for label, text in BEAMS.items():
         say(label)
         checks += compared(label, text)
+    for kind, value, decay in (("modal", "ratio = 0.04", 0.0), ("viscous", "coefficient = 11.0", 11.0 / (2 * 3.768))):
+        say(f"free, {kind} damping")
+        checks += free_flight(kind, value, decay)
+    checks += rates()
     rows = [(c.name, c.unit, c.b.value, c.a.value, f"{c.a.uncertainty:.1e}", f"{c.difference:.1e}") for c in checks]
     return CaseResult(
         "pinned-beam",
@@ -137,7 +217,8 @@ def run(level: Level, say: Say) -> CaseResult:
         "Without stops a beam on two pins is a sum over sines. The witness sums it by numpy alone from the problem "
         "file's text: base motion and sine loads with phases, a step load, polynomial and sampled initial shapes and "
         "velocities, five different damping ratios, viscous damping. Compared are displacement, velocity, slope, "
-        "bending moment and shear force.",
+        "bending moment and shear force; of a free beam centre and turn, which obey the equations of a rigid body; of "
+        "velocity and acceleration their integrals.",
         checks=tuple(checks),
         tables=(table("Beam on two pins", ("quantity", "unit", "witness", "found", "u", "difference"), rows),),
     )

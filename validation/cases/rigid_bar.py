@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,8 @@ DURATION = 1.2  # s, of the motion from the initial state: two to five excitatio
 CONTACTS = 4  # compared one by one
 TIMES = np.array([0.0, 0.23, 0.51, 0.77, 1.09])  # s, at which the motion is compared
 ROUNDING = 1e-8  # of the largest of its kind: what the witness loses by its differences and roots
+CLOSED = 1e-8  # of the motion: ten times what Newton's method leaves at the most
+PASSED = 3  # periods of a march without a deviation
 FOLLOWED, MEASURED = 84, 64  # periods over which a deviation is followed, and the last of them that are measured
 FOLLOWED_IN = "springs"  # the leading multiplier is real there, so that every period has the same growth
 EXACT = 1e-4  # relative: growth along an orbit, from a deviation that 20 periods have turned, against its multiplier
@@ -132,7 +134,9 @@ amplitude = 2e-3
 angular_frequency = 26.0
 phase = 0.3
 """
-BARS = {"springs": SPRINGS, "mirror": MIRROR, "doubled": DOUBLED}
+UNEVEN = MIRROR.replace("gap = 1.5e-3", "gap = 1.9e-3", 1)
+"""Between stops of unequal gaps, which no motion mirrors."""
+BARS = {"springs": SPRINGS, "mirror": MIRROR, "uneven": UNEVEN, "doubled": DOUBLED}
 
 
 @dataclass(frozen=True)
@@ -234,15 +238,19 @@ def compared(label: str, text: str, say: Say) -> list[Check]:
     kinds = [quantity.kind for quantity in names]
     reference = np.array(exact)
     size = {kind: np.max(np.abs(reference[[k == kind for k in kinds]])) for kind in kinds}
-    checks = []
+    checks: list[Check] = []
     for solver in SOLVERS:
         levels = []
         for factor in (1.0, RATIO):
             problem = from_toml(text.format(stiffness=repr(SOFT * factor)))
             steady = solver.steady_state(problem, sensitivity=False, errors=False)
             levels.append(np.array(answers(solver.simulate(problem, DURATION, errors=False), steady, it), dtype=float))
+            closes = Estimate(steady.residual, 0.0, "of the search")
+            closed = Estimate(0.0, CLOSED, "a motion that repeats closes", Kind.ANALYTICAL)
+            stiff = f"{SOFT * factor:g} N m2 stiff"
+            checks.append(Check(f"{label}, residual, {stiff}: {solver.name}", "1", closes, closed))
             if factor == 1.0 and label == FOLLOWED_IN:
-                checks.append(growth_on_orbit(label, solver, problem, steady))
+                checks += growth_on_orbit(label, solver, problem, steady)
         value, u = to_the_limit(levels[0], levels[1], kinds)
         for i, quantity in enumerate(names):
             how = f"{solver.name}, beams {SOFT:g} and {RATIO * SOFT:g} N m2 stiff, taken to the limit"
@@ -256,8 +264,11 @@ def compared(label: str, text: str, say: Say) -> list[Check]:
 
 def growth_on_orbit(
     label: str, solver: analytic.Solver | fe_lapjoint.Solver, problem: Problem, steady: SteadyState
-) -> Check:
-    """The Lyapunov exponent of a stable orbit, from a deviation that is followed, against ln |multiplier| over time."""
+) -> Iterator[Check]:
+    """The Lyapunov exponent of a stable orbit, from a deviation that is followed, against ln |multiplier| over time.
+
+    The impulses of the same marches, which the mean over a motion that does not repeat is made of, are compared too.
+    """
     period_map = solver.period_map(problem)
     start = steady.section_point
     deviation = np.ones(period_map.difference(start, start).size)
@@ -267,7 +278,13 @@ def growth_on_orbit(
     rate = math.log(leading) / (max(steady.period_multiple, 1) * period_map.period)
     a = Estimate(growth.value, abs(rate) * EXACT, "a deviation followed along the orbit")
     b = Estimate(rate, abs(rate) * EXACT, "its Floquet multiplier")
-    return Check(f"{label}, Lyapunov exponent of the orbit: {solver.name}", "1/s", a, b)
+    yield Check(f"{label}, Lyapunov exponent of the orbit: {solver.name}", "1/s", a, b)
+    passed = period_map.march(start, 2 * PASSED).impulses / PASSED
+    for k, steadily in enumerate(steady.impulses):
+        reference = Estimate(float(steadily), abs(float(steadily)) * EXACT, "steady state")
+        for how, impulses in (("march", passed), ("march with a deviation", found.impulses / FOLLOWED)):
+            marched = Estimate(float(impulses[k]), 0.0, f"mean over a {how}")
+            yield Check(f"{label}, mean impulse of stop {k + 1} over a {how}: {solver.name}", "N s", marched, reference)
 
 
 def run(level: Level, say: Say) -> CaseResult:

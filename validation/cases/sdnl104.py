@@ -8,7 +8,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import History, sdnl104
 from validation.case import CaseResult, Level, Say, table
-from validation.cases.motions import analytic_levels, fe_levels
+from validation.cases.motions import analytic_levels, fe_levels, refined_by
 from validation.cases.transient import WITNESS_TOLERANCE, motion_drawing
 from validation.invariants import witness
 from validation.references.reading import printed
@@ -39,7 +39,7 @@ def answers(history: History) -> tuple[float, ...]:
 
 def run(level: Level, say: Say) -> CaseResult:
     """Both solvers against the converged values and against each other."""
-    problem, finest = sdnl104(), 128 if level != "full" else 256
+    problem, finest = sdnl104(), {"quick": 64, "standard": 128, "full": 256}[level]
     say("analytic and FE")
     # An undamped beam under a step load rings in all its modes, those that a mesh holds badly too: convergence is
     # not that of the frequencies; second order is what may be relied on.
@@ -53,7 +53,7 @@ def run(level: Level, say: Say) -> CaseResult:
         runs = [solver.simulate(problem, DURATION, errors=False) for solver in levels]
         histories[name] = runs[-1]
         values = list(zip(*(answers(run) for run in runs), strict=True))
-        estimates[name] = [refined_estimate(v, ratio, order, levels[-1].name, 1e-9) for v in values]
+        estimates[name] = [refined_estimate(v, ratio, order, refined_by(levels[-1]), 1e-9) for v in values]
     checks, rows = [], []
     for i, (quantity, (unit, key)) in enumerate(QUANTITIES.items()):
         given = printed("sdnl104 answers", key)

@@ -11,6 +11,7 @@ import analytic
 from lapjoint import FREE, Outcome, Problem, ViscousDamping, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
+from lapjoint.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
 from validation.verdict import Criterion
@@ -20,6 +21,7 @@ PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}  # and how far around each to l
 WINDOWS = (1398.5, 2060.5, 2160.5)  # rad/s, where the paper's motions do not settle
 SYMMETRIC = 1e-3  # of the larger impulse: what the two tip stops may differ by
 LIGHT = "viscous damping"
+WORKERS = 2
 
 
 def scaled(problem: Problem, **factors: float) -> Problem:
@@ -96,11 +98,14 @@ def run(level: Level, say: Say) -> CaseResult:
     """Every variant by the analytic solver, and the one that differs most by finite elements."""
     points = {"quick": 25, "standard": 100, "full": 500}[level]
     rows, found = [], {}
-    for label, variant in VARIANTS.items():
-        # Where damping is light, motions settle slowly or never.
-        found[label] = findings(variant(), points if label != LIGHT else 0 if level == "quick" else 25)
-        rows.append((label, "analytic", *shown(found[label])))
-        say(label)
+    # Where damping is light, motions settle slowly or never.
+    counts = [points if label != LIGHT else 0 if level == "quick" else 25 for label in VARIANTS]
+    with process_pool(WORKERS) as pool:
+        answers = pool.map(findings, [variant() for variant in VARIANTS.values()], counts)
+        for label, answer in zip(VARIANTS, answers, strict=True):
+            found[label] = answer
+            rows.append((label, "analytic", *shown(answer)))
+            say(label)
     by_fe = None if level == "quick" else findings(VARIANTS[LIGHT](), 0, "fe")  # it settles slowly
     if by_fe is not None:
         rows.append((LIGHT, "FE", *shown(by_fe)))

@@ -13,13 +13,13 @@ from lapjoint import Outcome, Problem, SteadyState, paper_joint
 from lapjoint.figures.style import entitle
 from lapjoint.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
-from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels
+from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels, refined_by
 from validation.cases.transient import WITNESS_TOLERANCE
 from validation.coexistence import Motion, same_motion, why_they_differ
 from validation.invariants import steady_witness
 from validation.report.drawing import COLOURS, draw
-from validation.uncertainty import refined_vector
-from validation.verdict import Check, Criterion, Estimate
+from validation.uncertainty import Refined, refined_vector
+from validation.verdict import Check, Criterion, ErrorSource, Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,9 +28,6 @@ FEWER = (5.0, 100.0, 250.0, 515.0, 820.0, 1000.0, 1400.0, 2060.0, 2950.0, 3500.0
 MORE = (*FEWER, 1800.0, 2500.0, 3250.0, 4500.0)
 IMPULSE_ORDER = 6.0
 """Order of the analytic impulses in the number of modes (tests/analytic/test_steady_state.py)."""
-
-ORBIT = "Newton's residual, event times"
-"""What limits a steady impulse once modes or mesh no longer do."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +74,8 @@ def compare_steady(problem: Problem, finest: int) -> Point:
         exact[-1].period_multiple,
         float(abs(exact[-1].multipliers[0])) if exact[-1].multipliers.size else math.nan,
         (exact[-1].outcome, fe[-1].outcome),
-        _estimates(exact, 1.5, IMPULSE_ORDER),
-        _estimates(fe, 2.0, FE_ORDER),
+        _estimates(exact, 1.5, IMPULSE_ORDER, refined_by(analytic_levels(problem, 1.5)[-1])),
+        _estimates(fe, 2.0, FE_ORDER, refined_by(fe_levels(finest)[-1])),
         (
             *steady_witness(exact[-1], WITNESS_TOLERANCE, f"{label}, {exact[-1].solver}"),
             *steady_witness(fe[-1], WITNESS_TOLERANCE, f"{label}, {fe[-1].solver}"),
@@ -88,10 +85,10 @@ def compare_steady(problem: Problem, finest: int) -> Point:
     )
 
 
-def _estimates(levels: list[SteadyState], ratio: float, order: float) -> tuple[Estimate, ...]:
+def _estimates(levels: list[SteadyState], ratio: float, order: float, refined: Refined) -> tuple[Estimate, ...]:
     impulses = np.array([steady.impulses for steady in levels])
     # Newton stops at 1e-9 of the motion, and an impulse is a few percent of what the motion could give.
-    return refined_vector(impulses, ratio, order, levels[-1].solver, floor=1e-8, floor_source=ORBIT)
+    return refined_vector(impulses, ratio, order, refined, floor=1e-8, floor_source=ErrorSource.ORBIT)
 
 
 def run(level: Level, say: Say) -> CaseResult:

@@ -11,8 +11,8 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.case import CaseResult, Level, Say, Table, table
 from validation.references.reading import Printed, group
-from validation.uncertainty import ROUNDING, refined_estimate
-from validation.verdict import Check, Estimate
+from validation.uncertainty import elements, refined_estimate
+from validation.verdict import Check, ErrorSource, Estimate
 
 MODES = 8  # lowest ones of each state
 STIFFNESSES = (5.0, 1200.0, 5000.0)  # k / (3 EI / L^3)
@@ -58,10 +58,10 @@ def run(level: Level, say: Say) -> CaseResult:
             paper = printed(k_star, label)
             others = analytic.Solver().modes(heavier, state, MODES).angular_frequencies
             for i in range(MODES):
-                fe = refined_estimate([float(f[i]) for f in by_mesh], 2.0, 4.0, f"{meshes[-1]} elements", 1e-9)
+                fe = refined_estimate([float(f[i]) for f in by_mesh], 2.0, 4.0, elements(meshes[-1]), 1e-9)
                 u = 1e-13 * float(exact[i])
                 how = "roots bracketed by their count, to rounding"
-                a = Estimate(float(exact[i]), u, how, parts=((ROUNDING, u),))
+                a = Estimate(float(exact[i]), u, how, parts=((ErrorSource.ROUNDING, u),))
                 checks.append(Check(f"k* = {k_star:g}, state {label}, omega_{i + 1}", "rad/s", a, fe))
                 given = paper[i] if i < len(paper) else None
                 if given is not None:

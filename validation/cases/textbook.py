@@ -12,7 +12,7 @@ from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER
 from validation.cases.textbook_equations import BEAMS, ROOTS, Textbook, roots
 from validation.references.reading import Printed, group, group_names
-from validation.uncertainty import refined_estimate
+from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Check, Estimate, Kind
 
 EXACT = 4e-15  # relative: some roundings of either root finder
@@ -30,7 +30,7 @@ def computed(beam: Textbook, meshes: tuple[int, ...]) -> dict[str, tuple[Estimat
     """Both solvers' beta L with their uncertainty."""
     exact = parameters(analytic.Solver(), beam)
     fe = list(zip(*(parameters(fe_lapjoint.Solver(elements=n), beam) for n in meshes), strict=True))
-    how, what = "roots bracketed by their count, to rounding", f"{meshes[-1]} elements"
+    how, what = "roots bracketed by their count, to rounding", elements(meshes[-1])
     return {
         "analytic": tuple(Estimate(b, EXACT * b, how) for b in exact),
         "FE": tuple(refined_estimate(b, 2.0, FE_ORDER, what, ROUNDING_OF_EIGENVALUES) for b in fe),

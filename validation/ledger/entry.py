@@ -2,57 +2,94 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import Enum
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
 
 from validation.case import Table, table
+from validation.ledger.rules import Numbers, Rule, Ruling, rule_of
+from validation.references.reading import Printed, Source, printed, sources
 from validation.verdict import Estimate
 
+DATA = Path(__file__).with_name("claims.toml")
 
-class Ruling(Enum):
-    """What becomes of a claim."""
 
-    CONFIRMED = "confirmed"
-    MISPRINT = "misprint"
-    OVERTURNED = "overturned"
-    UNDECIDABLE = "not decidable from the text"
+@dataclass(frozen=True)
+class Claim:
+    """What the paper says, and the ruling that is expected."""
+
+    key: str
+    place: str
+    """Where in the paper."""
+    claim: str
+    printed: str
+    expected: Ruling
+    evidence: str
+    """The validation case, test or document that shows it."""
+    source: Source
+
+    @property
+    def number(self) -> Printed:
+        """What is printed, where it is a number; a percent sign is left out."""
+        return Printed(self.printed.replace(" %", ""), "", self.place, self.source)
+
+
+@cache
+def claims() -> dict[str, Claim]:
+    """All claims, by key."""
+    data = tomllib.loads(DATA.read_text(encoding="utf-8"))
+    source, found = sources()[data["source"]], {}
+    for key, given in data["claims"].items():
+        text = given["printed"] if "printed" in given else printed(*given["printed_in"]).text
+        ruling = Ruling(given["expected"])
+        found[key] = Claim(key, given["place"], given["claim"], text, ruling, given["evidence"], source)
+    return found
 
 
 @dataclass(frozen=True)
 class Entry:
     """A claim, and what was found."""
 
-    place: str
-    """Where in the paper."""
-    claim: str
-    printed: str
-    analytic: str
-    """Recomputed by the analytic solver, with its uncertainty; empty where the claim is not about a motion."""
-    fe: str
-    """The same by finite elements."""
-    published: str
-    """By the paper's own scheme with its own numbers of modes, where that bears on the claim."""
-    ruling: Ruling
+    key: str
+    numbers: Numbers
+    """What the ruling follows from."""
     why: str
-    evidence: str
-    """The validation case, test or document that shows it."""
+    analytic: str = ""
+    """Recomputed by the analytic solver, with its uncertainty; empty where the claim is not about a motion."""
+    fe: str = ""
+    """The same by finite elements."""
+    published: str = field(default="")
+    """By the paper's own scheme with its own numbers of modes, where that bears on the claim."""
+
+    @property
+    def claim(self) -> Claim:
+        """What the paper says."""
+        return claims()[self.key]
+
+    @property
+    def rule(self) -> Rule:
+        """What turns the numbers into the ruling."""
+        return rule_of(self.key)
+
+    @property
+    def ruling(self) -> Ruling:
+        """What becomes of the claim."""
+        return self.rule.judge(self.numbers)
 
 
-COLUMNS = ("place", "claim", "printed", "analytic", "FE", "scheme as published", "ruling", "why", "evidence")
+COLUMNS = ("place", "claim", "printed", "analytic", "FE", "scheme as published", "ruling", "why", "rule", "evidence")
 
 
 def ledger_table(title: str, entries: Sequence[Entry]) -> Table:
     """Entries as a table of the report."""
-    return table(
-        title,
-        COLUMNS,
-        [
-            (e.place, e.claim, e.printed, e.analytic, e.fe, e.published, e.ruling.value, e.why, e.evidence)
-            for e in entries
-        ],
-    )
+    rows = []
+    for e in entries:
+        said = (e.claim.place, e.claim.claim, e.claim.printed)
+        rows.append((*said, e.analytic, e.fe, e.published, e.ruling.value, e.why, e.rule.words, e.claim.evidence))
+    return table(title, COLUMNS, rows)
 
 
 def counted(entries: Sequence[Entry]) -> str:
@@ -66,12 +103,7 @@ def written(estimate: Estimate, digits: int = 7) -> str:
     return f"{estimate.value:.{digits}g} ± {estimate.uncertainty:.1g}"
 
 
-def last_digit(text: str) -> float:
-    """Half a unit of the last digit of a printed number."""
-    mantissa, _, power = text.lower().replace(" %", "").partition("e")
-    return 0.5 * 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
-
-
-def matches(value: float, text: str) -> bool:
-    """Whether a computed value rounds to a printed one."""
-    return abs(value - float(text.replace(" %", ""))) <= last_digit(text) * (1 + 1e-9)
+def said(key: str) -> dict[str, float]:
+    """The printed number of a claim, and half a unit of its last digit, for its rule."""
+    number = claims()[key].number
+    return {"printed": number.value, "half unit": number.half_unit}

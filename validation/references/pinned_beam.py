@@ -41,7 +41,18 @@ class PinnedBeam:
 
     @staticmethod
     def from_toml(text: str) -> PinnedBeam:
-        """The beam of a problem given as the text of its file."""
+        """The beam of a problem given as the text of its file.
+
+        Parameters
+        ----------
+        text : str
+            The text of the problem file.
+
+        Returns
+        -------
+        PinnedBeam
+            The beam.
+        """
         return PinnedBeam(tomllib.loads(text))
 
     @cached_property
@@ -126,7 +137,24 @@ class PinnedBeam:
         return m * shapes @ (w * along("displacement")), m * shapes @ (w * along("velocity"))
 
     def evaluate(self, x: float, t: float, dx: int = 0, dt: int = 0) -> float:
-        """z at x and t, or a derivative, dx up to 3 and dt up to 1."""
+        """z at x and t, or a derivative, dx up to 3 and dt up to 1.
+
+        Parameters
+        ----------
+        x : float
+            Position, m.
+        t : float
+            Time, s.
+        dx : int
+            Order of the x-derivative, up to 3.
+        dt : int
+            Order of the t-derivative, up to 1.
+
+        Returns
+        -------
+        float
+            m^(1 - dx) s^-dt.
+        """
         omega, decay = self.omega, self._decay
         q, v = self._initial
         total, rest = 0.0, np.zeros(_TERMS)
@@ -137,15 +165,42 @@ class PinnedBeam:
             q, v = q - (wave * at_start).imag, v - (1j * w * wave * at_start).imag
             rest = rest + ((wave - force / omega**2) * now).imag
             total += size * self._static(place, x, dx) * float(now.imag)
-        root = -decay + 1j * np.sqrt(omega**2 - decay**2)
-        free = q - 1j * (v + decay * q) / root.imag
-        rest = rest + (free * root**dt * np.exp(root * t)).real
+        swing = np.sqrt(omega**2 - decay**2 + 0j)  # imaginary where a mode is overdamped
+        one, other = -decay + 1j * swing, -decay - 1j * swing
+        a = (v - other * q) / (one - other)
+        rest = rest + (a * one**dt * np.exp(one * t) + (q - a) * other**dt * np.exp(other * t)).real
         return total + float(self._sines(x, dx) @ rest)
 
     def moment(self, x: float, t: float) -> float:
-        """EI z'', N m."""
+        """EI z'', N m.
+
+        Parameters
+        ----------
+        x : float
+            Position, m.
+        t : float
+            Time, s.
+
+        Returns
+        -------
+        float
+            N m.
+        """
         return self._beam[1] * self.evaluate(x, t, 2)
 
     def shear(self, x: float, t: float) -> float:
-        """EI z''', N."""
+        """EI z''', N.
+
+        Parameters
+        ----------
+        x : float
+            Position, m.
+        t : float
+            Time, s.
+
+        Returns
+        -------
+        float
+            N.
+        """
         return self._beam[1] * self.evaluate(x, t, 3)

@@ -75,7 +75,18 @@ class RigidBar:
 
     @staticmethod
     def from_toml(text: str) -> RigidBar:
-        """The bar of a problem given as the text of its file."""
+        """The bar of a problem given as the text of its file.
+
+        Parameters
+        ----------
+        text : str
+            The text of the problem file.
+
+        Returns
+        -------
+        RigidBar
+            The bar.
+        """
         return RigidBar(tomllib.loads(text))
 
     @cached_property
@@ -94,7 +105,18 @@ class RigidBar:
         return any(s["x"] == 0 and math.isinf(s.get("translational", 0.0)) for s in self.tables.get("supports", ()))
 
     def N(self, x: float | Array) -> Array:
-        """Displacement at x by each coordinate, shape ``(n,)`` or ``(places, n)``."""
+        """Displacement at x by each coordinate, shape ``(n,)`` or ``(places, n)``.
+
+        Parameters
+        ----------
+        x : float or Array
+            Positions, m.
+
+        Returns
+        -------
+        Array, shape (n,) or (places, n)
+            Without unit.
+        """
         part = np.asarray(x, dtype=float) / self.length
         return np.stack([part] if self.pinned else [1 - part, part], axis=-1)
 
@@ -148,7 +170,20 @@ class RigidBar:
         return 2 * math.pi / float(self.harmonics[0][1])
 
     def gap_function(self, k: int, u: Array) -> Array:
-        """sign z - gap of a stop, m: positive where it is pressed."""
+        """sign z - gap of a stop, m: positive where it is pressed.
+
+        Parameters
+        ----------
+        k : int
+            Which stop.
+        u : Array
+            Displacements of the coordinates, m, shape ``(n,)`` or ``(n, m)``.
+
+        Returns
+        -------
+        Array, shape () or (m,)
+            m.
+        """
         return np.asarray(self.stops[k]["sign"] * (self.rows[k] @ u) - self.stops[k]["gap"])
 
     @cached_property
@@ -184,7 +219,24 @@ class RigidBar:
         return np.full(omega.size, c / (2 * self.mass_per_length))
 
     def flow(self, closed: Closed, start: float, u: Array, v: Array) -> Callable[[Array, int], Array]:
-        """The motion in one contact state from u and v at a time, as `Flow.motion`."""
+        """The motion in one contact state from u and v at a time, as `Flow.motion`.
+
+        Parameters
+        ----------
+        closed : frozenset of int
+            The closed stops.
+        start : float
+            When, s.
+        u : Array
+            Displacements of the coordinates, m, shape ``(n,)`` or ``(n, m)``.
+        v : Array
+            Velocities of the coordinates, m/s, shape ``(n,)``.
+
+        Returns
+        -------
+        callable
+            As `Flow.motion`.
+        """
         modes, omega, decay, constant = self._state(closed)
         rest = modes.T @ constant / omega**2
         waves = [
@@ -219,7 +271,22 @@ class RigidBar:
         return np.asarray(u), np.asarray(v)
 
     def march(self, duration: float, u: Array | None = None, v: Array | None = None) -> BarMotion:
-        """The motion over a time, s, from the initial state or from u and v at t = 0."""
+        """The motion over a time, s, from the initial state or from u and v at t = 0.
+
+        Parameters
+        ----------
+        duration : float
+            How long, s.
+        u : Array, optional
+            Displacements at t = 0, m, shape ``(n,)``; those of the file if not given.
+        v : Array, optional
+            Velocities at t = 0, m/s, shape ``(n,)``.
+
+        Returns
+        -------
+        BarMotion
+            From 0 to the duration.
+        """
         if u is None or v is None:
             u, v = self.initial
         closed = frozenset(k for k in range(len(self.stops)) if self._pressed(k, u, v))
@@ -267,7 +334,20 @@ class RigidBar:
         return end, -1
 
     def periodic(self, periods: int = 1, settle: int = 30) -> BarMotion:
-        """The motion over `periods` excitation periods that closes, by Newton's method after `settle` periods."""
+        """The motion over `periods` excitation periods that closes, by Newton's method after `settle` periods.
+
+        Parameters
+        ----------
+        periods : int
+            Excitation periods.
+        settle : int
+            Excitation periods marched before.
+
+        Returns
+        -------
+        BarMotion
+            One period of the motion.
+        """
         begun = self.march(settle * periods * self.period)
         y = np.concatenate([begun.u, begun.v])
         for _ in range(_STEPS):
@@ -279,7 +359,20 @@ class RigidBar:
         raise ArithmeticError("Newton's method does not close the motion")
 
     def period_multiple(self, settle: int = 60, most: int = 6) -> int:
-        """Excitation periods after which the motion repeats that is reached after `settle` periods; 0 if none do."""
+        """Excitation periods after which the motion repeats that is reached after `settle` periods; 0 if none do.
+
+        Parameters
+        ----------
+        settle : int
+            Excitation periods marched before.
+        most : int
+            Most excitation periods after which it may repeat.
+
+        Returns
+        -------
+        int
+            How many.
+        """
         u, v = self.initial
         points = []
         for n in range(settle + most + 1):
@@ -294,7 +387,20 @@ class RigidBar:
         return 0
 
     def linearised(self, y: Array, periods: int = 1) -> tuple[BarMotion, Array]:
-        """A march over some periods from (u, v), and the derivative of its end by its start, by differences."""
+        """A march over some periods from (u, v), and the derivative of its end by its start, by differences.
+
+        Parameters
+        ----------
+        y : Array
+            (u, v) at the start, shape ``(2 n,)``.
+        periods : int
+            Excitation periods.
+
+        Returns
+        -------
+        BarMotion, Array of shape (2 n, 2 n)
+            The march, and the derivative.
+        """
         scale = np.repeat([1.0, 2 * math.pi / self.period], y.size // 2) * self._size(y) * _DIFFERENCE
 
         def end(start: Array) -> Array:
@@ -304,7 +410,22 @@ class RigidBar:
         return self.march(periods * self.period, *np.split(y, 2)), np.stack(columns, axis=1)
 
     def moment(self, x: float, t: float, flow: Flow) -> float:
-        """Bending moment EI z'' at x and t, N m, by the balance of all that acts on the part beyond x."""
+        """Bending moment EI z'' at x and t, N m, by the balance of all that acts on the part beyond x.
+
+        Parameters
+        ----------
+        x : float
+            Position, m.
+        t : float
+            Time, s.
+        flow : Flow
+            The flow of that time.
+
+        Returns
+        -------
+        float
+            N m.
+        """
         now = np.array([t])
         u, v, a = (flow.motion(now, derivative)[:, 0] for derivative in range(3))
         modes, _, decay, _ = self._state(flow.closed)
@@ -362,7 +483,22 @@ class BarMotion:
         return np.asarray(found[np.argsort(-np.abs(found))])
 
     def evaluate(self, x: float, t: Array, derivative: int = 0) -> Array:
-        """z(x, t), m, or a derivative by time, at times of shape ``(m,)``."""
+        """z(x, t), m, or a derivative by time, at times of shape ``(m,)``.
+
+        Parameters
+        ----------
+        x : float
+            Position, m.
+        t : Array
+            Times, s, shape ``(m,)``.
+        derivative : int
+            Order of the t-derivative.
+
+        Returns
+        -------
+        Array, shape (m,)
+            m s^-derivative.
+        """
         result = np.empty(t.size)
         for flow in self.flows:
             here = (t >= flow.start) & (t <= flow.end)
@@ -425,5 +561,18 @@ class BarMotion:
         return float(self.bar.gap_function(k, flow.motion(np.array([flow.start, flow.end, *turns]), 0)).max())
 
     def moment(self, x: float, t: float) -> float:
-        """Bending moment EI z'' at x and t, N m."""
+        """Bending moment EI z'' at x and t, N m.
+
+        Parameters
+        ----------
+        x : float
+            Position, m.
+        t : float
+            Time, s.
+
+        Returns
+        -------
+        float
+            N m.
+        """
         return self.bar.moment(x, t, next(flow for flow in self.flows if flow.start <= t <= flow.end))

@@ -8,7 +8,7 @@ from typing import Any
 
 from validation.case import CaseResult
 from validation.report.table_files import Cell, Sheet
-from validation.verdict import Check, Criterion, Estimate, Verdict
+from validation.verdict import Check, Criterion, Estimate, Verdict, source_name
 
 VERDICTS = (Verdict.DISAGREE, Verdict.EXPLAINED, Verdict.AGREE)
 """What needs attention comes first."""
@@ -114,7 +114,7 @@ def _estimate(estimate: Estimate) -> dict[str, Any]:
         "uncertainty": finite(estimate.uncertainty),
         "kind": estimate.kind.value,
         "how": estimate.how,
-        "contributions": {source: finite(amount) for source, amount in estimate.contributions},
+        "contributions": {source_name(source): finite(amount) for source, amount in estimate.contributions},
     }
 
 

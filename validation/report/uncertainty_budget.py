@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from validation.case import CaseResult
 from validation.report.table_files import Cell, Sheet
-from validation.verdict import Check
+from validation.verdict import Check, source_name
 
 
 def shares(check: Check) -> dict[str, float]:
@@ -33,7 +33,8 @@ def shares(check: Check) -> dict[str, float]:
     found: dict[str, float] = {}
     for estimate in (check.a, check.b):
         for source, amount in estimate.contributions:
-            found[source] = found.get(source, 0.0) + amount * estimate.uncertainty / whole
+            name = source_name(source)
+            found[name] = found.get(name, 0.0) + amount * estimate.uncertainty / whole
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 

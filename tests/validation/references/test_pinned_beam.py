@@ -57,7 +57,7 @@ def test_a_fault_of_the_loads_is_caught(fault: str, monkeypatch: pytest.MonkeyPa
             return problem.replace(base_motion=base.model_copy(update={"phase": 0.0}))
         if fault == "ratios" and isinstance(problem.damping, ModalDamping):
             return problem.replace(damping=ModalDamping(ratio=float(np.atleast_1d(problem.damping.ratio)[0])))
-        if fault == "torsion":
+        if fault == "torsion" and supports:
             return problem.replace(supports=[supports[0].model_copy(update={"torsional": 1.0}), supports[1]])
         loads = [load.model_copy(update={"phase": 0.0} if load.kind == "sine" else {}) for load in problem.point_loads]
         return problem.replace(point_loads=loads)
