@@ -79,7 +79,7 @@ class PeriodMap:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(_coordinates(start), [self.period] * periods, None)
 
-    def simulated(self, duration: float, progress: Progress | None) -> History:
+    def simulated(self, duration: float, progress: Progress | None, depth: bool = True) -> History:
         """The motion from the initial state, in the same pieces as the search marches.
 
         Parameters
@@ -88,13 +88,15 @@ class PeriodMap:
             How long, s.
         progress : callable or None
             Called with (pieces done, pieces in all).
+        depth : bool
+            Whether to find the peak forces of the contacts.
 
         Returns
         -------
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        return self._recorded(started(self.joint), period_pieces(self.period, duration), progress)
+        return self._recorded(started(self.joint), period_pieces(self.period, duration), progress, depth)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         """Deviation, as (q, v) in the modes of `origin`. See `lapjoint.orbits.PeriodMap.difference`."""
@@ -123,10 +125,16 @@ class PeriodMap:
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point with other numbers of modes, or of other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
-        known = all(k < len(self.problem.stops) for k in point.state.closed)
-        coordinates = np.asarray(point.coordinates, dtype=float)
-        if point.nodes is not None or coordinates.ndim != 2 or coordinates.shape[0] != 2 or not known:
+        stops = range(len(self.problem.stops))
+        if point.nodes is not None or not all(k in stops for k in point.state.closed):
             raise InputError("start: is no section point of the analytic solver for a joint with these stops")
+        coordinates = np.asarray(point.coordinates)
+        real = coordinates.dtype.kind in "fiu"
+        if not real or coordinates.ndim != 2 or coordinates.shape[0] != 2 or not coordinates.size:
+            raise InputError(
+                f"start: has coordinates of type {coordinates.dtype} and shape {coordinates.shape}; the analytic "
+                "solver takes two rows of real numbers, displacements and velocities of one mode or more"
+            )
         if not np.all(np.isfinite(coordinates)):
             raise InputError("start: has coordinates that are not finite")
         return _section_point(resumed(self.joint, point))
@@ -145,17 +153,24 @@ class PeriodMap:
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         found = measure_growth(self.joint, _coordinates(start), deviation, self.period, periods)
-        points = tuple(_section_point(point) for point in found.sections)
-        return Followed(points, self._impulses(found.penetration), found.switches, found.growth, found.deviation)
+        states = {slot: self.joint.state_in(slot) for slot in set(found.slots.tolist())}
+        sizes = {slot: self.joint.count(state) for slot, state in states.items()}
+        points = tuple(
+            SectionPoint(states[slot], part[:, : sizes[slot]])
+            for slot, part in zip(found.slots.tolist(), found.coordinates, strict=True)
+        )
+        return Followed(points, self._impulses(found.penetrations), found.switches, found.growth, found.deviation)
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
-        """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(P,)``."""
+        """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
         return np.array([stop.sign * stop.stiffness for stop in self.problem.stops]) * penetration
 
-    def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
+    def _recorded(
+        self, start: Coordinates, pieces: list[float], progress: Progress | None, depth: bool = True
+    ) -> History:
         now, motions = start, []
         for i, piece in enumerate(pieces):
-            motions.append(march(self.joint, now, 0.0, piece, depth=True))
+            motions.append(march(self.joint, now, 0.0, piece, depth=depth))
             now = motions[-1].end
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))
@@ -177,7 +192,7 @@ def _coordinates(point: SectionPoint) -> Coordinates:
 
 
 def _section_point(point: Coordinates) -> SectionPoint:
-    return SectionPoint(point.state, np.stack([point.q, point.v]))
+    return SectionPoint(point.state, np.array((point.q, point.v)))
 
 
 def _segments(motion: March) -> tuple[Segment, ...]:

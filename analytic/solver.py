@@ -6,6 +6,7 @@ The modules that answer them bring numba and scipy along; they are imported when
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -19,8 +20,15 @@ from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
     from analytic.period_map import PeriodMap
+    from lapjoint.orbits.orbit_errors import FinerMap
 
 MOST_MODES = 500  # in a contact state; work and memory grow with the square of the number
+FINER = 1.5
+"""Times as many modes of the solver that errors are estimated by: with fewer, more errors are stated too small."""
+LEAST_FINER = 1.2
+"""Times as many modes as there must be at least: the limit on modes may not leave room for more."""
+ORDER = 4.0
+"""Power of the number of modes with which errors of impulses fall at least; mostly it is the sixth."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +166,9 @@ class Solver:
         return Modes(state, found.omega, found.shapes)
 
     @in_one_thread
-    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+    def simulate(
+        self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
+    ) -> History:
         """The motion from the initial state.
 
         Parameters
@@ -167,6 +177,9 @@ class Solver:
             What is solved.
         duration : float
             How long, s.
+        errors : bool
+            Whether to estimate the numerical errors of the contacts, from a march by a finer self of this solver; it
+            takes about as long again.
         progress : callable, optional
             Called with (done, total), in the same unit.
 
@@ -186,7 +199,8 @@ class Solver:
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
         from analytic import answers
 
-        return answers.simulate(problem, self.name, self.mode_counts(problem), float(duration), progress)
+        motion = answers.simulate(problem, self.name, self.mode_counts(problem), float(duration), progress)
+        return self._with_errors(motion, float(duration)) if errors else motion
 
     @in_one_thread
     def steady_state(
@@ -195,6 +209,7 @@ class Solver:
         *,
         start: SectionPoint | None = None,
         sensitivity: bool = True,
+        errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that the march from the initial state, or from `start`, leads to; see `lapjoint.orbits`.
@@ -208,6 +223,9 @@ class Solver:
             rest, and those that it has too many are left out; a stop is closed at first where it is pressed.
         sensitivity : bool
             Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
+        errors : bool
+            Whether to estimate the numerical errors of the impulses and of the contacts, from a finer self of this
+            solver; it takes less than as long again.
         progress : callable, optional
             Called with the periods marched, and the most allowed.
 
@@ -226,7 +244,50 @@ class Solver:
         from lapjoint.orbits import Effort, find_steady_state
 
         effort = Effort(self.max_period_multiple, self.max_periods, growth=sensitivity)
-        return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
+        return find_steady_state(
+            self.period_map(problem),
+            self.name,
+            effort,
+            start=start,
+            finer=self._finer_map(problem),
+            errors=errors,
+            progress=progress,
+        )
+
+    def _finer(self, problem: Problem) -> tuple[Solver, float] | None:
+        """This solver with more modes, to estimate its errors by, and how many times as many; None at the limit."""
+        counts = self.mode_counts(problem)
+        free, contact = (min(math.ceil(count * FINER), MOST_MODES) for count in counts)
+        ratio = min(free / counts[0], contact / counts[1])
+        return (replace(self, free_modes=free, contact_modes=contact), ratio) if ratio >= LEAST_FINER else None
+
+    def _finer_map(self, problem: Problem) -> Callable[[], FinerMap] | None:
+        """The period map of the finer solver, made when it is asked for."""
+        found = self._finer(problem)
+        if found is None:
+            return None
+        from lapjoint.orbits.orbit_errors import FinerMap
+        from lapjoint.orbits.refinement import Refinement
+
+        finer, ratio = found
+        return lambda: FinerMap(Refinement(finer.name, ratio, ORDER), finer.period_map(problem))
+
+    def _with_errors(self, motion: History, duration: float) -> History:
+        """A march with the errors of its contacts."""
+        from analytic import answers
+        from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
+        from lapjoint.orbits.refinement import Refinement
+
+        problem = motion.problem
+        found = self._finer(problem)
+        if found is None:
+            return without_contact_errors(motion, f"{MOST_MODES} modes are the most there are")
+        finer, ratio = found
+
+        def march() -> History:
+            return answers.simulate(problem, finer.name, finer.mode_counts(problem), duration, None, depth=False)
+
+        return with_contact_errors(motion, Refinement(finer.name, ratio, ORDER), march)
 
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.

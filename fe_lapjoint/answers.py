@@ -54,7 +54,9 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
     return Modes(state, omega[:count], ElementShapes(assembly, vectors[:, :count]))
 
 
-def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
+def simulate(
+    solver: Solver, problem: Problem, duration: float, progress: Progress | None, peaks: bool = True
+) -> History:
     """The motion from the initial state.
 
     Parameters
@@ -67,6 +69,8 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
         How long, s.
     progress : callable or None
         Called with (done, total), in the same unit.
+    peaks : bool
+        Whether to find the peak forces of the contacts.
 
     Returns
     -------
@@ -79,11 +83,11 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
         If the march cannot go on.
     """
     if problem.excitation_frequency is not None:
-        return period_map(solver, problem).simulated(duration, progress)
+        return period_map(solver, problem).simulated(duration, progress, peaks)
     model = _model(solver, problem)
     state = initial_state(model.assembly)
     y = initial_coordinates(model.assembly, model.system(state))
-    motion = march(model, state, y, 0.0, duration, progress=progress)
+    motion = march(model, state, y, 0.0, duration, progress=progress, peaks=peaks)
     return history_of(solver.name, model, [motion], duration)
 
 

@@ -28,7 +28,8 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
-_TOUCHING = 1e-12  # of the gap: a stop nearer to its gap than this keeps its contact state; rounding may be as large
+_TOUCHING = 1e-12
+"""Of gap and displacement: a stop nearer to its gap than this keeps its contact state; rounding may be as large."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class PeriodMap:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(start, [self.period] * periods, None)
 
-    def simulated(self, duration: float, progress: Progress | None) -> History:
+    def simulated(self, duration: float, progress: Progress | None, peaks: bool = True) -> History:
         """The motion from the initial state, in the same pieces as the search marches.
 
         Parameters
@@ -95,18 +96,22 @@ class PeriodMap:
             How long, s.
         progress : callable or None
             Called with (pieces done, pieces in all).
+        peaks : bool
+            Whether to find the peak forces of the contacts.
 
         Returns
         -------
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        return self._recorded(self.initial(), period_pieces(self.period, duration), progress)
+        return self._recorded(self.initial(), period_pieces(self.period, duration), progress, peaks)
 
-    def _recorded(self, start: SectionPoint, pieces: list[float], progress: Progress | None) -> History:
+    def _recorded(
+        self, start: SectionPoint, pieces: list[float], progress: Progress | None, peaks: bool = True
+    ) -> History:
         motions, point = [], start
         for i, piece in enumerate(pieces):
-            motions.append(march(self.model, point.state, self.modal(point), 0.0, piece))
+            motions.append(march(self.model, point.state, self.modal(point), 0.0, piece, peaks=peaks))
             point = self._section_point(motions[-1].state, motions[-1].y)
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))
@@ -139,21 +144,35 @@ class PeriodMap:
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point of another mesh, by its Hermite functions, or gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
-        assembly, stops = self.model.assembly, len(self.problem.stops)
-        if point.nodes is None or point.coordinates.shape != (2, 2 * point.nodes.size):
-            raise InputError("start: is no section point of a finite element solver")
-        state = ContactState(tuple(k for k in point.state.closed if k < stops))
-        coordinates = point.coordinates
-        if not np.array_equal(point.nodes, assembly.nodes):
-            if abs(point.nodes[-1] - assembly.nodes[-1]) > 1e-9 * assembly.nodes[-1]:
+        assembly, coordinates = self.model.assembly, point.coordinates
+        nodes = self._understood(point)
+        if not np.array_equal(nodes, assembly.nodes):
+            if abs(nodes[-1] - assembly.nodes[-1]) > 1e-9 * assembly.nodes[-1]:
                 raise InputError("start: is a section point of a beam of another length")
-            other = Assembly(self.problem.replace(supports=(), stops=(), point_loads=()), point.nodes)
-            x, L = np.minimum(assembly.nodes, point.nodes[-1]), self.problem.beam.length
+            other = Assembly(self.problem.replace(supports=(), stops=(), point_loads=()), nodes)
+            x, L = np.minimum(assembly.nodes, nodes[-1]), self.problem.beam.length
             values = np.stack([coordinates @ other.shapes(x, 0).T, L * (coordinates @ other.shapes(x, 1).T)], axis=2)
             coordinates = values.reshape(2, -1)
         full = np.zeros_like(coordinates)
         full[:, assembly.free] = coordinates[:, assembly.free]
-        return self._settled(SectionPoint(state, full, assembly.nodes))
+        return self._settled(SectionPoint(point.state, full, assembly.nodes))
+
+    def _understood(self, point: SectionPoint) -> FloatArray:
+        """The nodes of a section point, on any mesh, of a joint with these stops; an `InputError` for any other."""
+        coordinates, nodes = np.asarray(point.coordinates), point.nodes
+        if nodes is None or nodes.ndim != 1 or coordinates.shape != (2, 2 * nodes.size):
+            raise InputError("start: is no section point of a finite element solver")
+        foreign = [k for k in point.state.closed if not 0 <= k < len(self.problem.stops)]
+        if foreign:
+            raise InputError(
+                f"start: has stop {foreign[0] + 1} closed; allowed are the stops of the problem, 1 to "
+                f"{len(self.problem.stops)}"
+            )
+        if not (np.isfinite(coordinates).all() and np.isfinite(nodes).all()):
+            raise InputError("start: has coordinates that are not finite")
+        if nodes.size < 2 or nodes[0] != 0.0 or np.any(np.diff(nodes) <= 0):
+            raise InputError("start: has nodes that do not ascend from 0")
+        return nodes
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
@@ -169,7 +188,7 @@ class PeriodMap:
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         model, point, points, growth = self.model, start, [], np.zeros(periods)
-        impulses, switches = np.zeros(len(self.problem.stops)), 0
+        impulses, switches = np.zeros((periods, len(self.problem.stops))), 0
         for i in range(periods):
             motion = march(model, point.state, self.modal(point), 0.0, self.period, peaks=False)
             there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
@@ -178,7 +197,7 @@ class PeriodMap:
             size = self.norm(deviation)
             growth[i], deviation = math.log(size), deviation / size
             point = self._section_point(motion.state, motion.y)
-            impulses += motion.impulses
+            impulses[i] = motion.impulses
             switches += motion.switches
             points.append(point)
         return Followed(tuple(points), impulses, switches, growth, deviation)
@@ -195,8 +214,15 @@ class PeriodMap:
         -------
         FloatArray, shape (2 n,)
             kg^1/2 m and kg^1/2 m/s.
+
+        Raises
+        ------
+        InputError
+            If it is no such section point, or of a joint with other stops.
         """
         assembly = self.model.assembly
+        if not np.array_equal(self._understood(point), assembly.nodes):
+            raise InputError("start: is a section point of another mesh; `adopted` gives one of this mesh")
         free = point.coordinates[:, assembly.free]
         return (free @ self.model.weighted(point.state)).ravel()
 
@@ -215,6 +241,7 @@ class PeriodMap:
         model, assembly = self.model, self.model.assembly
         z = assembly.stop_rows @ point.coordinates[0, assembly.free]
         depth = model.sign * z - model.gap
-        unclear = np.abs(depth) <= _TOUCHING * np.maximum(model.gap, _TOUCHING)
+        free = np.abs(point.coordinates[0, assembly.free])
+        unclear = np.abs(depth) <= _TOUCHING * (model.gap + np.abs(assembly.stop_rows) @ free)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]
         return SectionPoint(ContactState(tuple(closed)), point.coordinates, point.nodes)

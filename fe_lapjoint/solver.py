@@ -19,9 +19,16 @@ from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
     from fe_lapjoint.period_map import PeriodMap
+    from lapjoint.orbits.orbit_errors import FinerMap
 
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
+FINER_ORBIT = 1.5
+"""Times as many elements of the mesh that errors of steady states are estimated by."""
+FINER_MARCH = 4 / 3
+"""Times as many elements of the mesh that errors of a march are estimated by, which takes about as long again."""
+ORDER = 4.0
+"""Power of the number of elements with which errors fall."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +132,9 @@ class Solver:
         return answers.modes(self, problem, state, count)
 
     @in_one_thread
-    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+    def simulate(
+        self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
+    ) -> History:
         """The motion from the initial state.
 
         Parameters
@@ -134,6 +143,9 @@ class Solver:
             What is solved.
         duration : float
             How long, s.
+        errors : bool
+            Whether to estimate the numerical errors of the contacts, from a march by a finer self of this solver; it
+            takes about as long again.
         progress : callable, optional
             Called with (done, total), in the same unit.
 
@@ -153,7 +165,8 @@ class Solver:
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
         from fe_lapjoint import answers
 
-        return answers.simulate(self, problem, float(duration), progress)
+        motion = answers.simulate(self, problem, float(duration), progress)
+        return self._with_errors(motion, float(duration)) if errors else motion
 
     @in_one_thread
     def steady_state(
@@ -162,6 +175,7 @@ class Solver:
         *,
         start: SectionPoint | None = None,
         sensitivity: bool = True,
+        errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that the march from the initial state, or from `start`, leads to; see `lapjoint.orbits`.
@@ -176,6 +190,9 @@ class Solver:
             first where it is pressed.
         sensitivity : bool
             Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
+        errors : bool
+            Whether to estimate the numerical errors of the impulses and of the contacts, from a finer self of this
+            solver; it takes less than as long again.
         progress : callable, optional
             Called with the periods marched, and the most allowed.
 
@@ -194,7 +211,45 @@ class Solver:
         from lapjoint.orbits import Effort, find_steady_state
 
         effort = Effort(self.max_period_multiple, self.max_periods, growth=sensitivity)
-        return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
+        return find_steady_state(
+            self.period_map(problem),
+            self.name,
+            effort,
+            start=start,
+            finer=lambda: self._finer_map(problem),
+            errors=errors,
+            progress=progress,
+        )
+
+    def _finer(self, problem: Problem, ratio: float) -> Solver:
+        """This solver on a mesh with at least `ratio` times as many elements between any two required nodes."""
+        from fe_lapjoint.modes.mesh import mesh_nodes, refined_nodes
+
+        nodes = mesh_nodes(problem, self.elements, self.nodes)
+        return replace(self, nodes=tuple(refined_nodes(problem, nodes, ratio).tolist()))
+
+    def _finer_map(self, problem: Problem) -> FinerMap:
+        """The period map of the finer solver."""
+        from lapjoint.orbits.orbit_errors import FinerMap
+        from lapjoint.orbits.refinement import Refinement
+
+        finer = self._finer(problem, FINER_ORBIT)
+        return FinerMap(Refinement(finer.name, FINER_ORBIT, ORDER), finer.period_map(problem))
+
+    def _with_errors(self, motion: History, duration: float) -> History:
+        """A march with the errors of its contacts."""
+        from fe_lapjoint import answers
+        from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
+        from lapjoint.orbits.refinement import Refinement
+
+        if self.method != "exact":
+            return without_contact_errors(motion, f"the error of {self.method}'s steps in time is not known")
+        problem = motion.problem
+        finer = self._finer(problem, FINER_MARCH)
+        refinement = Refinement(finer.name, FINER_MARCH, ORDER)
+        return with_contact_errors(
+            motion, refinement, lambda: answers.simulate(finer, problem, duration, None, peaks=False)
+        )
 
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.

@@ -119,10 +119,22 @@ def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iter
         draft = Path(name)
         yield draft
         files = [file.relative_to(draft) for file in draft.rglob("*") if file.is_file()]
+        for file in files:
+            _check_place(folder / file, folder)
+            _bring_to_disk(draft / file)
         remove_earlier()
         for file in sorted(files, key=lambda file: (-len(file.parts), file)):
             (folder / file).parent.mkdir(exist_ok=True)
             os.replace(draft / file, folder / file)
+
+
+def _check_place(path: Path, folder: Path) -> None:
+    """Refuse, before anything is removed, to move a file to where a directory is, or into what is none."""
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    above = path.parent
+    if above != folder and (above.is_symlink() or above.exists()) and not above.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(above))
 
 
 def unwritable(path: str | Path, error: OSError | ValueError) -> OutputError:

@@ -50,7 +50,9 @@ class Solver(Protocol):
             If the solver cannot give so many modes.
         """
 
-    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+    def simulate(
+        self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
+    ) -> History:
         """The motion from the problem's initial state.
 
         Parameters
@@ -59,6 +61,9 @@ class Solver(Protocol):
             The joint, its excitation and its initial state.
         duration : float
             Length of the motion, s.
+        errors : bool
+            Whether to estimate the numerical errors of the contacts, from a march by a finer self of this solver; it
+            takes about as long again.
         progress : callable, optional
             Called now and then with the time marched and the duration, s.
 
@@ -81,6 +86,7 @@ class Solver(Protocol):
         *,
         start: SectionPoint | None = None,
         sensitivity: bool = True,
+        errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that remains when a march has settled.
@@ -95,6 +101,9 @@ class Solver(Protocol):
         sensitivity : bool
             Whether to measure `Acceptance.growth`, how much deviations grew on the way, which may take as long again;
             a solver that does not measure it takes no notice.
+        errors : bool
+            Whether to estimate the numerical errors of the impulses and of the contacts, from a finer self of this
+            solver; it takes less than as long again.
         progress : callable, optional
             Called now and then with the periods marched, and the most allowed.
 

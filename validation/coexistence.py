@@ -111,7 +111,7 @@ def _exists(problem: Problem, here: Motion, there: Motion) -> bool:
     """Whether the solver of `here`, started from the motion of `there`, stays on it."""
     if not there.found.period_multiple:
         return False
-    return same_motion(here.solver.steady_state(started_from(problem, there.found)), there.found)
+    return same_motion(here.solver.steady_state(started_from(problem, there.found), errors=False), there.found)
 
 
 def _named(motion: Motion) -> str:

@@ -60,6 +60,10 @@ def validate(
     if list_cases:
         echo("\n".join(suite.case_names()))
         return
+    if problem is None:
+        arguments.refuse(
+            "it changes a PROBLEM, and none is given; preset:paper is one", set=" ".join(overrides) or None
+        )
     arguments.check_directory(output)
     if faults or fault_names or quickest is not None:
         if problem is not None or peers or level is not None:

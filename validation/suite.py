@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from lapjoint.errors import InputError
 from lapjoint.output_files import unwritable
+from lapjoint.plain_text import escaped
 from validation.case import CaseResult, Level, Say
 from validation.verdict import Verdict
 
@@ -104,14 +105,15 @@ def main(
         console.print(f"[bold]{name}[/bold]", highlight=False)
 
         def say(line: str, name: str = name) -> None:
-            console.print(f"  {line}", highlight=False, style="dim", markup=False)
+            console.print(f"  {escaped(line)}", highlight=False, style="dim", markup=False)
 
         result = run(level, say)
         results.append(replace(result, seconds=time.perf_counter() - started))
         _summary(results[-1], console)
     pages = write_reports(results, level, output, time.perf_counter() - begin, problem)
     _table(results, console)
-    console.print(f"\nreports: {', '.join(str(page) for page in pages)}", highlight=False, markup=False, soft_wrap=True)
+    written = escaped(", ".join(str(page) for page in pages))
+    console.print(f"\nreports: {written}", highlight=False, markup=False, soft_wrap=True)
     return 1 if any(result.verdict is Verdict.DISAGREE for result in results) else 0
 
 
@@ -206,12 +208,15 @@ def _summary(result: CaseResult, console: Console) -> None:
             continue
         shown += 1
         if shown <= _MOST_LINES:
-            console.print(f"    {item.verdict.value}: {item.line}", highlight=False, markup=False, soft_wrap=True)
+            console.print(
+                f"    {item.verdict.value}: {escaped(item.line)}", highlight=False, markup=False, soft_wrap=True
+            )
     if shown > _MOST_LINES:
         console.print(f"    and {shown - _MOST_LINES} more, in the report", highlight=False)
 
 
 def _table(results: list[CaseResult], console: Console) -> None:
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table(title="Verdicts")
@@ -221,7 +226,12 @@ def _table(results: list[CaseResult], console: Console) -> None:
         counts = [sum(item.verdict is verdict for item in result.items) for verdict in _COUNTED]
         used = max((c.used for c in result.checks if c.verdict is Verdict.AGREE), default=0.0)
         colour = _COLOURS[result.verdict]
-        table.add_row(result.title, f"[{colour}]{result.verdict.value}[/{colour}]", *map(str, counts), f"{used:.2f}")
+        table.add_row(
+            escape(escaped(result.title)),
+            f"[{colour}]{result.verdict.value}[/{colour}]",
+            *map(str, counts),
+            f"{used:.2f}",
+        )
     console.print(table)
 
 

@@ -2,7 +2,8 @@
 
 `loads` and `oscillator` hold the forces and the answer of one mode to them, `modal_state` a contact state in modal
 form, `tables` its flat view, `known_states` the states that a family of problems has met, and `joint` those of one
-problem.  `terms`, `step_bound`, `segment`, `switching` and `compiled` are the compiled march, from the inside out.
+problem.  `terms`, `gap_function`, `step_bound`, `segment`, `deepest`, `switching` and `compiled` are the
+compiled march, from the inside out.
 `coordinates` says where a motion is; `march`, `periods`, `tangent`, `growth` and `gap_view` are what Python calls;
 `field` and `contacts` make a History of it; `initial_state` gives states to start from.
 """
@@ -13,7 +14,6 @@ from analytic.march.growth import Growth, march_linearised, measure_growth
 from analytic.march.joint import Joint
 from analytic.march.march import March, Segment, march
 from analytic.march.periods import Periods, march_periods
-from analytic.march.tangent import carried, monodromy
 
 __all__ = [
     "Coordinates",
@@ -23,11 +23,9 @@ __all__ = [
     "March",
     "Periods",
     "Segment",
-    "carried",
     "gap_view",
     "march",
     "march_linearised",
     "march_periods",
     "measure_growth",
-    "monodromy",
 ]

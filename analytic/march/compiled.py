@@ -13,10 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from analytic.march.deepest import find_deepest
 from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
 from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
-from analytic.march.terms import set_phases, start_terms, state_from_terms, turn_exactly
+from analytic.march.terms import put, set_phases, start_terms, state_from_terms, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
@@ -26,9 +27,10 @@ that took too many steps."""
 SLOT, PENDING, SWITCHES, PERIODS = 0, 1, 2, 3
 """What `Motion.counts` holds: the slot; the stop that has yet to switch now, or NO_SWITCH; how many switches were made;
 how many periods are done."""
-_FRESH = 1e-9
-"""s: a stop that switched less than this ago must leave its gap, or pass a threshold of rounding size, before it can
-switch again.  A switch is located to 1e-12 s, and the shortest contacts found in grazing series last 1e-6 s."""
+_FRESH = 1e-6
+"""Of the unit of time: a stop that switched less than this ago must leave its gap, or pass a threshold of rounding
+size, before it can switch again.  A switch is located to 1e-10 of it, and the shortest contacts found in grazing series
+last 5e-4 of it."""
 
 
 class Log(NamedTuple):
@@ -267,16 +269,17 @@ def leave(
     """
     slot, t = motion.counts[SLOT], motion.time[0]
     for k in range(work.fresh.size):
-        work.fresh[k] = t - motion.last_switch[k] < _FRESH
+        work.fresh[k] = t - motion.last_switch[k] < _FRESH * tables.unit
     if frozen is not None:
         freeze(tables, frozen, slot)
     start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
-    s, which, rate, _ = follow(
-        tables, slot, end - t, work.fresh, depth, work.theta, work.term, work.poly, work.deepest, work.area
-    )
+    theta, term = (work.theta.copy(), work.term.copy()) if depth else (work.theta, work.term)
+    s, which, rate, _ = follow(tables, slot, end - t, work.fresh, work.theta, work.term, work.poly, work.area)
     if which == NO_PROGRESS:
         motion.time[0] = t + s
         return False
+    if depth:
+        find_deepest(tables, slot, s, theta, term, work.poly, work.deepest)
     wait = min(shortest, end - t) - s
     if which != NO_SWITCH and wait > 0:
         turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], wait, work.term, work.theta)
@@ -336,13 +339,16 @@ def advance(
             if logged == room:
                 return LOG_FULL, logged
             log.slot[logged], log.start[logged] = motion.counts[SLOT], motion.time[0]
-            log.q[logged], log.v[logged] = motion.q, motion.v
+            put(log.q[logged], motion.q)
+            put(log.v[logged], motion.v)
         if not leave(tables, frozen, motion, work, end, shortest, depth):
             return STUCK, logged
         if room > 0:
             log.end[logged], log.stop[logged], log.rate[logged] = motion.time[0], motion.counts[PENDING], motion.time[1]
-            log.q_end[logged], log.v_end[logged] = motion.q, motion.v
-            log.area[logged], log.deepest[logged] = work.area, work.deepest
+            put(log.q_end[logged], motion.q)
+            put(log.v_end[logged], motion.v)
+            put(log.area[logged], work.area)
+            put(log.deepest[logged], work.deepest)
             logged += 1
         if motion.counts[PENDING] == NO_SWITCH:
             return DONE, logged
@@ -416,7 +422,8 @@ def advance_periods(
             done = motion.counts[PERIODS]
             if slots.size > 0:
                 slots[done] = motion.counts[SLOT]
-                sections[done, 0], sections[done, 1] = motion.q, motion.v
+                put(sections[done, 0], motion.q)
+                put(sections[done, 1], motion.v)
             next_period(motion, penetration)
         elif motion.counts[SWITCHES] > most:
             return TOO_MANY

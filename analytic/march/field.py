@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from analytic.march.contacts import contacts_of
 from analytic.march.joint import Joint
 from analytic.march.march import March, Segment
-from analytic.march.terms import set_phases, start_terms
+from analytic.march.tables import IntArray
+from analytic.march.terms import start_all_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers import Field, History
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
+
+_AT_ONCE = 2048  # times evaluated at once, so that what is held for them stays below 20 MB with 500 modes
 
 
 @dataclass(frozen=True)
 class ModalField:
-    """z(x, t), m, of (19), segment by segment; see `lapjoint.answers.Field`."""
+    """z(x, t), m, of (19); see `lapjoint.answers.Field`.  Segments of one contact state are evaluated together."""
 
     joint: Joint
     segments: tuple[Segment, ...]
@@ -25,57 +31,70 @@ class ModalField:
 
     def __call__(self, x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
         """The `dx`-th x- and `dt`-th t-derivative of z: ``x``, shape ``(n,)``, and ``t``, ``(m,)``, give ``(n, m)``."""
-        starts = np.array([segment.start for segment in self.segments])
-        which = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
-        result = np.empty((x.size, t.size))
-        for i in np.unique(which):
-            here = which == i
-            result[:, here] = self._segment(self.segments[i], x, t[here], dx, dt)
+        which = np.maximum(np.searchsorted(self._starts, t, side="right") - 1, 0)
+        result, state_at = np.empty((x.size, t.size)), self._state_of[which]
+        for i in np.unique(state_at):
+            state, here = self._states[i], np.flatnonzero(state_at == i)
+            for part in np.split(here, range(_AT_ONCE, here.size, _AT_ONCE)):
+                result[:, part] = self._in_state(state, which[part], x, t[part], dx, dt)
         return result
 
-    def _segment(self, segment: Segment, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        """z or a derivative of it within one segment, shape ``(n, m)``."""
-        loads = np.concatenate([np.full((1, t.size), float(dt == 0)), self._loads(t, dt)])
-        shapes = self.joint.modal(segment.state).modes.shapes(x, dx)
-        residual = self.joint.residual(segment.state)(x, dx)
-        return np.asarray(shapes.T @ self._coordinates(segment, t, dt) + residual.T @ loads)
+    @cached_property
+    def _starts(self) -> FloatArray:
+        """When each segment starts, s."""
+        return np.array([segment.start for segment in self.segments])
 
-    def _loads(self, t: FloatArray, dt: int) -> FloatArray:
-        """sin(theta_h) or its dt-th derivative at the times ``(m,)``, shape ``(H, m)``."""
+    @cached_property
+    def _states(self) -> tuple[ContactState, ...]:
+        """The states of the segments, each once."""
+        return tuple(dict.fromkeys(segment.state for segment in self.segments))
+
+    @cached_property
+    def _state_of(self) -> IntArray:
+        """The index in `_states` of each segment's state."""
+        index = {state: i for i, state in enumerate(self._states)}
+        return np.array([index[segment.state] for segment in self.segments])
+
+    def _in_state(
+        self, state: ContactState, which: IntArray, x: FloatArray, t: FloatArray, dx: int, dt: int
+    ) -> FloatArray:
+        """z or a derivative of it at ``m`` times in segments `which`, ``(m,)``, of one state; shape ``(n, m)``."""
+        shapes = self.joint.modal(state).modes.shapes(x, dx)
+        return np.asarray(shapes.T @ self._coordinates(state, which, t, dt) + self._rest(state, which, x, t, dx, dt))
+
+    def _rest(self, state: ContactState, which: IntArray, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+        """What the modes leave out of z, or of a derivative of it, shape ``(n, m)``."""
         harmonics = self.joint.harmonics
         omega = harmonics.omega[:, None]
-        return np.asarray(omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2))
+        loads = omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2)
+        constant = np.full((1, t.size), float(dt == 0))
+        return np.asarray(self.joint.residual(state)(x, dx).T @ np.concatenate([constant, loads]))
 
-    def _coordinates(self, segment: Segment, t: FloatArray, dt: int) -> FloatArray:
+    def _coordinates(self, state: ContactState, which: IntArray, t: FloatArray, dt: int) -> FloatArray:
         """q_i or its dt-th derivative at the times ``(m,)``, shape ``(N, m)``."""
-        tables, slot = self.joint.tables, self.joint.slot(segment.state)
+        tables, slot, (segments, at) = self.joint.tables, self.joint.slot(state), np.unique(which, return_inverse=True)
         n, terms = tables.modes[slot], tables.terms[slot]
-        theta, c, poly = np.zeros(tables.omega.size, dtype=complex), np.zeros(terms, dtype=complex), np.zeros((n, 3))
-        set_phases(tables, segment.start, theta)
-        start_terms(tables, slot, theta, segment.q, segment.v, c, poly)
-        s, root, omega = t - segment.start, tables.root[slot, :terms, None], tables.omega[:, None]
-        free = (c[:, None] * root**dt * np.exp(root * s)).real
-        powers = np.stack([_power_derivative(exponent, s, dt) for exponent in range(3)])
-        q = free[:n] + poly @ powers + _forced(tables.harmonic[slot, :, :n], theta, omega, s, dt)
-        np.add.at(q, tables.mode_of[slot, n:terms], free[n:])
-        return np.asarray(q)
+        q, v = (np.stack([getattr(self.segments[i], name) for i in segments]) for name in "qv")
+        start, count = self._starts[segments], segments.size
+        theta, c = np.zeros((count, tables.omega.size), dtype=complex), np.zeros((count, terms), dtype=complex)
+        poly = np.zeros((count, n, 3))
+        start_all_terms(tables, slot, start, q, v, theta, c, poly)
+        s, root, omega = t - start[at], tables.root[slot, :terms, None], tables.omega[:, None]
+        free = (c[at].T * root**dt * np.exp(root * s)).real
+        result = free[:n] + _forced(tables.harmonic[slot, :, :n], theta[at].T, omega, s, dt)
+        for exponent in range(dt, 3):
+            result += poly[at, :, exponent].T * (math.perm(exponent, dt) * s ** (exponent - dt))
+        np.add.at(result, tables.mode_of[slot, n:terms], free[n:])
+        return np.asarray(result)
 
 
 def _forced(amplitude: ComplexArray, theta: ComplexArray, omega: FloatArray, s: FloatArray, dt: int) -> FloatArray:
     """The dt-th derivative of the answer to the harmonics, shape ``(N, m)``.
 
-    `amplitude` is ``(H, N)``, `theta` holds exp(i theta_h) at s = 0, ``(H,)``, `omega` is ``(H, 1)``.
+    `amplitude` is ``(H, N)``, `theta` holds exp(i theta_h) at s = 0, ``(H, m)``, `omega` is ``(H, 1)``.
     """
-    waves = (1j * omega) ** dt * theta[:, None] * np.exp(1j * omega * s)
+    waves = (1j * omega) ** dt * theta * np.exp(1j * omega * s)
     return np.asarray((amplitude.T @ waves).imag)
-
-
-def _power_derivative(exponent: int, s: FloatArray, dt: int) -> FloatArray:
-    """The dt-th derivative of s^exponent, in the shape of `s`."""
-    if dt > exponent:
-        return np.zeros_like(s)
-    factor = float(np.prod(np.arange(exponent - dt + 1, exponent + 1), initial=1.0))
-    return np.asarray(factor * s ** (exponent - dt))
 
 
 def history_of(name: str, motion: March, field: Field | None = None) -> History:

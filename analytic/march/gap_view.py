@@ -25,7 +25,7 @@ from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.tangent import flow, logged_saltation
-from analytic.march.terms import drift_at_stops, set_phases, start_terms
+from analytic.march.terms import drift_at_stops, put, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
 
@@ -138,7 +138,7 @@ def _view(
         start_terms(tables, slot, theta[i], log.q[i], log.v[i], c[i], poly)
         drift_at_stops(tables, slot, poly, at_positions)
         for k in range(tables.sign.size):
-            polynomial[i, k] = at_positions[tables.position[k]]
+            put(polynomial[i, k], at_positions[tables.position[k]])
         _deviation_terms(tables, slot, now, A[i], drift[i])
         if i + 1 < log.slot.size:
             flow(tables, slot, log.end[i] - log.start[i], now)

@@ -32,6 +32,7 @@ from analytic.march.periods import Periods
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, saltation
+from analytic.march.terms import put
 from lapjoint.problem import FloatArray
 
 
@@ -39,6 +40,8 @@ from lapjoint.problem import FloatArray
 class Growth(Periods):
     """A motion over whole periods, and what became of a deviation from it."""
 
+    penetrations: FloatArray
+    """Time integral of each stop's penetration over each period, m s, shape ``(count, P)``."""
     growth: FloatArray
     """Natural logarithm of the growth of the deviation in each period, without unit, shape ``(count,)``."""
     deviation: FloatArray
@@ -108,7 +111,8 @@ def _grow(
     """As `analytic.march.compiled.advance_periods`, over as many periods as `sizes` has room for, with a deviation.
 
     `now`, shape ``(2 N, 1)``, is the deviation at the time of `motion`, before a pending switch; `sizes`, shape
-    ``(count,)``, takes its size at the end of each period, after which it is scaled to 1.  Gives why it came back, see
+    ``(count,)``, takes its size at the end of each period, after which it is scaled to 1; `penetration`, shape
+    ``(count, P)``, takes each stop's penetration over time in each.  Gives why it came back, see
     `analytic.march.compiled.DONE`, and the deviation then.
     """
     work = new_work(tables)
@@ -117,10 +121,11 @@ def _grow(
         if status == DONE:
             done = motion.counts[PERIODS]
             slots[done] = motion.counts[SLOT]
-            sections[done, 0], sections[done, 1] = motion.q, motion.v
+            put(sections[done, 0], motion.q)
+            put(sections[done, 1], motion.v)
             sizes[done] = size_of(now[:, 0], period)
             now /= sizes[done]
-            next_period(motion, penetration)
+            next_period(motion, penetration[done])
         else:
             return status, now
     return DONE, now
@@ -137,7 +142,7 @@ def march_linearised(
 ) -> tuple[Coordinates, FloatArray]:
     """March from the time 0 on, and carry deviations along.
 
-    It does as `march` and `analytic.march.tangent.carried` do one after the other, to the bit, but without a log.
+    It ends where `march` does, to the bit, but keeps no log.
 
     Parameters
     ----------
@@ -207,12 +212,11 @@ def measure_growth(
         If more than `max_switches` switches occur, or the march makes no progress.
     """
     motion = begun(joint, begin, 0.0)
-    penetration, slots = np.zeros(motion.total.size), np.zeros(count, dtype=np.int64)
+    penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)
     coordinates, sizes, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
     now = (deviation / size_of(deviation, period)).reshape(-1, 1)
     while status != DONE:
         status, now = _grow(joint.tables, motion, period, now, sizes, penetration, slots, coordinates, max_switches)
         settle_status(joint, motion, status, max_switches)
-    end = ended(joint, motion)
-    switches = int(motion.counts[SWITCHES])
-    return Growth(joint, end, penetration, switches, slots, coordinates, np.log(sizes), now[:, 0].copy())
+    march = joint, ended(joint, motion), penetration.sum(axis=0), int(motion.counts[SWITCHES]), slots, coordinates
+    return Growth(*march, penetration, np.log(sizes), now[:, 0].copy())

@@ -119,11 +119,9 @@ def resumed(joint: Joint, point: SectionPoint) -> Coordinates:
     Coordinates
         In the contact state that the gaps of this joint imply.
     """
-    modal = joint.modal(point.state)
-    q, v = (_fitted(part, modal.size) for part in point.coordinates)
-    theta = joint.harmonics.theta(0.0)
-    loads = np.concatenate([[1.0], np.sin(theta)])
-    z = modal.at_stops @ q + loads @ (modal.residual_at_stops * joint.sizes[:, None])
+    modes, left_out = joint.at_stops(point.state)
+    q, v = (_fitted(part, modes.shape[1]) for part in point.coordinates)
+    z = (modes @ q + left_out).tolist()
     closed = ContactState(
         tuple(
             k
@@ -163,6 +161,8 @@ def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordin
 
 def _fitted(values: FloatArray, size: int) -> FloatArray:
     """`values`, cut or padded with 0 to the shape ``(size,)``."""
+    if values.size == size:
+        return np.array(values, dtype=float)
     result = np.zeros(size)
     common = min(size, values.size)
     result[:common] = values[:common]

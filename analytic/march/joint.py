@@ -53,6 +53,7 @@ class Joint:
         """Factors of the unit loads, shape ``(1 + H,)``."""
         self.counts = (free_modes, contact_modes)
         self._memory = memory_of(self.family, self.counts)
+        self._at_stops: dict[ContactState, tuple[FloatArray, FloatArray]] = {}
         self._fill_known(self._memory.known)
 
     def count(self, state: ContactState) -> int:
@@ -115,6 +116,27 @@ class Joint:
         """
         unit = passage(self.family, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
+
+    def at_stops(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
+        """What the displacement at the ``P`` stops is made of, at a multiple of the period.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed, with ``N`` modes.
+
+        Returns
+        -------
+        FloatArray, shape (P, N)
+            The modes at the stops, kg^-1/2.
+        FloatArray, shape (P,)
+            The answer of the modes that are left out, m.
+        """
+        if state not in self._at_stops:
+            modal = self.modal(state)
+            loads = np.concatenate([[1.0], np.sin(self.harmonics.theta(0.0))])
+            self._at_stops[state] = modal.at_stops, loads @ (modal.residual_at_stops * self.sizes[:, None])
+        return self._at_stops[state]
 
     @property
     def states(self) -> tuple[ContactState, ...]:

@@ -50,7 +50,8 @@ class Memory:
 
     def __init__(self) -> None:
         self.known = KnownStates()
-        """Replaced as a whole, so a thread reads either the old ones or the new ones."""
+        """Replaced as a whole, so a thread reads either the old ones or the new ones.  Of two threads that add to it at
+        once one may lose its addition: then that state is met again, which costs time and changes no bit."""
 
 
 @lru_cache(maxsize=_KEPT)

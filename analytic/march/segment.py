@@ -19,11 +19,10 @@ cannot move h by more than sum |c_t|, and with that added to h the cubic of the 
 terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
 switch, and the end of the march, take a power series or exponentials.
 
-With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most 1e-15 s after the step, the switch is
-between: nothing is left to look for.
+With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most 1e-13 of the unit of time after the step,
+the switch is between: nothing is left to look for.
 
-Arguments are named as in `analytic.march.terms`; besides, `drift`, shape ``(U, 3)``, holds the coefficients of 1, s,
-s^2 of z at the positions of the stops, m, and `out`, shape ``(U, 4)``, takes z, z', z'' and the bound on |z'''| there.
+Arguments are named as in `analytic.march.gap_function`.
 """
 
 from __future__ import annotations
@@ -33,7 +32,8 @@ import math
 import numpy as np
 from numba import njit
 
-from analytic.march.step_bound import RESOLUTION, crosses, first_root_of_bound
+from analytic.march.gap_function import add_terms, at_positions
+from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
 from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
@@ -42,9 +42,9 @@ from lapjoint.problem import FloatArray
 
 NO_SWITCH = -1  # in place of a stop: none switches before the end
 NO_PROGRESS = -2  # in place of a stop: the steps ran out
-_CLOSE = 1e-9
-"""s: after a step shorter than this all modes are summed at the next look.  So close to a switch, the bound on what
-the high modes may do would be what makes the steps short, and not the motion."""
+_CLOSE = 1e-6
+"""Of the unit of time: after a step shorter than this all modes are summed at the next look.  So close to a switch, the
+bound on what the high modes may do would be what makes the steps short, and not the motion."""
 _MAX_STEPS = 10_000_000  # within one state: a minute of marching; a motion that makes progress takes some hundred
 _FIRST_MODES = 5  # summed first, then twice as many, and so on: five hold all but some thousandth of a gap
 _LEAST_OF_TERMS = 1e-13
@@ -53,97 +53,15 @@ does not leave 0 at once has to pass so much before it can switch again."""
 _TINY = 1e-300  # keeps a bound of 0 from being divided by
 
 
-@njit(cache=True, fastmath=SUM)
-def _add_terms(
-    weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: int, hi: int
-) -> tuple[float, float, float, float]:
-    """z, z', z'' and the bound on |z'''| of the terms `lo` to `hi` at one position; `weight` is ``(T,)``."""
-    z, z1, z2, b3 = 0.0, 0.0, 0.0, 0.0
-    for t in range(lo, hi):
-        w, x, y = weight[t], term[t].real, term[t].imag
-        a, b = root[t].real, root[t].imag
-        x1, y1 = a * x - b * y, a * y + b * x
-        z += w * x
-        z1 += w * x1
-        z2 += w * (a * x1 - b * y1)
-        square = a * a + b * b
-        b3 += abs(w) * square * math.sqrt(square * (x * x + y * y))
-    return z, z1, z2, b3
-
-
-@njit(cache=True)
-def _at_positions(
-    forced: ComplexArray, omega: FloatArray, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
-) -> None:
-    """Write what does not depend on the modal terms, at the time `s`, s, to `out`.
-
-    `forced`, m, shape ``(U, H)``, holds the amplitudes of the forced motion, and `omega`, rad/s, its frequencies.
-    """
-    for u in range(out.shape[0]):
-        z, z1, z2 = (
-            drift[u, 0] + s * (drift[u, 1] + s * drift[u, 2]),
-            drift[u, 1] + 2 * s * drift[u, 2],
-            2 * drift[u, 2],
-        )
-        b3 = 0.0
-        for h in range(theta.size):
-            wave, w = forced[u, h] * theta[h], omega[h]
-            z += wave.imag
-            z1 += w * wave.real
-            z2 -= w * w * wave.imag
-            b3 += w * w * w * math.sqrt(wave.real * wave.real + wave.imag * wave.imag)
-        out[u, 0], out[u, 1], out[u, 2], out[u, 3] = z, z1, z2, b3
-
-
-@njit(cache=True)
-def _lowest_between(
-    tables: Tables,
-    slot: int,
-    k: int,
-    lo: float,
-    hi: float,
-    start_theta: ComplexArray,
-    start_term: ComplexArray,
-    drift: FloatArray,
-) -> float:
-    """h, m, of a closed stop `k` at its minimum between `lo`, s, where h' < 0, and `hi`, s, where h' >= 0.
-
-    Terms and phases are those at the start of the state.
-    """
-    orientation, u = -tables.sign[k], tables.position[k]
-    work_theta, work_term, out = start_theta.copy(), start_term.copy(), np.zeros((tables.forced.shape[1], 4))
-    h, s = 0.0, 0.5 * (lo + hi)
-    for _ in range(60):
-        work_theta[:] = start_theta
-        work_term[:] = start_term
-        turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], s, work_term, work_theta)
-        _at_positions(tables.forced[slot], tables.omega, s, work_theta, drift, out)
-        z, z1, z2, _ = _add_terms(tables.weight[slot, u], work_term, tables.root[slot], 0, tables.terms[slot])
-        h = orientation * (out[u, 0] + z) + tables.gap[k]
-        h1, h2 = orientation * (out[u, 1] + z1), orientation * (out[u, 2] + z2)
-        if h1 < 0:
-            lo = s
-        else:
-            hi = s
-        newton = s - h1 / h2 if h2 > 0 else lo
-        following = newton if lo < newton < hi else 0.5 * (lo + hi)
-        if abs(following - s) < 1e-13 + 1e-9 * abs(s):
-            break
-        s = following
-    return h
-
-
 @njit(cache=True)
 def follow(
     tables: Tables,
     slot: int,
     horizon: float,
     fresh: BoolArray,
-    depth: bool,
     theta: ComplexArray,
     term: ComplexArray,
     poly: FloatArray,
-    deepest: FloatArray,
     area: FloatArray,
 ) -> tuple[float, int, float, int]:
     """Follow one state from given terms and phases up to its first switch, or for `horizon` seconds.
@@ -159,16 +77,14 @@ def follow(
     fresh : ndarray, shape (P,)
         Whether each stop switched a moment ago: one that does not leave 0 at once has to pass a threshold of rounding
         size before it can switch again.
-    depth : bool
-        Whether to find the deepest penetrations.
     theta : ndarray, complex, shape (H,)
         exp(i theta_h) at the start; turned to the end.
     term : ndarray, complex, shape (T,)
         The c_t, kg^1/2 m; turned to the end.
     poly : ndarray, shape (N, 3)
         The coefficients a_i, kg^1/2 m over powers of s.
-    deepest, area : ndarray, shape (P,)
-        Take the deepest penetration of each closed stop, m, and its penetration's integral over the time, m s.
+    area : ndarray, shape (P,)
+        Takes the penetration's integral over the time of each closed stop, m s.
 
     Returns
     -------
@@ -181,21 +97,20 @@ def follow(
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
     drift, tail, out = np.zeros((positions, 3)), np.zeros((positions, terms + 1)), np.zeros((positions, 4))
-    shift, previous = np.zeros(stops), np.zeros(stops)
+    shift, resolution, sharp = np.zeros(stops), RESOLUTION * tables.unit, SHARP * tables.unit
     start_theta, start_term = theta.copy(), term[:terms].copy()
     drift_at_stops(tables, slot, poly, drift)
     _bound_tails(weight, term, terms, tail)
-    deepest[:] = 0.0
-    s, s_previous, which, rate, looks, close = 0.0, 0.0, NO_SWITCH, 0.0, 0, False
+    s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
     first = 0
     while True:
         # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
-        _at_positions(forced, omega, s, theta, drift, out)
-        summed, want = 0, terms if looks == 0 or depth or close else min(_FIRST_MODES, terms)
+        at_positions(forced, omega, s, theta, drift, out)
+        summed, want = 0, terms if looks == 0 or close else min(_FIRST_MODES, terms)
         while True:
             far = True
             for u in range(positions):
-                z, z1, z2, b3 = _add_terms(weight[u], term, root, summed, want)
+                z, z1, z2, b3 = add_terms(weight[u], term, root, summed, want)
                 out[u, 0] += z
                 out[u, 1] += z1
                 out[u, 2] += z2
@@ -222,35 +137,27 @@ def follow(
             orientation = -tables.sign[k] if closed else tables.sign[k]
             h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
             h1, h2, b3 = orientation * out[u, 1], orientation * out[u, 2], out[u, 3] + _TINY
-            if depth and closed:
-                deepest[k] = max(deepest[k], -h)
-                if looks > 0 and previous[k] < 0 <= h1:
-                    low = _lowest_between(tables, slot, k, s_previous, s, start_theta, start_term, drift)
-                    deepest[k] = max(deepest[k], -low)
-                previous[k] = h1
             value = min(h - shift[k] + tail[u, summed], 0.0)
             bound = first_root_of_bound(value, h1, h2, b3, tau)
             if bound < tau:
                 tau, which, rate = bound, k, h1
-                there = summed == terms and (tau < RESOLUTION or (not depth and crosses(value, h1, h2, b3, tau)))
+                there = summed == terms and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
         if tau <= 0 and which == NO_SWITCH:
             break
-        s_previous = s
         looks += 1
-        close = tau < _CLOSE
+        close = tau < _CLOSE * tables.unit
         if which == NO_SWITCH:
             turn_exactly(root, omega, terms, tau, term, theta)
             s = horizon
-            if not depth:
-                break
-        elif tau * fastest <= SERIES or there or tau < step[-1]:
+            break
+        if tau * fastest <= SERIES or there or tau < step[-1]:
             turn_briefly(root, omega, terms, fastest, tau, term, theta)
             s += tau
             if there:
                 k, u = which, tables.position[which]
                 orientation = -tables.sign[k] if tables.closed[slot, k] else tables.sign[k]
-                _at_positions(forced, omega, s, theta, drift, out)
-                rate = orientation * (out[u, 1] + _add_terms(weight[u], term, root, 0, terms)[1])
+                at_positions(forced, omega, s, theta, drift, out)
+                rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, 0, terms)[1])
                 break
         else:
             j = tabulated(tau, step)

@@ -6,14 +6,17 @@ import math
 
 from numba import njit
 
-RESOLUTION = 1e-12
-"""s: a switch that is certified to lie within this time is there.  It is a hundred times what a double holds of a time
-of 100 s, and at 100 m/s, faster than any tip here, 1e-10 m."""
-_SHARP = 1e-15
-"""s: how sharply the last step before a switch locates it; `RESOLUTION` is for gap functions that nearly graze."""
+RESOLUTION = 1e-10
+"""Of the unit of time, `analytic.march.tables.Tables.unit`: a switch that is certified to lie within this time is
+there.  At 500 rad/s that is 2e-13 s, ten times what a double holds of a time of 100 s."""
+SHARP = 1e-13
+"""Of the unit of time: how sharply the last step before a switch locates it; `RESOLUTION` is for gap functions that
+nearly graze."""
 _NEAR = 1e-9
 """Relative distance, without unit, at which Newton's method is as good as at the root.  A step stays that far below
 the root, 1e7 roundings, so that the sign of the cubic there is certain."""
+_LEAST = 1e-15  # of the cubic's own times, without unit: where the search for an upper end begins, if at 0
+_TINY = 1e-300  # s: keeps that from being 0
 
 
 @njit(cache=True)
@@ -71,7 +74,7 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
     if lo >= most:
         return most
     if hi < 0:
-        hi = lo + max(lo, 1e-12)
+        hi = 2 * lo if lo > 0 else _LEAST * (abs(h2) / b3 + math.sqrt(abs(h1) / b3)) + _TINY
         while h + hi * (h1 + hi * (h2 / 2 + hi * b3 / 6)) < 0:
             lo = hi
             if lo >= most:
@@ -81,8 +84,8 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
 
 
 @njit(cache=True)
-def crosses(h: float, h1: float, h2: float, b3: float, tau: float) -> bool:
-    """Whether a gap function is above 0 at `_SHARP` after a time, whatever its third derivative within the bound.
+def crosses(h: float, h1: float, h2: float, b3: float, tau: float, sharp: float) -> bool:
+    """Whether a gap function is above 0 shortly after a time, whatever its third derivative within the bound.
 
     Parameters
     ----------
@@ -94,8 +97,10 @@ def crosses(h: float, h1: float, h2: float, b3: float, tau: float) -> bool:
         The bound on its third derivative, m/s^3, positive.
     tau : float
         The time, s, from now.
+    sharp : float
+        How shortly after it, s.
     """
-    x = tau + _SHARP
+    x = tau + sharp
     return h + x * (h1 + x * (h2 / 2 - x * b3 / 6)) > 0
 
 

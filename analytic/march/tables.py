@@ -120,6 +120,8 @@ class Tables(NamedTuple):
     """Gap of each stop, m, shape ``(P,)``."""
     step: FloatArray
     """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
+    unit: float
+    """The unit of time, s; see `unit_of_time`."""
 
 
 _PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
@@ -140,6 +142,24 @@ def tabulated_steps(problem: Problem) -> FloatArray:
     """
     beam = problem.beam
     return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * _FRACTIONS)
+
+
+def unit_of_time(step: FloatArray, harmonics: Harmonics) -> float:
+    """What the march calls short is measured by this time.
+
+    Parameters
+    ----------
+    step : FloatArray, shape (J,)
+        The tabulated steps, s, the longest octave first.
+    harmonics : Harmonics
+        Frequencies of the loads.
+
+    Returns
+    -------
+    float
+        sqrt(m / EI) L^2, or 1 / Omega of the fastest load if that is less, s.
+    """
+    return float(1 / max([1 / step[0], *harmonics.omega]))
 
 
 @lru_cache(maxsize=_FLAT_STATES)
@@ -347,6 +367,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) 
         sign=np.array([stop.sign for stop in problem.stops], dtype=float),
         gap=np.array([stop.gap for stop in problem.stops], dtype=float),
         step=steps,
+        unit=unit_of_time(steps, harmonics),
     )
 
 
@@ -451,4 +472,5 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
     """
     own = Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in unit.tables)
     turn = np.exp(1j * np.outer(unit.tables.step, harmonics.omega))
-    return own._replace(omega=harmonics.omega, phase=harmonics.phase, harmonic_turn=turn)
+    unit_time = unit_of_time(unit.tables.step, harmonics)
+    return own._replace(omega=harmonics.omega, phase=harmonics.phase, harmonic_turn=turn, unit=unit_time)

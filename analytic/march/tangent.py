@@ -17,59 +17,12 @@ import numpy as np
 from numba import njit
 
 from analytic.march.compiled import Log
-from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.switching import SUM
 from analytic.march.tables import Tables
 from analytic.march.terms import set_phases
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
-
-
-def monodromy(motion: March) -> FloatArray:
-    """d(q, v) at the end of a recorded motion by d(q, v) at its start.
-
-    Parameters
-    ----------
-    motion : March
-        The motion, with its log.
-
-    Returns
-    -------
-    FloatArray, shape (2 N_end, 2 N_start)
-        dq by dq and dv by dv without unit, dq by dv in s, dv by dq in 1/s.
-    """
-    n = motion.joint.count(motion.joint.state_in(int(motion.log.slot[0])))
-    return carried(motion, np.eye(2 * n))
-
-
-def carried(motion: March, deviations: FloatArray) -> FloatArray:
-    """Deviations at the start of a recorded motion, carried to its end.
-
-    Parameters
-    ----------
-    motion : March
-        The motion, with its log.
-    deviations : FloatArray, shape (2 N_start, m)
-        Deviations (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, as columns.
-
-    Returns
-    -------
-    FloatArray, shape (2 N_end, m)
-        The deviations at the end.
-    """
-    result: FloatArray = _carried(motion.joint.tables, motion.log, np.ascontiguousarray(deviations))
-    return result
-
-
-@njit(cache=True)
-def _carried(tables: Tables, log: Log, deviations: FloatArray) -> FloatArray:
-    now = deviations.copy()
-    for i in range(log.slot.size):
-        flow(tables, log.slot[i], log.end[i] - log.start[i], now)
-        if log.stop[i] >= 0 and i + 1 < log.slot.size:
-            now = logged_saltation(tables, log, i, now)
-    return now
 
 
 @njit(cache=True)

@@ -38,6 +38,19 @@ _OF_COSH = _RECIPROCALS[0::2] * np.append(1.0, _RECIPROCALS[1:-1:2])  # 1 / (2 n
 _OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
 
 
+@njit(cache=True)
+def put(target: np.ndarray, values: np.ndarray) -> None:
+    """Write values into an array of the same shape; an assignment to a slice takes far longer to compile.
+
+    Parameters
+    ----------
+    target, values : np.ndarray, shape (n,)
+        Where to, and what.
+    """
+    for i in range(target.size):
+        target[i] = values[i]
+
+
 @njit(cache=True, inline="always")
 def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
     """Write the phases of the harmonics at a time.
@@ -100,6 +113,41 @@ def start_terms(
         else:
             poly[i, 0] += x
             poly[i, 1] += y
+
+
+@njit(cache=True)
+def start_all_terms(
+    tables: Tables,
+    slot: int,
+    start: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    theta: ComplexArray,
+    term: ComplexArray,
+    poly: FloatArray,
+) -> None:
+    """Write phases and constants of ``M`` segments in one state; see `set_phases` and `start_terms`.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    start : FloatArray, shape (M,)
+        When each starts, s.
+    q, v : FloatArray, shape (M, N)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start.
+    theta : ComplexArray, shape (M, H)
+        exp(i theta_h), without unit, at the start; written.
+    term : ComplexArray, shape (M, T)
+        The c_t, kg^1/2 m; written.
+    poly : FloatArray, shape (M, N, 3)
+        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s; written.
+    """
+    for i in range(start.size):
+        set_phases(tables, start[i], theta[i])
+        start_terms(tables, slot, theta[i], q[i], v[i], term[i], poly[i])
 
 
 @njit(cache=True, inline="always")

@@ -11,6 +11,12 @@ the ends the sum cannot vanish: with phi = phi''' = 0 at the tip, the solution o
 derivatives of one sign, and meets no condition at the root.  Nor can it where the nearest spring is many wavelengths
 from the tip, whatever that spring is.  What remains are single stiffnesses at which, with a spring between the ends,
 the sum of a low mode passes 0, and crossings of two frequencies.
+
+No rule is continuous everywhere.  A beam on two pins with a spring k amid has its first two frequencies equal at
+k = 4 (2 pi)^3 coth(pi) EI / L^3.  On a closed path around that point, by way of k and the spring's place, the
+frequencies stay apart, so each shape can be followed from start to end: it comes back with the other sign, as real
+modes do around any such crossing (M. V. Berry, Proc. R. Soc. A 392 (1984) 45).  What
+compares modal coordinates across problems has to allow for that; a motion never does, as it is the same with any sign.
 """
 
 from __future__ import annotations

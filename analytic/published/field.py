@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.march import field
-from analytic.march.march import Segment
+from analytic.march.tables import IntArray
 from analytic.published.joint import PublishedJoint
 from analytic.published.march import PublishedMarch
 from lapjoint.answers import History
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
 
@@ -20,21 +21,15 @@ class PublishedField(field.ModalField):
 
     motion: PublishedMarch
 
-    def _segment(self, segment: Segment, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        """z or a derivative of it within one segment, shape ``(n, m)``."""
-        moving = self.joint.modal(segment.state).modes.shapes(x, dx).T @ self._coordinates(segment, t, dt)
-        return np.asarray(moving + (self._frozen(segment, x, dx)[:, None] if dt == 0 else 0.0))
-
-    def _frozen(self, segment: Segment, x: FloatArray, dx: int) -> FloatArray:
-        """The frozen shape of a segment, or its dx-th derivative, m, shape ``(n,)``."""
-        joint, total = self.joint, np.zeros(x.size)
+    def _rest(self, state: ContactState, which: IntArray, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+        """The frozen shapes of the segments, or their dx-th derivative, m; nothing if they are asked how they move."""
+        joint, total = self.joint, np.zeros((x.size, t.size))
         assert isinstance(joint, PublishedJoint)
-        rest = self.motion.rest[int(np.searchsorted(self.motion.log.start, segment.start, side="right")) - 1]
-        for slot in joint.order[joint.order < rest.shape[0]]:
-            coefficients = rest[slot]
-            if coefficients.any():
+        rest = self.motion.rest[np.searchsorted(self.motion.log.start, self._starts[which], side="right") - 1]
+        for slot in joint.order[joint.order < rest.shape[1]] if dt == 0 else ():
+            if rest[:, slot].any():
                 shapes = joint.modal(joint.state_in(slot)).modes.shapes(x, dx)
-                total += coefficients[: shapes.shape[0]] @ shapes
+                total += (rest[:, slot, : shapes.shape[0]] @ shapes).T
         return total
 
 

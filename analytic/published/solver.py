@@ -141,7 +141,9 @@ class PublishedScheme:
         return Solver().modes(problem, state, count)
 
     @in_one_thread
-    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+    def simulate(
+        self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
+    ) -> History:
         """The motion from the initial state.
 
         Parameters
@@ -150,6 +152,8 @@ class PublishedScheme:
             What is solved.
         duration : float
             How long, s.
+        errors : bool
+            Not used: the scheme is marched as it was published, and no errors are estimated.
         progress : callable, optional
             Called with (done, total), s.
 
@@ -184,6 +188,7 @@ class PublishedScheme:
         *,
         start: SectionPoint | None = None,
         sensitivity: bool = True,
+        errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that remains when the march from the initial state, or from `start`, has settled.
@@ -199,6 +204,8 @@ class PublishedScheme:
             modes.
         sensitivity : bool
             Not used: this scheme does not measure how deviations grow.
+        errors : bool
+            Not used: the scheme is marched as it was published, and no errors are estimated.
         progress : callable, optional
             Called with the periods marched, and the most allowed.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,6 +37,19 @@ class FlowGaps:
         z, rate = self.flow.at_stop(k, t)
         return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
 
+    def from_chord(self, t: FloatArray, width: float) -> FloatArray:
+        """Bounds on what lies between the ends of intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
+        return np.asarray(self.flow.envelope.from_chord(t, width)[self.flow.system.place_of])
+
+    def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
+        """Bounds on what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
+        return self.flow.envelope.from_tangent(int(self.flow.system.place_of[k]), t, width)
+
+    @property
+    def rounding(self) -> FloatArray:
+        """What rounding makes of the gap functions, m, shape ``(P,)``."""
+        return np.asarray(self.flow.rounding + np.finfo(float).eps * np.abs(self.offset))
+
 
 @dataclass(frozen=True)
 class SolutionGaps:
@@ -44,6 +58,10 @@ class SolutionGaps:
     stops: FloatArray
     """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
     coordinates: Coordinates
+    start: float
+    """The window begins, s."""
+    end: float
+    """It ends, s."""
     orientation: FloatArray
     """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
@@ -59,20 +77,26 @@ class SolutionGaps:
         z, rate = (float(self.stops[k] @ self.coordinates(np.array([t]), dt)[:, 0]) for dt in (0, 1))
         return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
 
-    def curvature(self, start: float, end: float) -> FloatArray:
-        """An estimate of the largest |z''| at the stops: twice the largest of 200 samples.
+    def from_chord(self, t: FloatArray, width: float) -> FloatArray:
+        """Estimates for intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
+        return np.asarray(np.multiply.outer(self._curvature * (width**2 / 8), np.ones_like(t)))
+
+    def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
+        """Estimates for what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
+        bent = float(self._curvature[k]) * width
+        return bent * width / 2, bent
+
+    @cached_property
+    def _curvature(self) -> FloatArray:
+        """Twice the largest of 200 samples of |z''| at the stops, m/s2, shape ``(P,)``.
 
         It is no bound, but dense output gives none.
-
-        Parameters
-        ----------
-        start, end : float
-            The window, s.
-
-        Returns
-        -------
-        FloatArray, shape (P,)
-            m/s2.
         """
-        sampled = np.abs(self.stops @ self.coordinates(np.linspace(start, end, 200), 2))
+        sampled = np.abs(self.stops @ self.coordinates(np.linspace(self.start, self.end, 200), 2))
         return np.asarray(2 * sampled.max(axis=1, initial=0.0))
+
+    @cached_property
+    def rounding(self) -> FloatArray:
+        """What rounding makes of the gap functions, m, shape ``(P,)``."""
+        q = np.abs(self.coordinates(np.array([self.start]), 0)[:, 0])
+        return np.asarray(32 * np.finfo(float).eps * (np.abs(self.stops) @ q + np.abs(self.offset)))

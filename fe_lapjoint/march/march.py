@@ -18,6 +18,7 @@ from scipy.integrate import solve_ivp
 from fe_lapjoint.march.events import Switch, first_switch
 from fe_lapjoint.march.gaps import Coordinates, FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.system import SAMPLES
 from lapjoint.answers import Contact
@@ -129,6 +130,21 @@ class _Going:
     """Largest penetration so far, m."""
 
 
+@dataclass
+class _Since:
+    """What a window has to know of the one before it."""
+
+    switch: FloatArray
+    """When each stop switched last, or when the march began, s, shape ``(P,)``."""
+    rounding: FloatArray
+    """What rounding made of each gap function in the window before, m, shape ``(P,)``."""
+
+    def rounding_until_now(self, rounding: FloatArray) -> FloatArray:
+        """The larger of what rounding makes now and made before, which the change of state has carried over."""
+        larger, self.rounding = np.maximum(rounding, self.rounding), rounding
+        return larger
+
+
 def march(
     model: Model,
     state: ContactState,
@@ -173,13 +189,13 @@ def march(
         If the integrator fails, or more than `max_switches` switches occur.
     """
     step = _window(model, state) / SAMPLES
-    fresh = np.full(model.sign.size, start)
+    since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size))
     going = {k: _Going(start, True) for k in state.closed}
     pieces: list[Piece] = []
     contacts: list[Contact] = []
     t, switches = start, 0
     while t < end or not pieces:
-        piece, y = _advance(model, state, t, end, step, y, fresh)
+        piece, y = _advance(model, state, t, end, step, y, since)
         pieces.append(piece)
         if record:
             _account(model, piece, going, peaks)
@@ -195,7 +211,7 @@ def march(
             else:
                 going[k] = _Going(t, False)
             new = state.toggled(k)
-            fresh[k] = t
+            since.switch[k] = t
             S = model.transfer(state, new)
             y = (y.reshape(2, -1) @ S.T).ravel()
             state = new
@@ -216,7 +232,7 @@ def _window(model: Model, state: ContactState) -> float:
 
 
 def _advance(
-    model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, fresh: FloatArray
+    model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, since: _Since
 ) -> tuple[Piece, FloatArray]:
     """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end."""
     system = model.system(state)
@@ -231,25 +247,26 @@ def _advance(
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset)
-            switch = first_switch(gaps, grid, h, flow.curvature_bound(step, count), fresh)
+            rounding = since.rounding_until_now(gaps.rounding)
+            switch = first_switch(gaps, grid, h, flow.straying(step, count), rounding, since.switch == t)
         switch = switch if switch is not None and switch.time <= until else None
         until = until if switch is None else switch.time
         return Piece(state, t, until, y, flow, flow, -1 if switch is None else switch.stop), flow.at(until)
-    return _advance_by_library(model, state, t, until, y, fresh)
+    return _advance_by_library(model, state, t, until, y, since)
 
 
 def _advance_by_library(
-    model: Model, state: ContactState, t: float, end: float, y: FloatArray, fresh: FloatArray
+    model: Model, state: ContactState, t: float, end: float, y: FloatArray, since: _Since
 ) -> tuple[Piece, FloatArray]:
     """A window integrated by `solve_ivp`."""
     coordinates = integrate(model, state, t, end, y)
-    gaps = SolutionGaps(model.system(state).stops, coordinates, model.orientation(state), model.offset(state))
+    gaps = SolutionGaps(model.system(state).stops, coordinates, t, end, model.orientation(state), model.offset(state))
     grid = np.linspace(t, end, SAMPLES + 1)
-    switch = (
-        first_switch(gaps, grid, gaps(grid), np.outer(gaps.curvature(t, end), np.ones(SAMPLES)), fresh)
-        if fresh.size
-        else None
-    )
+    straying = gaps.from_chord(grid[:-1], (end - t) / SAMPLES)
+    switch: Switch | None = None
+    if model.sign.size:
+        rounding = since.rounding_until_now(gaps.rounding)
+        switch = first_switch(gaps, grid, gaps(grid), straying, rounding, since.switch == t)
     until = end if switch is None else switch.time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
@@ -273,20 +290,19 @@ def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) 
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
         return
-    t = np.linspace(piece.start, piece.end, 33)
-    z = system.stops @ piece.coordinates(t, 0) if piece.flow is None else piece.flow.at_stops(t)
+    gaps = _gaps(model, piece)
     for k, contact in going.items():
-        contact.deepest = max(contact.deepest, _deepest(model.sign[k] * z[k]) - float(model.gap[k]))
+        depth = deepest(gaps, k, piece.start, piece.end, float(gaps.rounding[k]))
+        contact.deepest = max(contact.deepest, depth)
 
 
-def _deepest(z: FloatArray) -> float:
-    """Largest of the samples, improved by the parabola through the three around it."""
-    i = int(np.argmax(z))
-    if 0 < i < z.size - 1:
-        a, b = (z[i + 1] - z[i - 1]) / 2, z[i + 1] - 2 * z[i] + z[i - 1]
-        if b < 0:
-            return float(z[i]) - float(a) ** 2 / (2 * float(b))
-    return float(z[i])
+def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
+    """The gap functions of a piece."""
+    orientation, offset = model.orientation(piece.state), model.offset(piece.state)
+    if piece.flow is not None:
+        return FlowGaps(piece.flow, orientation, offset)
+    stops = model.system(piece.state).stops
+    return SolutionGaps(stops, piece.coordinates, piece.start, piece.end, orientation, offset)
 
 
 def _contact(model: Model, k: int, it: _Going, end: float, *, open_end: bool) -> Contact:

@@ -11,6 +11,8 @@ smooth through s = 0, so critical damping and rigid-body modes need no case of t
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,8 +20,12 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
 
+from fe_lapjoint.march.envelope import Envelope
 from fe_lapjoint.march.system import ComplexArray, System
 from lapjoint.problem import FloatArray
+
+_ROUNDING = 32 * np.finfo(float).eps
+"""Relative: what rounding makes of a sum of some hundred terms, and of a change of state, at most."""
 
 
 def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -76,11 +82,16 @@ class Flow:
     """Modal velocities at the start, kg^1/2 m/s, shape ``(n,)``."""
 
     @cached_property
+    def _loads(self) -> ComplexArray:
+        """exp(i angle) of the loads at the start, shape ``(H,)``."""
+        return np.asarray(np.exp(1j * (self.system.driven * self.start + self.system.phase)))
+
+    @cached_property
     def free(self) -> tuple[FloatArray, FloatArray]:
         """Modal displacement and velocity at the start less those of the forced motion, each of shape ``(n,)``."""
         it = self.system
-        wave = it.amplitudes * np.exp(1j * (it.driven * self.start + it.phase))
-        x = self.q - wave.imag.sum(axis=1) - it.equilibrium
+        wave = it.amplitudes * self._loads
+        x = self.q - _summed(wave.imag) - it.equilibrium
         y = self.v - (wave.real @ it.driven)
         return (x, y) if it.drift is None else (x, y - it.drift[0])
 
@@ -90,20 +101,24 @@ class Flow:
         x, y = self.free
         if not self.system.all_oscillate:
             x, y = x[self.system.oscillating], y[self.system.oscillating]
-        root = self.system.roots
-        return np.asarray(x - 1j * (y - root.real * x) / root.imag)
+        damped, inverse = self.system.parts_of_roots
+        phasors = np.empty(x.size, dtype=complex)
+        phasors.real, phasors.imag = x, (damped * x - y) * inverse
+        return phasors
 
     @cached_property
     def _terms(self) -> ComplexArray:
         """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
         it = self.system
-        loads = it.place_amplitudes * (-1j * np.exp(1j * (it.driven * self.start + it.phase)))
+        loads = it.place_amplitudes * (-1j * self._loads)
         return np.concatenate([it.place_modes * self._phasors, loads, it.place_equilibrium], axis=1)
 
     @cached_property
     def _terms_and_rates(self) -> ComplexArray:
         """Those of the displacement and of the velocity, shape ``(p, 2, terms)``."""
-        return np.stack([self._terms, self._terms * self.system.rates_of_terms], axis=1)
+        both = np.empty((self._terms.shape[0], 2, self._terms.shape[1]), dtype=complex)
+        both[:, 0], both[:, 1] = self._terms, self._terms * self.system.rates_of_terms
+        return both
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
@@ -113,7 +128,7 @@ class Flow:
         if it.all_oscillate:
             return np.asarray(result + free)
         result[it.oscillating] += free
-        result[~it.oscillating] += self._others(t, dt)
+        result[~it.oscillating] += self._others(t)[dt]
         return result
 
     def at(self, t: float) -> FloatArray:
@@ -135,7 +150,7 @@ class Flow:
             return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
         wave = it.amplitudes * np.exp(1j * (it.driven * t + it.phase))
         now = self._phasors * np.exp(it.roots * (t - self.start))
-        q = now.real + wave.imag.sum(axis=1) + it.equilibrium
+        q = now.real + _summed(wave.imag) + it.equilibrium
         return np.concatenate([q, (now * it.roots).real + wave.real @ it.driven])
 
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
@@ -173,7 +188,7 @@ class Flow:
         FloatArray, shape (P, count + 1)
             m.
         """
-        z = (self._terms @ self.system.grid(step)[0][:, : count + 1]).real
+        z = (self._terms @ self.system.grid(step)[:, : count + 1]).real
         return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
 
     def at_stop(self, k: int, t: float) -> tuple[float, float]:
@@ -192,11 +207,17 @@ class Flow:
             m and m/s.
         """
         it = self.system
-        if not it.plain:
-            times = np.array([t])
-            return float(self.at_stops(times)[k, 0]), float(self.at_stops(times, 1)[k, 0])
-        z, rate = self._terms_and_rates[it.place_of[k]] @ np.exp(it.rates_of_terms * (t - self.start))
-        return float(z.real), float(rate.real)
+        place, since = it.place_of[k], t - self.start
+        both = self._terms_and_rates[place].dot(np.exp(it.rates_of_terms * since)).real
+        if it.plain:
+            z, rate = both.tolist()
+            return z, rate
+        if not it.all_oscillate:
+            others = self._others(np.array([t]))
+            both = both + [it.places[place, ~it.oscillating] @ part[:, 0] for part in others[:2]]
+        if it.drift is not None:
+            both = both + [it.places[place] @ self._drift(np.array([since]), dt)[:, 0] for dt in (0, 1)]
+        return float(both[0]), float(both[1])
 
     def _with_others(self, z: FloatArray, t: FloatArray, dt: int) -> FloatArray:
         """From the places to the stops, with what rigid-body and overdamped modes contribute, ``(P, m)``."""
@@ -204,18 +225,21 @@ class Flow:
         if it.drift is not None:
             z = z + it.places @ self._drift(t - self.start, dt)
         if not it.all_oscillate:
-            z = z + it.places[:, ~it.oscillating] @ self._others(t, dt)
+            z = z + it.places[:, ~it.oscillating] @ self._others(t)[dt]
         return np.asarray(z[it.place_of])
 
-    def _others(self, t: FloatArray, dt: int) -> FloatArray:
-        """Motion of the modes that do not oscillate, or hardly: overdamped, critical, rigid; ``(others, m)``."""
+    def _others(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Free motion of the modes that do not oscillate, or hardly: overdamped, critical, rigid.
+
+        Displacement, velocity and acceleration at the times ``(m,)``, each ``(others, m)``.
+        """
         it = self.system
         rest = ~it.oscillating
         a, square = it.decay[rest, None], it.omega[rest, None] ** 2
         x, y = (part[rest, None] for part in self.free)
         C, S = free_response(it.decay[rest], it.omega[rest], t - self.start)
         displacement, velocity = x * C + y * S, -square * x * S + y * (C - 2 * a * S)
-        return np.asarray((displacement, velocity, -2 * a * velocity - square * displacement)[dt])
+        return displacement, velocity, -2 * a * velocity - square * displacement
 
     def _forced(self, t: FloatArray, dt: int) -> FloatArray:
         """Answer to the loads alone, chosen so that it is periodic, constant or a polynomial, ``(n, m)``."""
@@ -254,9 +278,7 @@ class Flow:
         return np.asarray((self._terms @ waves).real[it.place_of])
 
     def integral(self, end: float) -> FloatArray:
-        """The time integral of q from the start, from the equation of motion integrated once.
-
-        omega^2 int q = int f - [q'] - 2 a [q]; without stiffness the equation is integrated twice.
+        """The time integral of q from the start.
 
         Parameters
         ----------
@@ -269,65 +291,117 @@ class Flow:
             kg^1/2 m s.
         """
         it, T = self.system, end - self.start
-        ends = np.array([end])
-        dq, dv = self(ends)[:, 0] - self.q, self(ends, 1)[:, 0] - self.v
-        first, second = self._load_integrals(T)
-        rigid, drag = it.omega == 0, it.decay > 0
-        stiff = (first - dv - 2 * it.decay * dq) / np.where(rigid, 1.0, it.omega**2)
-        dragged = self.q * T + (self.v * T + second - dq) / np.where(drag, 2 * it.decay, 1.0)
-        drifting = self.q * T + self.v * T**2 / 2 + self._third_load_integral(T)
-        return np.asarray(np.where(~rigid, stiff, np.where(drag, dragged, drifting)))
+        waves = np.expm1(1j * it.driven * T) / (1j * it.driven) * np.exp(1j * (it.driven * self.start + it.phase))
+        area = (it.amplitudes @ waves).imag + it.equilibrium * T
+        if it.drift is not None:
+            area += it.drift[0] * (T**2 / 2) + it.drift[1] * (T**3 / 6)
+        area[it.oscillating] += (self._phasors * np.expm1(it.roots * T) / it.roots).real
+        if not it.all_oscillate:
+            area += self._integral_of_others(T)
+        return np.asarray(area)
 
-    def _load_integrals(self, T: float) -> tuple[FloatArray, FloatArray]:
-        """Single and double integral of the modal force over T, each ``(n,)``."""
-        it = self.system
-        w, p0 = it.driven, it.driven * self.start + it.phase
-        p1 = p0 + w * T
-        single = (np.cos(p0) - np.cos(p1)) / w
-        double = np.cos(p0) * T / w - (np.sin(p1) - np.sin(p0)) / w**2
-        return it.constant * T + it.harmonic @ single, it.constant * T**2 / 2 + it.harmonic @ double
+    def _integral_of_others(self, T: float) -> FloatArray:
+        """Over T, that of the free motion of the modes that do not oscillate; 0 for the others; ``(n,)``."""
+        it, (x, y) = self.system, self.free
+        area = np.zeros_like(x)
+        drifting = (it.omega == 0) & (it.decay == 0)
+        area[drifting] = x[drifting] * T + y[drifting] * T**2 / 2
+        creeping = it.bounded[2]
+        for rate, part in zip(it.creeping_rates, self._creeping, strict=True):
+            moving = rate > 0
+            area[creeping] += part * np.where(moving, -np.expm1(-rate * T) / np.where(moving, rate, 1.0), T)
+        near = np.flatnonzero(~it.oscillating & np.isin(np.arange(x.size), it.bounded[1]))
+        # The equation of motion integrated once: omega^2 int q = -[q'] - 2 a [q].
+        C, S = (part[:, 0] for part in free_response(it.decay[near], it.omega[near], np.array([T])))
+        a, square, x, y = it.decay[near], it.omega[near] ** 2, x[near], y[near]
+        velocity = -square * x * S + y * (C - 2 * a * S)
+        area[near] = -(velocity - y + 2 * a * (x * C + y * S - x)) / square
+        return area
 
-    def _third_load_integral(self, T: float) -> FloatArray:
-        """Triple integral of the modal force over T, shape ``(n,)``."""
-        it = self.system
-        w, p0 = it.driven, it.driven * self.start + it.phase
-        p1 = p0 + w * T
-        triple = np.cos(p0) * T**2 / (2 * w) + (np.cos(p1) - np.cos(p0)) / w**3 + np.sin(p0) * T / w**2
-        return np.asarray(it.constant * T**3 / 6 + it.harmonic @ triple)
+    @cached_property
+    def _creeping(self) -> tuple[FloatArray, FloatArray]:
+        """Amplitudes of the slow and the fast part of the creeping modes, kg^1/2 m, each ``(creeping,)``."""
+        x, y = (part[self.system.bounded[2]] for part in self.free)
+        slow, fast = self.system.creeping_rates
+        first = (y + fast * x) / (fast - slow)
+        return first, x - first
 
-    def curvature_bound(self, step: float, count: int) -> FloatArray:
-        """Bounds on |z''| at every stop from each of some grid times on.
+    @cached_property
+    def envelope(self) -> Envelope:
+        r"""Bounds on the motion of the places, one term for each mode that rings or is nearly critical.
+
+        There are two for each that creeps, one for each load, and one for what the constant forces do to rigid-body
+        modes.  Where the two exponentials of a mode nearly cancel, with rates a +- s,
+
+            \|q(t)\| <= (\|x\| + 2 \|y + a x\| / e r) exp(-r t / 2),   r = a - Re(s),
+
+        after x and y = x', because t exp(-r t / 2) is at most 2 / e r.  Its derivatives are such motions, too.
+        """
+        it, (x, y) = self.system, self.free
+        if it.all_ring:
+            value = np.abs(self._terms[:, :-1])
+            return Envelope(self.start, it.fading, value, value * it.moduli, value * it.moduli**2)
+        ringing, near, _ = it.bounded
+        amplitude = np.hypot(x, (y + it.decay * x) / np.where(it.oscillating, _frequency(it), np.inf))[ringing]
+        a, omega, p, r = it.decay[near], it.omega[near], x[near], y[near]
+        motions = [p, r]
+        for _ in range(2):
+            motions.append(-2 * a * motions[-1] - omega**2 * motions[-2])
+        least = math.e / 2 * (a - np.sqrt(np.maximum(a**2 - omega**2, 0.0)))
+        bounds = [np.abs(now) + np.abs(rate + a * now) / least for now, rate in itertools.pairwise(motions)]
+        slow, fast = (np.abs(part) for part in self._creeping)
+        loads = np.abs(it.place_amplitudes)
+        fall = np.zeros((loads.shape[0], 0)) if it.drift is None else np.abs(it.places) @ np.abs(it.drift[1])[:, None]
+
+        def bound(n: int) -> FloatArray:
+            modes = [amplitude * it.omega[ringing] ** n, bounds[n], *_powers(it.creeping_rates, (slow, fast), n)]
+            rigid = fall if n == 2 else np.full_like(fall, np.inf)
+            return np.concatenate([it.bounded_rows * np.concatenate(modes), loads * it.driven**n, rigid], axis=1)
+
+        return Envelope(self.start, it.fading, bound(0), bound(1), bound(2))
+
+    def straying(self, step: float, count: int) -> FloatArray:
+        """How far z at each stop may rise above the ends of the steps of an even grid from the start.
 
         Parameters
         ----------
         step : float
-            The spacing of the grid, s, from the start.
+            The spacing, s.
         count : int
-            The number of grid times, at most `SAMPLES` + 1.
+            The number of steps, at most `SAMPLES`.
 
         Returns
         -------
         FloatArray, shape (P, count)
-            m/s2.
+            m.
         """
-        it = self.system
-        # The acceleration of Re(c exp(r s)) is at most |c| |r|^2 exp(Re(r) s).
-        strength = np.abs(self._terms) * it.squares_of_terms
-        bound = strength @ it.grid(step)[1][:, :count]
-        if it.drift is not None:
-            bound += (np.abs(it.places) @ np.abs(it.drift[1]))[:, None]
-        if not it.all_oscillate:
-            bound += self._others_bound()[:, None]
-        return np.asarray(bound[it.place_of])
+        it, envelope = self.system, self.envelope
+        most = np.minimum(2 * envelope.value, envelope.curvature * (step**2 / 8))
+        return np.asarray((most @ it.faded(step)[:, :count])[it.place_of])
 
-    def _others_bound(self) -> FloatArray:
-        """The share of the modes that do not oscillate, shape ``(p,)``."""
-        it, rest = self.system, ~self.system.oscillating
-        x, y = (np.abs(part[rest]) for part in self.free)
-        omega, a = it.omega[rest], it.decay[rest]
-        # The energy of a free damped mode falls, so |q'| and omega |q| are at most |y| + omega |x|.
-        # Therefore |q''| is at most (omega + 2 a) (|y| + omega |x|).
-        return np.asarray(np.abs(it.places[:, rest]) @ ((omega + 2 * a) * (y + omega * x)))
+    @cached_property
+    def rounding(self) -> FloatArray:
+        """What rounding makes of z at each stop, m, shape ``(P,)``: `_ROUNDING` of the sum of all terms' moduli."""
+        it = self.system
+        terms = np.abs(self._terms).sum(axis=1) + np.abs(it.places) @ np.abs(self.q)
+        return np.asarray(_ROUNDING * terms[it.place_of])
+
+
+def _powers(
+    rates: tuple[FloatArray, FloatArray], amplitudes: tuple[FloatArray, FloatArray], n: int
+) -> list[FloatArray]:
+    """Each amplitude times the n-th power of its rate."""
+    return [amplitude * rate**n for rate, amplitude in zip(rates, amplitudes, strict=True)]
+
+
+def _frequency(it: System) -> FloatArray:
+    """sqrt(omega^2 - a^2) of the modes that oscillate, 1 for the others, rad/s, shape ``(n,)``."""
+    return np.sqrt(np.where(it.oscillating, it.omega**2 - it.decay**2, 1.0))
+
+
+def _summed(parts: FloatArray) -> FloatArray:
+    """Parts by each load, ``(n, H)``, added up, ``(n,)``; most problems have one load."""
+    return parts[:, 0] if parts.shape[1] == 1 else np.asarray(parts.sum(axis=1))
 
 
 class _ExactDense(DenseOutput):  # type: ignore[misc]

@@ -26,6 +26,8 @@ SAMPLES = 48
 """Steps of the grid, over one window, on which the search for switches evaluates a motion."""
 _APART = 1e-4
 """Half the relative distance kept between the two rates of a critically damped mode: the motion changes by 1e-8."""
+_NEAR = 0.25
+"""Relative distance of a^2 and omega^2 below which the two exponentials of a mode nearly cancel."""
 _DETUNE = 1e-7
 """The fraction by which an undamped frequency is moved that a load meets exactly: the secular growth stays."""
 
@@ -71,6 +73,11 @@ class System:
         return np.asarray(-a + 1j * np.sqrt(omega**2 - a**2))
 
     @cached_property
+    def parts_of_roots(self) -> tuple[FloatArray, FloatArray]:
+        """Real parts of `roots`, 1/s, and inverse imaginary parts, s, shape ``(oscillating,)`` each."""
+        return self.roots.real.copy(), 1.0 / self.roots.imag
+
+    @cached_property
     def equilibrium(self) -> FloatArray:
         """Modal displacements under the constant forces, 0 for rigid-body modes, kg^1/2 m, shape ``(n,)``."""
         rigid = self.omega == 0
@@ -94,7 +101,7 @@ class System:
         """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
         return self._distinct[0]
 
-    @property
+    @cached_property
     def place_of(self) -> IndexArray:
         """Which of the `places` each stop is at, shape ``(P,)``."""
         return self._distinct[1]
@@ -118,11 +125,6 @@ class System:
     def rates_of_terms(self) -> ComplexArray:
         """Rates r of the terms exp(r t) of a place's motion: oscillating modes, loads, constant; 1/s, ``(terms,)``."""
         return np.concatenate([self.roots, 1j * self.driven, [0.0]])
-
-    @cached_property
-    def squares_of_terms(self) -> FloatArray:
-        """|r|^2 of `rates_of_terms`, 1/s2, shape ``(terms,)``."""
-        return np.asarray(np.abs(self.rates_of_terms) ** 2)
 
     @cached_property
     def plain(self) -> bool:
@@ -181,7 +183,70 @@ class System:
         drift = np.stack([self.stops[:, drifting] @ part[drifting] for part in (q, v)], axis=1)
         return np.concatenate([oscillating, first, q[others] - first]), drift
 
-    def grid(self, step: float) -> tuple[ComplexArray, FloatArray]:
+    @cached_property
+    def bounded(self) -> tuple[IndexArray, IndexArray, IndexArray]:
+        """How each damped or oscillating mode is bounded, see `Flow.envelope`: ringing, near critical, creeping."""
+        a, omega = self.decay, self.omega
+        near = (a > 0) & (np.abs(a**2 - omega**2) < _NEAR * a**2)
+        ringing, creeping = self.oscillating & ~near, ~self.oscillating & ~near & (a > 0)
+        return np.flatnonzero(ringing), np.flatnonzero(near), np.flatnonzero(creeping)
+
+    @cached_property
+    def creeping_rates(self) -> tuple[FloatArray, FloatArray]:
+        """Rates at which the two parts of each creeping mode fall, slow and fast, 1/s, each ``(creeping,)``."""
+        a, omega = self.decay[self.bounded[2]], self.omega[self.bounded[2]]
+        fast = a + np.sqrt(a**2 - omega**2)
+        return omega**2 / fast, fast
+
+    @cached_property
+    def bounded_rows(self) -> FloatArray:
+        """Moduli of the modes that are bounded at the places, creeping ones twice, kg^-1/2, shape ``(p, terms)``."""
+        ringing, near, creeping = self.bounded
+        return np.asarray(np.abs(self.places[:, np.concatenate([ringing, near, creeping, creeping])]))
+
+    @cached_property
+    def fading(self) -> FloatArray:
+        """Rates at which the bounds of `Flow.envelope` fall, 1/s: those modes, loads, and rigid-body modes."""
+        ringing, near, _ = self.bounded
+        a, omega = self.decay[near], self.omega[near]
+        least = a - np.sqrt(np.maximum(a**2 - omega**2, 0.0))
+        drift = 0 if self.drift is None else 1
+        return np.concatenate(
+            [self.decay[ringing], least / 2, *self.creeping_rates, np.zeros(self.driven.size + drift)]
+        )
+
+    @cached_property
+    def all_ring(self) -> bool:
+        """Whether every mode does, far from critical, so that the terms of a place's motion bound it themselves."""
+        return self.plain and self.bounded[0].size == self.omega.size
+
+    @cached_property
+    def moduli(self) -> FloatArray:
+        """|r| of `rates_of_terms` but the constant, 1/s, shape ``(terms - 1,)``."""
+        return np.asarray(np.abs(self.rates_of_terms[:-1]))
+
+    def faded(self, step: float) -> FloatArray:
+        """exp(-fading t) at t = 0, step, ... `SAMPLES` step; kept for next time.
+
+        Parameters
+        ----------
+        step : float
+            The spacing, s.
+
+        Returns
+        -------
+        FloatArray, shape (bounds, SAMPLES + 1)
+            The exponentials.
+        """
+        if step not in self._faded:
+            self._faded[step] = np.exp(-np.multiply.outer(self.fading, step * np.arange(SAMPLES + 1)))
+        return self._faded[step]
+
+    @cached_property
+    def _faded(self) -> dict[float, FloatArray]:
+        return {}
+
+    def grid(self, step: float) -> ComplexArray:
         """exp(r t) of the rates r of `rates_of_terms` at t = 0, step, ... `SAMPLES` step; kept for next time.
 
         Parameters
@@ -193,16 +258,13 @@ class System:
         -------
         ComplexArray, shape (terms, SAMPLES + 1)
             The exponentials.
-        FloatArray, shape (terms, SAMPLES + 1)
-            Their moduli.
         """
         if step not in self._grids:
-            waves = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
-            self._grids[step] = waves, np.abs(waves)
+            self._grids[step] = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
         return self._grids[step]
 
     @cached_property
-    def _grids(self) -> dict[float, tuple[ComplexArray, FloatArray]]:
+    def _grids(self) -> dict[float, ComplexArray]:
         return {}
 
     def rates(self, t: float, y: FloatArray) -> FloatArray:

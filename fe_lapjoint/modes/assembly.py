@@ -44,12 +44,15 @@ def uniform(v, _):  # type: ignore[no-untyped-def]
 
 @cache
 def unit_element() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Stiffness ``(4, 4)``, mass ``(4, 4)`` and uniform load ``(4,)`` of an element with h = EI = m = 1."""
+    """Stiffness ``(4, 4)``, mass ``(4, 4)`` and uniform load ``(4,)`` of an element with h = EI = m = 1; read-only."""
     basis = Basis(MeshLine([0.0, 1.0]), ElementLineHermite(), intorder=6)  # mass: degree 3 + 3
     order = basis.nodal_dofs.T.ravel()
     pick = np.ix_(order, order)
     K, M = (form.assemble(basis).toarray()[pick] for form in (bending, inertia))
-    return K, M, uniform.assemble(basis)[order]
+    f = np.asarray(uniform.assemble(basis)[order])
+    for part in (K, M, f):
+        part.flags.writeable = False
+    return K, M, f
 
 
 _HELD = 1e-9

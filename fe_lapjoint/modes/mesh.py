@@ -26,6 +26,10 @@ of the beam still have nine digits then; at 1e-5 they had six."""
 _LOCKED = 1e-7
 """Of the stiffness of the beam: what a spring inside an element may add by mistake, less than 40 elements do."""
 
+SHORT = 1e-3
+"""Of the length of the beam: in a shorter stretch between two nodes that must be, the error, of the fourth power of the
+length of the elements, does not count."""
+
 
 def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None) -> FloatArray:
     """Node positions of a mesh, ascending from 0 to L.
@@ -118,3 +122,30 @@ def split_elements(nodes: tuple[float, ...], parts: int) -> tuple[float, ...]:
     ends = sorted(set(nodes))
     cut = [np.linspace(a, b, parts + 1)[:-1].tolist() for a, b in itertools.pairwise(ends)]
     return tuple(itertools.chain(*cut, ends[-1:]))
+
+
+def refined_nodes(problem: Problem, nodes: FloatArray, ratio: float) -> FloatArray:
+    """The nodes of a finer mesh of the same grading.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its supports, stops and point loads cut the beam into stretches.
+    nodes : FloatArray, shape (nodes,)
+        Nodes of a mesh of the problem, m, ascending.
+    ratio : float
+        How many times as many elements each stretch gets at least, unless it is shorter than `SHORT`.
+
+    Returns
+    -------
+    FloatArray, shape (finer nodes,)
+        m, ascending; the nodes at the ends of the stretches stay where they are.
+    """
+    parts = (*problem.supports, *problem.stops, *problem.point_loads)
+    at = {int(np.abs(nodes - part.x).argmin()) for part in parts}
+    pieces = []
+    for a, b in itertools.pairwise(sorted({0, *at, nodes.size - 1})):
+        short = nodes[b] - nodes[a] < SHORT * nodes[-1]
+        count = b - a if short else math.ceil((b - a) * ratio - 1e-9)
+        pieces.append(np.interp(np.linspace(a, b, count + 1), np.arange(a, b + 1), nodes[a : b + 1])[:-1])
+    return np.concatenate([*pieces, nodes[-1:]])

@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 from pathlib import Path
 from typing import Any
 
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
 from lapjoint.output_files import write_file
+from lapjoint.plain_text import no_formula
 from lapjoint.problem.files import problem_tables_json
 
 CONTACT_COLUMNS = (
@@ -23,14 +25,18 @@ CONTACT_COLUMNS = (
     "peak_force_N",
     "open_start",
     "open_end",
+    "start_error_s",
+    "impulse_error_Ns",
 )
 
 
 def write_contacts(history: History, path: str | Path) -> None:
     """Write the contacts of a history as CSV or JSON, by the ending of `path`.
 
-    The columns are `CONTACT_COLUMNS`; times in s, impulses in N s (top positive), forces in N.  The JSON file
-    also holds the problem, the solver, the first and last time, and the total impulse of each stop.
+    The columns are `CONTACT_COLUMNS`; times in s, impulses in N s (top positive), forces in N.  Errors are empty where
+    none were estimated, and infinite (in JSON null) where none can be stated.  In CSV, a name that a spreadsheet would
+    take for a formula begins with an apostrophe.  The JSON file also holds the problem, the solver, the first and last
+    time, the total impulse of each stop, and how errors were estimated.
 
     Parameters
     ----------
@@ -51,7 +57,7 @@ def write_contacts(history: History, path: str | Path) -> None:
         out = io.StringIO()
         writer = csv.DictWriter(out, CONTACT_COLUMNS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(contact_rows(history))
+        writer.writerows({key: no_formula(cell) for key, cell in row.items()} for row in contact_rows(history))
         write_file(path, out.getvalue())
     elif ending == ".json":
         impulses = dict(zip(history.problem.stop_names, history.impulses().tolist(), strict=True))
@@ -61,7 +67,11 @@ def write_contacts(history: History, path: str | Path) -> None:
             "start_s": history.start,
             "end_s": history.end,
             "impulses_Ns": impulses,
-            "contacts": contact_rows(history),
+            "error_source": history.error_source,
+            "contacts": [
+                {key: None if value == math.inf else value for key, value in row.items()}
+                for row in contact_rows(history)
+            ],
         }
         write_file(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
     else:
@@ -96,6 +106,8 @@ def contact_rows(history: History) -> list[dict[str, Any]]:
                     float(c.peak_force),
                     c.open_start,
                     c.open_end,
+                    c.start_error,
+                    c.impulse_error,
                 ),
                 strict=True,
             )

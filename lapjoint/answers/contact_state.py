@@ -78,22 +78,43 @@ def contact_states(problem: Problem) -> tuple[ContactState, ...]:
     InputError
         If there are more than `MOST_STATES` of them.
     """
-    positions = sorted({stop.x for stop in problem.stops})
+    at: dict[float, dict[str, list[int]]] = {}
+    for i, stop in enumerate(problem.stops):
+        at.setdefault(stop.x, {}).setdefault(stop.side, []).append(i)
     choices: list[list[tuple[int, ...]]] = []
-    for x in positions:
+    for x in sorted(at):
         subsets: set[tuple[int, ...]] = {()}
-        for side in ("top", "bottom"):
+        for here in at[x].values():
             # Stops on one side close in the order of their gaps; those with equal gaps close together.
-            here = [i for i, s in enumerate(problem.stops) if s.x == x and s.side == side]
             for gap in {problem.stops[i].gap for i in here}:
                 subsets.add(tuple(i for i in here if problem.stops[i].gap <= gap))
         choices.append(sorted(subsets, key=lambda c: (len(c), c)))
     digits = sum(math.log10(len(subsets)) for subsets in choices)
     if digits > math.log10(MOST_STATES) + 1e-9:
-        number = f"{10**digits:.0f}" if digits < 9 else f"some 10^{digits:.0f}"
+        number = str(math.prod(map(len, choices))) if digits < 18 else f"some 10^{digits:.0f}"
         raise InputError(f"stops: these have {number} contact states; at most {MOST_STATES} can be listed")
     states = {ContactState(tuple(i for part in combination for i in part)) for combination in product(*choices)}
     return tuple(sorted(states, key=lambda s: (len(s.closed), s.closed)))
+
+
+def can_be_closed(problem: Problem, state: ContactState) -> bool:
+    """Whether the stops of a state can be closed while all others are open; `contact_states` lists such states.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem whose stops these are.
+    state : ContactState
+        Any stops of the problem.
+    """
+    reached: dict[tuple[float, str], float] = {}
+    for i in state.closed:
+        stop = problem.stops[i]
+        reached[stop.x, stop.side] = max(stop.gap, reached.get((stop.x, stop.side), 0.0))
+    if len({x for x, _ in reached}) < len(reached):
+        return False
+    within = (i for i, stop in enumerate(problem.stops) if stop.gap <= reached.get((stop.x, stop.side), -1.0))
+    return tuple(within) == state.closed
 
 
 # The paper's Table 1, by (place, side) of the closed stops; Table 4 gives the order of states 6 to 9.

@@ -10,6 +10,9 @@ import numpy as np
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
+NO_ERRORS = "no errors were estimated"
+"""Said where nothing asked for errors."""
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -29,6 +32,11 @@ class Contact:
     """Whether the contact was already closed when the history starts."""
     open_end: bool = False
     """Whether the contact is still closed when the history ends."""
+    start_error: float | None = None
+    """Estimate of the numerical error of `start`, s; infinite where none can be stated, None where none was made."""
+    impulse_error: float | None = None
+    """Estimate of the numerical error of `impulse`, N s; infinite where none can be stated, None where none was
+    made."""
 
     @property
     def duration(self) -> float:
@@ -82,6 +90,8 @@ class History:
     """All contacts, by start time."""
     field: Field
     """z(x, t), m, and its derivatives."""
+    error_source: str = NO_ERRORS
+    """How the errors of the contacts were estimated, or why there are none."""
 
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """z(x, t), the displacement relative to the base.

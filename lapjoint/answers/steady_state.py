@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.answers.history import History
+from lapjoint.answers.history import NO_ERRORS, History
 from lapjoint.problem import FloatArray, Problem
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -157,6 +157,11 @@ class SteadyState:
     """Impulse of each stop over one excitation period (the mean over the motion's period), N s, ``(stops,)``."""
     acceptance: Acceptance | None = None
     """From where, and how late, the search accepted this motion; None where nothing was searched."""
+    impulse_errors: FloatArray | None = None
+    """Estimate of the numerical error of each impulse, N s, ``(stops,)``; infinite where none can be stated, None where
+    none was made.  Where the motion does not repeat, the standard error of the mean."""
+    error_source: str = NO_ERRORS
+    """How the errors were estimated, or why there are none."""
 
     @property
     def stable(self) -> bool | None:

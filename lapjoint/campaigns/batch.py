@@ -142,7 +142,7 @@ def _solve(
     try:
         problem = plan.problem_at(cell, solver)
         start = None if section is None else section_from(section)
-        found = solver.steady_state(problem, start=start, sensitivity=plan.sensitivity)
+        found = solver.steady_state(problem, start=start, sensitivity=plan.sensitivity, errors=plan.errors)
     except SolverError as error:
         return Point(message=str(error)), section
     except InputError as error:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from concurrent.futures import CancelledError
+import asyncio
+import logging
+import queue
+import time
+from collections.abc import Iterable, Iterator
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from lapjoint.campaigns.batch import Batch, Solved, after, solve_batch
@@ -15,6 +20,10 @@ REACHED = 15.0
 """Time within which a scheduler must answer, s: enough for a slow network, and short enough for a wrong address."""
 PATIENCE = 60.0
 """Time within which a scheduler must have its first worker, s: the workers of a batch system start late."""
+ALONE = 40.0
+"""Time after which a scheduler that has lost all its workers is given up, s; a nanny has a new one after a few."""
+LOOK = 5.0
+"""Time between two looks at the workers, while nothing is finished, s."""
 
 
 def work_on_cluster(plan: Plan, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
@@ -39,15 +48,43 @@ def work_on_cluster(plan: Plan, batches: Iterable[Batch], scheduler: str, delive
     InputError
         If dask.distributed is not installed, or there is no scheduler with a worker at this address.
     SolverError
-        If the scheduler is lost.
+        If the scheduler is lost, or all its workers are, and none comes back within `ALONE`.
     """
-    client = connected(scheduler)
+    with _quiet():
+        client = connected(scheduler)
+        try:
+            _work(client, plan, batches, deliver)
+        except (CancelledError, OSError) as error:
+            if not _lost(client, error):
+                raise
+            raise SolverError(f"scheduler = {scheduler!r}: the connection to it was lost") from None
+        finally:
+            client.close()
+
+
+def _lost(client: Any, error: BaseException) -> bool:
+    """Whether an error came from a connection that is lost, and not from what was done with the answers."""
+    from distributed.comm import CommClosedError
+
+    return client.status != "running" or isinstance(error, CancelledError | CommClosedError)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without the log of dask, which prints tracebacks when connections end; what matters of it raises an error."""
+    with suppress(ImportError):  # it sets the levels of its loggers
+        import distributed  # noqa: F401
+
+    names = [name for name in logging.root.manager.loggerDict if name.split(".")[0] in ("distributed", "tornado")]
+    logs = [logging.getLogger(name) for name in (*names, "asyncio")]
+    levels = [log.level for log in logs]
+    for log in logs:
+        log.setLevel(logging.CRITICAL + 1)
     try:
-        _work(client, plan, batches, deliver)
-    except CancelledError:
-        raise SolverError(f"scheduler = {scheduler!r}: the connection to it was lost") from None
+        yield
     finally:
-        client.close()
+        for log, level in zip(logs, levels, strict=True):
+            log.setLevel(level)
 
 
 def connected(scheduler: str) -> Any:
@@ -76,9 +113,11 @@ def connected(scheduler: str) -> Any:
             f"scheduler = {scheduler!r}: needs the package distributed; install it with pip install 'lapjoint[cluster]'"
         ) from None
     try:
+        with ThreadPoolExecutor(1) as aside:  # this thread may have a loop already, as notebooks do
+            aside.submit(asyncio.run, _answer(scheduler)).result()
         client = Client(scheduler, timeout=REACHED, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
-        raise InputError(f"scheduler = {scheduler!r}: cannot be reached: {error}") from None
+    except Exception as error:  # whatever dask makes of an address that is none
+        raise InputError(f"scheduler = {scheduler!r}: cannot be reached: {error or type(error).__name__}") from None
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError:
@@ -87,21 +126,31 @@ def connected(scheduler: str) -> Any:
     return client
 
 
+async def _answer(scheduler: str) -> None:
+    """Connect to an address, and leave it again: a client that cannot connect prints a traceback when it ends."""
+    from distributed.comm import connect
+    from distributed.security import Security
+
+    comm = await connect(scheduler, timeout=REACHED, **Security().get_connection_args("client"))
+    comm.abort()
+
+
 def _work(client: Any, plan: Plan, batches: Iterable[Batch], deliver: Deliver) -> None:
-    from distributed import KilledWorker, as_completed
+    from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}
-    finished = as_completed(loop=client.loop)
+    finished: queue.Queue[Any] = queue.Queue()
 
     def submit(batch: Batch, alone: bool = False) -> None:
         """Submit a batch, or its first cell only if it is `alone`."""
         future = client.submit(solve_batch, plan, batch.first() if alone else batch, pure=False)
         submitted[future] = batch, alone
-        finished.add(future)
+        future.add_done_callback(finished.put)
 
     for batch in batches:
         submit(batch)
-    for future in finished:
+    while submitted:
+        future = _next(client, finished)
         batch, alone = submitted.pop(future)
         try:
             solved: Solved = future.result()
@@ -114,3 +163,18 @@ def _work(client: Any, plan: Plan, batches: Iterable[Batch], deliver: Deliver) -
         left = after(batch, len(solved.points), solved.section)
         if left is not None:
             submit(left, alone)
+
+
+def _next(client: Any, finished: queue.Queue[Any]) -> Any:
+    """The next future that is finished, as long as there is a worker to wait for."""
+    seen = time.monotonic()
+    while True:
+        try:
+            return finished.get(timeout=LOOK)
+        except queue.Empty:
+            if client.status != "running":
+                raise CancelledError from None
+            if client.nthreads():
+                seen = time.monotonic()
+            elif time.monotonic() - seen > ALONE:
+                raise SolverError(f"all workers of the scheduler are gone, and none came in {ALONE:g} s") from None

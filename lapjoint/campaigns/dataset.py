@@ -116,12 +116,20 @@ def _stops(plan: Plan) -> dict[str, Variable]:
 
 
 def _impulse(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[str, Variable]:
-    stops = len(plan.grid.problem.stops)
-    none = (np.nan,) * stops
-    values = np.array([point.impulses if point.outcome != FAILED else none for point in points], dtype=float)
+    none = (np.nan,) * len(plan.grid.problem.stops)
     text = "impulse of the stop over one excitation period; positive at the top, negative at the bottom"
-    shape = (*plan.shape, stops)
-    return {"impulse": ((*grid, "stop"), values.reshape(shape), {"units": "N s", "long_name": text})}
+    columns = {"impulse": ([point.impulses if point.outcome != FAILED else none for point in points], text)}
+    if plan.errors:
+        text = (
+            "estimate of the numerical error of the impulse; infinite where none can be stated, the standard error of "
+            "the mean where the motion does not repeat"
+        )
+        columns["impulse_error"] = [point.impulse_errors or none for point in points], text
+    dimensions, shape = (*grid, "stop"), (*plan.shape, len(none))
+    return {
+        name: (dimensions, np.array(values, dtype=float).reshape(shape), {"units": "N s", "long_name": text})
+        for name, (values, text) in columns.items()
+    }
 
 
 def _certificate(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[str, Variable]:
@@ -210,6 +218,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         "starts": plan.starts,
         "seed": plan.seed,
         "sensitivity": int(plan.sensitivity),
+        "errors": int(plan.errors),
         **{f"version_{name}": number for name, number in identity["versions"].items()},
         "fingerprint": plan.fingerprint,
     }

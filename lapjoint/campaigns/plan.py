@@ -56,6 +56,8 @@ class Plan:
         Seed of the random initial states.
     sensitivity : bool
         Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
+    errors : bool
+        Whether to estimate the numerical errors of the impulses; it takes less than as long again.
 
     Raises
     ------
@@ -70,6 +72,7 @@ class Plan:
     starts: int = 1
     seed: int = 0
     sensitivity: bool = False
+    errors: bool = False
 
     def __post_init__(self) -> None:
         if self.start not in get_args(Start):
@@ -178,6 +181,7 @@ class Plan:
             "starts": self.starts,
             "seed": self.seed,
             "sensitivity": self.sensitivity,
+            "errors": self.errors,
             "versions": versions(),
         }
 

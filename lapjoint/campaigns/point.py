@@ -48,6 +48,8 @@ class Point:
     impulse, N s; the peak force, N; and the ends at which it is cut, `CUT_AT_START` plus `CUT_AT_END`."""
     growth: float = math.nan
     """Largest factor by which a deviation grew on the way to the motion; NaN if it was not measured."""
+    impulse_errors: tuple[float, ...] = ()
+    """Estimate of each impulse's numerical error, N s; infinite where none can be stated, empty if none was made."""
     message: str = ""
     """Reason for which the solver gave up; empty where it did not."""
 
@@ -91,6 +93,7 @@ def point_of(found: SteadyState) -> Point:
             for c in history.contacts
         ),
         growth=math.nan if growth is None else float(growth),
+        impulse_errors=() if found.impulse_errors is None else tuple(map(float, found.impulse_errors)),
     )
 
 

@@ -12,7 +12,7 @@ from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.plan import Plan, Start
 from lapjoint.campaigns.point import Point
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
-from lapjoint.errors import InputError, Interrupted, OutputError
+from lapjoint.errors import InputError, Interrupted, OutputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
@@ -35,6 +35,7 @@ def sweep(
     starts: int = 1,
     seed: int = 0,
     sensitivity: bool = False,
+    errors: bool = False,
     workers: Workers = 1,
     scheduler: str | None = None,
     out: str | Path | None = None,
@@ -62,6 +63,8 @@ def sweep(
         Seed of the random initial states.
     sensitivity : bool
         Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
+    errors : bool
+        Whether to estimate the numerical errors of the impulses; it takes less than as long again.
     workers : int or map-like callable
         Number of processes, -1 for all processors; or a function that maps a function over an iterable, as
         ``multiprocessing.Pool.imap_unordered`` does.  A script that asks for processes must do so below
@@ -91,7 +94,7 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
-    plan = Plan(Grid(problem, tuple(axes)), solver, dict(options or {}), start, starts, seed, sensitivity)
+    plan = Plan(Grid(problem, tuple(axes)), solver, dict(options or {}), start, starts, seed, sensitivity, errors)
     return run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
 
 
@@ -181,6 +184,8 @@ def solve(
         If the plan is not valid, the journal belongs to another sweep, or another process works on it.
     OutputError
         If the disk is full; the message says how many points are kept.
+    SolverError
+        If the workers are lost; the message says how many points are kept.
     Interrupted
         After Ctrl-C; the message says how many points are kept.
     """
@@ -198,8 +203,8 @@ def solve(
         dataset = dataset_of(plan, journal.points)
         write_curve(dataset, out)
         journal.remove()
-    except OutputError as error:
-        raise OutputError(f"{error}; {journal.kept()}") from None
+    except (OutputError, SolverError) as error:
+        raise type(error)(f"{error}; {journal.kept()}") from None
     except KeyboardInterrupt:
         raise Interrupted(f"interrupted: {journal.kept()}") from None
     finally:

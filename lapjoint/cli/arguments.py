@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_state_number, sdnl104
-from lapjoint.answers.contact_state import is_paper_joint
+from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
+from lapjoint.cli.options import large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
 from lapjoint.problem.override import override, toml_value
 from lapjoint.scene.frame_times import check_frames
 from lapjoint.solver import Solver, make_solver
 
+MOST_STOPS = 100
+"""Largest number of stops that is taken without being asked for: more take minutes."""
+STOPS_NAMED = 20
+"""Largest number of stops that a message names."""
 PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
 
 
@@ -36,6 +41,10 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
         tables = files.read_tables(source)
     for assignment in overrides:
         override(tables, assignment)
+    stops = tables.get("stops")
+    if isinstance(stops, list) and len(stops) > MOST_STOPS and not large_allowed():
+        limit = f"more than {MOST_STOPS} are taken only with --large, for the work grows with their number"
+        raise InputError(f"{source}: stops: there are {len(stops)}; {limit}")
     return files.problem_from_tables(tables, source)
 
 
@@ -118,10 +127,13 @@ def states_from(problem: Problem, text: str, option: str = "--state") -> tuple[C
     """The contact states asked for: ``all``, a paper's number, or names of closed stops joined by ``+``."""
     if text == "all":
         return contact_states(problem)
-    names = [] if text == "free" else [name.strip() for name in text.split("+")]
-    if all(name in problem.stop_names for name in names):
-        state = ContactState(tuple(problem.stop_names.index(name) for name in names))
-        if state not in contact_states(problem):
+    readings = [()] if text == "free" else _closed_stops(text, problem.stop_names)
+    if len(readings) > 1:
+        quoted = " or ".join("+".join(f'"{problem.stop_names[i]}"' for i in stops) for stops in readings[:2])
+        raise InputError(f"{option} {text}: can be read in several ways; put each name in quotes, as in {quoted}")
+    if readings:
+        state = ContactState(readings[0])
+        if not can_be_closed(problem, state):
             raise InputError(f"{option} {text}: these stops cannot be closed while the others are open")
         return (state,)
     if is_paper_joint(problem):
@@ -129,10 +141,28 @@ def states_from(problem: Problem, text: str, option: str = "--state") -> tuple[C
         if found:
             return (found[0],)
     numbered = ", 1 to 9" if is_paper_joint(problem) else ""
-    raise InputError(
-        f"{option} {text}: there is no such state; allowed: all, free{numbered}, "
-        f"or stops joined by +, of {', '.join(problem.stop_names) or 'none'}"
-    )
+    names = ", ".join(problem.stop_names[:STOPS_NAMED]) + ", ..." * (len(problem.stops) > STOPS_NAMED)
+    allowed = f"all, free{numbered}, or stops joined by +, of {names or 'none'}"
+    raise InputError(f"{option} {text}: there is no such state; allowed: {allowed}")
+
+
+def _closed_stops(text: str, names: Sequence[str]) -> list[tuple[int, ...]]:
+    """The ways in which a text is a list of names joined by ``+``, which may be in names too, as indices.
+
+    A name in quotes is that of one stop.  Different spellings of one set of stops are one way; more than two are not
+    looked for.
+    """
+    number = dict(zip((name.strip() for name in names), range(len(names)), strict=True))
+    longest = 1 + max((name.count("+") for name in names), default=0)
+    parts = text.split("+")
+    ways: list[dict[frozenset[int], None]] = [{frozenset(): None}, *({} for _ in parts)]
+    for end in range(1, len(parts) + 1):
+        for begin in range(max(0, end - longest), end):
+            name = "+".join(parts[begin:end]).strip()
+            unquoted = name[1:-1].strip() if len(name) > 1 and name[0] == name[-1] == '"' else name
+            for stop in {number[each] for each in (name, unquoted) if each in number}:
+                ways[end] |= {stops | {stop}: None for stops in list(ways[begin])[:2]}
+    return [tuple(sorted(stops)) for stops in ways[-1]]
 
 
 def times_from(frames: int | None, times: str | None) -> list[float] | None:

@@ -8,7 +8,7 @@ import click
 
 from lapjoint.cli.echo import echo
 from lapjoint.cli.motions import find_motions
-from lapjoint.cli.options import motion_options, problem_options, solver_options
+from lapjoint.cli.options import large_allowed, motion_options, problem_options, solver_options
 
 
 @click.command()
@@ -68,7 +68,15 @@ def export(
     motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
     with shown_progress("export") as progress:
         path = export_motion(
-            motion, directory, format=file_format, times=at, frames=frames, points=points, progress=progress
+            motion,
+            directory,
+            format=file_format,
+            times=at,
+            frames=frames,
+            points=points,
+            large=large_allowed(),
+            say=lambda size: echo(f"export: {size}", err=True),
+            progress=progress,
         )
     echo(f"Wrote {path}")
 

@@ -9,20 +9,20 @@ if TYPE_CHECKING:
     from lapjoint.solver import Solver
 
 
-def find_motion(problem: Problem, solver: Solver, duration: float) -> History:
+def find_motion(problem: Problem, solver: Solver, duration: float, errors: bool) -> History:
     """The motion from the initial state, with progress shown."""
     from lapjoint.cli.progress import shown_progress
 
     with shown_progress("simulate") as progress:
-        return solver.simulate(problem, duration, progress=progress)
+        return solver.simulate(problem, duration, errors=errors, progress=progress)
 
 
-def find_steady_state(problem: Problem, solver: Solver) -> SteadyState:
+def find_steady_state(problem: Problem, solver: Solver, errors: bool) -> SteadyState:
     """The steady state, with progress shown."""
     from lapjoint.cli.progress import shown_progress
 
     with shown_progress("steady state") as progress:
-        return solver.steady_state(problem, progress=progress)
+        return solver.steady_state(problem, errors=errors, progress=progress)
 
 
 def find_motions(
@@ -46,6 +46,8 @@ def find_motions(
     if beside is not None:
         solvers[arguments.other_name(beside, solvers)] = arguments.named_solver(beside)
     return {
-        name: find_steady_state(this, one).history if duration is None else find_motion(this, one, duration)
+        name: find_steady_state(this, one, False).history
+        if duration is None
+        else find_motion(this, one, duration, False)
         for name, one in solvers.items()
     }

@@ -31,7 +31,28 @@ def together(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
     return decorate
 
 
+LARGE = "lapjoint.large"
+"""Where click's context keeps whether --large was given."""
+
+
+def _keep(context: click.Context, parameter: click.Parameter, value: bool) -> None:
+    context.meta[LARGE] = value
+
+
+def large_allowed() -> bool:
+    """Whether --large was given to the command that runs."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.meta.get(LARGE))
+
+
 problem_options = together(
+    click.option(
+        "--large",
+        is_flag=True,
+        expose_value=False,
+        callback=_keep,
+        help="Allow more than 100 stops, and exports of more than 500 MB or 10 000 files.",
+    ),
     click.option(
         "--set",
         "overrides",
@@ -42,7 +63,7 @@ problem_options = together(
     ),
     click.argument("problem"),
 )
-"""PROBLEM, and --set to change parts of it."""
+"""PROBLEM, --set to change parts of it, and --large to allow what takes long or much room."""
 
 solver_options = together(
     click.option(
@@ -74,6 +95,14 @@ figure_options = together(
     click.option("--figure", metavar="FILE", help="Draw the answer to FILE: .png, .svg or .pdf."),
 )
 """--figure, and --draw to say what it shows."""
+
+errors_option = click.option(
+    "--errors/--no-errors",
+    default=True,
+    show_default=True,
+    help="Estimate the numerical errors too; takes up to as long again.",
+)
+"""--errors, on by default for one problem."""
 
 motion_options = together(
     click.option(

@@ -52,13 +52,18 @@ def print_history(history: History) -> None:
     echo(plain(problem.title) or "Untitled problem")
     echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
     if contacts:
-        echo(f"\n{'stop':<{width}}{'start [s]':>15}{'duration [s]':>15}{'impulse [N s]':>15}{'peak [N]':>13}")
+        heading = f"{'start [s]':>15}{'+-':>10}{'duration [s]':>15}{'impulse [N s]':>15}{'+-':>10}{'peak [N]':>13}"
+        echo(f"\n{'stop':<{width}}{heading}")
     for c in contacts[:ROWS_SHOWN]:
         remark = "  closed at the start" if c.open_start else "  closed at the end" if c.open_end else ""
-        echo(f"{names[c.stop]:<{width}}{c.start:15.9f}{c.duration:15.6g}{c.impulse:15.6g}{c.peak_force:13.5g}{remark}")
+        start = f"{c.start:15.9f}{error_text(c.start_error):>10}"
+        impulse = f"{c.impulse:15.6g}{error_text(c.impulse_error):>10}"
+        echo(f"{names[c.stop]:<{width}}{start}{c.duration:15.6g}{impulse}{c.peak_force:13.5g}{remark}")
     if len(contacts) > ROWS_SHOWN:
         echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
     print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
+    if contacts:
+        print_source(history.error_source)
 
 
 def print_steady_state(found: SteadyState) -> None:
@@ -79,7 +84,22 @@ def print_steady_state(found: SteadyState) -> None:
             echo("Nearby motions come together: it repeats, but after more periods than max_period_multiple")
     if found.acceptance is not None and found.acceptance.sensitive:
         echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
-    print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]")
+    errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
+    print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
+    if found.problem.stops:
+        print_source(found.error_source)
+
+
+def print_source(source: str) -> None:
+    """Print how errors were estimated, or why there are none."""
+    echo(f"Numerical errors (+-): {source}")
+
+
+def error_text(error: float | None) -> str:
+    """An error in two digits; a question mark where none can be stated, nothing where none was estimated."""
+    if error is None:
+        return ""
+    return f"{error:.1e}" if error < float("inf") else "?"
 
 
 def _sensitivity(acceptance: Acceptance) -> str:
@@ -95,13 +115,14 @@ def complex_text(value: complex) -> str:
     return f"{value.real:.6g}{value.imag:+.6g}i" if value.imag else f"{value.real:.6g}"
 
 
-def print_impulses(problem: Problem, impulses: list[float], heading: str) -> None:
-    """Print one impulse for each stop; nothing where there are no stops."""
+def print_impulses(problem: Problem, impulses: list[float], heading: str, errors: list[float] | None = None) -> None:
+    """Print one impulse for each stop, and its error where it was estimated; nothing where there are no stops."""
     if problem.stops:
         echo(f"\n{heading}, top positive")
         names, width = stop_column(problem)
-        for name, stop, impulse in zip(names, problem.stops, impulses, strict=True):
-            echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}")
+        known = [""] * len(impulses) if errors is None else [f"  +- {error_text(error)}" for error in errors]
+        for name, stop, impulse, error in zip(names, problem.stops, impulses, known, strict=True):
+            echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}{error}")
 
 
 def stop_column(problem: Problem) -> tuple[list[str], int]:
@@ -127,6 +148,10 @@ def steady_state_summary(found: SteadyState) -> dict[str, Any]:
         "pushes": None if accepted is None else accepted.pushes,
         "growth": None if accepted is None else accepted.growth,
         "impulses_Ns": dict(zip(found.problem.stop_names, found.impulses.tolist(), strict=True)),
+        "impulse_errors_Ns": None
+        if found.impulse_errors is None
+        else dict(zip(found.problem.stop_names, found.impulse_errors.tolist(), strict=True)),
+        "error_source": found.error_source,
     }
 
 

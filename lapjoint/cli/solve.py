@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lapjoint.cli.motions import find_motion, find_steady_state
-from lapjoint.cli.options import DRAWINGS, FIGURES, figure_options, problem_options, solver_options
+from lapjoint.cli.options import DRAWINGS, FIGURES, errors_option, figure_options, problem_options, solver_options
 
 if TYPE_CHECKING:
     from lapjoint import History
@@ -56,11 +56,13 @@ def modes(
 @solver_options
 @click.option("--duration", type=float, required=True, help="Time to simulate from the initial state, s.")
 @click.option("--contacts", "contacts_path", metavar="FILE", help="Write all contacts to FILE: .csv or .json.")
+@errors_option
 @figure_options
 def simulate(
     problem: str,
     overrides: tuple[str, ...],
     duration: float,
+    errors: bool,
     contacts_path: str | None,
     figure: str | None,
     draw: str | None,
@@ -74,7 +76,7 @@ def simulate(
     arguments.check_duration(duration)
     this = arguments.problem_from(problem, overrides)
     arguments.check_drawing(this, figure, draw)
-    history = find_motion(this, arguments.solver_from(**solver), duration)
+    history = find_motion(this, arguments.solver_from(**solver), duration, errors)
     printing.print_history(history)
     write_results(history, contacts_path, figure, draw)
 
@@ -83,11 +85,13 @@ def simulate(
 @problem_options
 @solver_options
 @click.option("--contacts", "contacts_path", metavar="FILE", help="Write the contacts to FILE: .csv or .json.")
+@errors_option
 @figure_options
 @click.option("--json", "json_path", metavar="FILE", help="Write the impulses to FILE as JSON.")
 def steady(
     problem: str,
     overrides: tuple[str, ...],
+    errors: bool,
     contacts_path: str | None,
     figure: str | None,
     draw: str | None,
@@ -103,7 +107,7 @@ def steady(
     arguments.check_file("--json", json_path)
     this = arguments.problem_from(problem, overrides)
     arguments.check_drawing(this, figure, draw)
-    found = find_steady_state(this, arguments.solver_from(**solver))
+    found = find_steady_state(this, arguments.solver_from(**solver), errors)
     printing.print_steady_state(found)
     write_results(found.history, contacts_path, figure, draw)
     if json_path:

@@ -11,6 +11,7 @@ import _thread
 import os
 import signal
 import sys
+import time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class _Interrupts:
     def _raise_again(self, lost: sys.UnraisableHookArgs) -> None:
         """Where nothing can be raised, as in a destructor, raise it as soon as something can."""
         if isinstance(lost.exc_value, KeyboardInterrupt):
-            _thread.interrupt_main()
+            _thread.start_new_thread(_interrupt_soon, ())
         elif not self._pressed:
             self._unraisable(lost)
 
@@ -53,6 +54,12 @@ class _Interrupts:
             return
         print("lapjoint: interrupted", file=sys.stderr, flush=True)
         os._exit(INTERRUPTED)
+
+
+def _interrupt_soon() -> None:
+    """Interrupt the main thread when it has left the code in which the first interrupt was lost."""
+    time.sleep(0.01)
+    _thread.interrupt_main()
 
 
 def main() -> None:

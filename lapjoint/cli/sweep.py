@@ -39,6 +39,9 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
 @click.option(
     "--sensitivity", is_flag=True, help="Measure how much deviations grew on the way too; takes about as long again."
 )
+@click.option(
+    "--errors", is_flag=True, help="Estimate the numerical errors of the impulses too; takes less than as long again."
+)
 @click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
 @click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
 @click.option("--force", is_flag=True, help="Throw away another sweep that is in FILE.")
@@ -58,6 +61,7 @@ def sweep(
     starts: int,
     seed: int,
     sensitivity: bool,
+    errors: bool,
     workers: int,
     scheduler: str | None,
     force: bool,
@@ -74,7 +78,7 @@ def sweep(
     axes = arguments.axes_from(first, last, step, fields)
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
-    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity)
+    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors)
     there = stored(plan, out, force=force)
     if there is None:
         with shown_points("sweep") as progress:

@@ -58,7 +58,7 @@ class FiniteDifferences:
         See `lapjoint.orbits.Follows.followed`.
         """
         now, points, growth = start, [], np.zeros(periods)
-        impulses, switches = np.zeros(len(self.map.problem.stops)), 0
+        impulses, switches = np.zeros((periods, len(self.map.problem.stops))), 0
         for i in range(periods):
             passage = self.map.march(now, 2)
             length = _SMALL * max(self.map.size(now), self.map.size(passage.end), np.finfo(float).tiny)
@@ -68,7 +68,7 @@ class FiniteDifferences:
             size = self.map.norm(deviation)
             growth[i] = math.log(max(size, np.finfo(float).tiny) / length)
             deviation = deviation / max(size, np.finfo(float).tiny)
-            impulses += passage.impulses
+            impulses[i] = passage.impulses
             switches += passage.switches
             points.append(now)
         return Followed(tuple(points), impulses, switches, growth, deviation)

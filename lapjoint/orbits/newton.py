@@ -63,7 +63,7 @@ class Orbit:
         order = np.argsort(-np.abs(values), kind="stable")
         return values[order].astype(complex), vectors[:, order].astype(complex)
 
-    @property
+    @cached_property
     def leading(self) -> complex:
         """The multiplier of largest modulus."""
         return complex(self.spectrum[0][0]) if self.spectrum[0].size else 0.0

@@ -300,7 +300,7 @@ class Followed:
     points: tuple[SectionPoint, ...]
     """The section point after each period, as many as periods."""
     impulses: FloatArray
-    """Impulse of each stop over the whole march, N s, top positive, bottom negative, shape ``(stops,)``."""
+    """Impulse of each stop over each period, N s, top positive, bottom negative, shape ``(periods, stops)``."""
     switches: int
     """How often a stop opened or closed."""
     growth: FloatArray

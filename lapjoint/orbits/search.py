@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lapjoint.answers.steady_state import Acceptance, Outcome, SectionPoint
-from lapjoint.orbits.exponent import exponent_of, largest_growth
+from lapjoint.orbits.exponent import exponent_of, largest_growth, standard_error
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
@@ -371,9 +371,10 @@ class Search:
         """
         if now.outcome is not Outcome.APERIODIC or self._stable_known:
             return self._stable_known and now.outcome is Outcome.APERIODIC
-        last, apart = points[-_WATCHED:], self._half_periods.apart
+        last, map_ = points[-_WATCHED:], self._map
+        sizes = [max(map_.size(point), float(np.finfo(float).tiny)) for point in last]
         nearly = [
-            (apart(last[i + multiple], last[i]), i, multiple)
+            (map_.norm(map_.difference(last[i + multiple], last[i])) / sizes[i], i, multiple)
             for multiple in range(1, _FEW + 1)
             for i in range(0, len(last) - multiple, multiple)
         ]
@@ -398,6 +399,7 @@ class Search:
             point=found.points[-1],
             breadth=breadth,
             residual=residual,
-            impulses=found.impulses / periods,
+            impulses=found.impulses.mean(axis=0),
+            standard_errors=np.array([standard_error(impulses) for impulses in found.impulses.T]),
         )
         return wandering, found.points

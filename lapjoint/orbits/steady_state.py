@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.newton import Orbit
+from lapjoint.orbits.orbit_errors import FinerMap, orbit_errors
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, MULTIPLES_AT_A_LOOK, Effort, Found, Search
+from lapjoint.orbits.wandering import Wandering
 from lapjoint.problem import StepLoad
 from lapjoint.solver import Progress
 
@@ -21,6 +26,8 @@ def find_steady_state(
     effort: Effort,
     *,
     start: SectionPoint | None = None,
+    finer: Callable[[], FinerMap] | None = None,
+    errors: bool = True,
     progress: Progress | None = None,
 ) -> SteadyState:
     """The motion that remains when a march has settled, with its certificate.
@@ -36,6 +43,10 @@ def find_steady_state(
     start : SectionPoint, optional
         Where to begin instead of at the problem's initial state: a section point of the same solver, of this or a
         neighbouring problem.
+    finer : callable, optional
+        Gives the period map of a finer self of the solver; without it the errors of a periodic motion are unknown.
+    errors : bool
+        Whether to estimate the errors of the impulses and of the contacts.
     progress : callable, optional
         Called with the periods marched, and the most allowed.
 
@@ -54,7 +65,22 @@ def find_steady_state(
     begin = period_map.initial() if start is None else period_map.adopted(start)
     first_look = FIRST_LOOK if start is None else FIRST_LOOK_NEAR
     found = Search(period_map, effort, progress).run(begin, min(first_look, effort.max_periods))
-    return _certified(period_map, solver, found, effort)
+    steady = _certified(period_map, solver, found, effort)
+    return _with_errors(steady, found.motion, finer) if errors else steady
+
+
+def _with_errors(steady: SteadyState, motion: Orbit | Wandering, finer: Callable[[], FinerMap] | None) -> SteadyState:
+    """The same with its errors: from a finer self of the solver, or of a mean over what does not repeat."""
+    if isinstance(motion, Wandering):
+        source = f"standard error of the mean over {motion.exponent.periods} periods"
+        unknown = "unknown: the motion does not repeat, and a finer one makes other contacts"
+        history = replace(steady.history, error_source=unknown)
+        return replace(steady, history=history, impulse_errors=motion.standard_errors, error_source=source)
+    if finer is None:
+        source = "unknown: the solver has no finer self to compare with"
+        return replace(steady, history=replace(steady.history, error_source=source), error_source=source)
+    found = orbit_errors(motion, steady.history, finer)
+    return replace(steady, history=found.history, impulse_errors=found.impulses, error_source=found.source)
 
 
 def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort) -> SteadyState:

@@ -30,6 +30,8 @@ class Wandering:
     """How closely its last points repeat, over their size, at the best period multiple."""
     impulses: FloatArray
     """Mean impulse of each stop over one excitation period, N s, shape ``(stops,)``."""
+    standard_errors: FloatArray
+    """Standard errors of these means, with the correlation from period to period, N s, shape ``(stops,)``."""
 
     def confirms(self, before: Wandering) -> bool:
         """Whether this shows what the stretch before it showed, so that more would tell nothing new.

@@ -10,6 +10,7 @@ import difflib
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -198,9 +199,15 @@ def _requirement(fault: ErrorDetails) -> str:
     return fault["msg"].replace("Input should be", "must be")
 
 
+@cache
+def _schema_of(model: type[BaseModel]) -> Mapping[str, Any]:
+    """The JSON Schema of a model, made once: that takes longer than everything else."""
+    return model.model_json_schema()
+
+
 def _schema_at(model: type[BaseModel], loc: Sequence[int | str]) -> Mapping[str, Any]:
     """The part of the JSON Schema that describes the value at a validator's location."""
-    schema: Mapping[str, Any] = model.model_json_schema()
+    schema = _schema_of(model)
     definitions = schema.get("$defs", {})
 
     def resolved(part: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -17,7 +17,9 @@ import errno
 import os
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -35,6 +37,10 @@ from lapjoint.solver import Progress
 
 ROOM = 1_000_000
 """Bytes that an export leaves free on a disk, for what the formats write besides the values."""
+MOST_BYTES, MOST_FILES = 500_000_000, 10_000
+"""Size and number of the files of a motion beyond which they are written only on demand: a folder of a day's work."""
+SAMPLED = 16
+"""Number of frames that are written to learn the size of all."""
 Format = Literal["pvd", "vtkhdf", "xdmf"]
 
 
@@ -47,6 +53,8 @@ def export_motion(
     frames: int | None = None,
     tolerance: float | None = None,
     points: int = 81,
+    large: bool = False,
+    say: Callable[[str], None] | None = None,
     progress: Progress | None = None,
 ) -> Path:
     """Write a motion, or several side by side, as a time series for ParaView and other programs.
@@ -70,6 +78,10 @@ def export_motion(
         `lapjoint.scene.frame_times.chosen_times` explains.
     points : int
         Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+    large : bool
+        Whether the files may have more than `MOST_BYTES` in all, or be more than `MOST_FILES`.
+    say : callable, optional
+        Called with a sentence on the size of the files, before any is written.
     progress : callable, optional
         Called now and then with the number of frames done and the number of all.
 
@@ -81,7 +93,7 @@ def export_motion(
     Raises
     ------
     InputError
-        If a parameter is out of its range.
+        If a parameter is out of its range, or the files would be larger than is allowed.
     OutputError
         If the files cannot be written.
     """
@@ -89,7 +101,8 @@ def export_motion(
     scene = motion_scene(motion, points)
     t = chosen_times(histories, times=times, frames=frames, tolerance=tolerance)
     note = f"{histories[0].problem.title or 'motion'}; {', '.join(h.solver for h in histories)}; SI units, time in s"
-    return _write(scene, t, directory, "motion", note, format, progress)
+    check = partial(_check_size, scene, t, kind=format, large=large, say=say)
+    return _write(scene, t, directory, "motion", note, format, progress, check)
 
 
 def export_modes(
@@ -152,6 +165,36 @@ def _file_names(problem: Problem, modes: Sequence[Modes]) -> list[str]:
     return names
 
 
+def _check_size(
+    scene: Scene, times: FloatArray, folder: Path, kind: Format, large: bool, say: Callable[[str], None] | None
+) -> None:
+    """Say how large the files of a series will be, and refuse too large ones, from what a few of its frames take."""
+    sampled = times[:: -(-times.size // SAMPLED)]
+    with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as name:
+        _writer(kind)(scene, _blocks_with_room(scene, sampled, folder, None), Path(name), "sample", "")
+        sizes = [file.stat().st_size for file in Path(name).rglob("*") if file.is_file()]
+    files = 1 + (len(sizes) - 1) * times.size // sampled.size if kind == "pvd" else len(sizes)
+    size = sum(sizes) * times.size / sampled.size
+    amount = f"{times.size} times in {files} file{'s' if files > 1 else ''}, about {size / 1e6:.3g} MB"
+    if say is not None:
+        say(amount)
+    if not large and (size > MOST_BYTES or files > MOST_FILES):
+        limit = f"{MOST_BYTES / 1e6:.0f} MB or {MOST_FILES} files"
+        raise InputError(
+            f"export: {amount}; more than {limit} are written only with --large (large=True); "
+            "fewer frames or points, or another format, make less"
+        )
+
+
+def _writer(kind: Format) -> Callable[[Scene, Iterator[Block], Path, str, str], Path]:
+    """The function that writes a format."""
+    from lapjoint.scene.pvd import write_pvd
+    from lapjoint.scene.vtkhdf import write_vtkhdf
+    from lapjoint.scene.xdmf import write_xdmf
+
+    return {"pvd": write_pvd, "vtkhdf": write_vtkhdf, "xdmf": write_xdmf}[kind]
+
+
 def _write(
     scene: Scene,
     times: FloatArray,
@@ -160,18 +203,17 @@ def _write(
     note: str,
     kind: Format,
     progress: Progress | None,
+    check: Callable[[Path], None] | None = None,
 ) -> Path:
+    """Write the files of a series, when `check` has raised nothing about the folder that they will be in."""
     if kind not in get_args(Format):
         raise InputError(f"format = {kind!r}: allowed are {', '.join(get_args(Format))}")
-    from lapjoint.scene.pvd import write_pvd
-    from lapjoint.scene.vtkhdf import write_vtkhdf
-    from lapjoint.scene.xdmf import write_xdmf
-
-    write = {"pvd": write_pvd, "vtkhdf": write_vtkhdf, "xdmf": write_xdmf}[kind]
     folder = Path(directory)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return write(scene, _blocks_with_room(scene, times, folder, progress), folder, name, plain(note))
+        if check is not None:
+            check(folder)
+        return _writer(kind)(scene, _blocks_with_room(scene, times, folder, progress), folder, name, plain(note))
     except OSError as error:
         raise unwritable(folder, error) from None
 

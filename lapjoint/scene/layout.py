@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -58,8 +59,12 @@ class Layout:
         """Position of each stop across the beam, m, shape ``(stops,)``; stops at one position stand side by side."""
         stops = self.problem.stops
         places = [(stop.x, stop.sign) for stop in stops]
-        number = np.array([places[:i].count(place) for i, place in enumerate(places)], dtype=float)
-        count = np.array([places.count(place) for place in places], dtype=float)
+        counted: Counter[tuple[float, int]] = Counter()
+        number = np.zeros(len(places))
+        for i, place in enumerate(places):
+            number[i] = counted[place]
+            counted[place] += 1
+        count = np.array([counted[place] for place in places], dtype=float)
         across: FloatArray = self.breadth * ((number + 0.5) / count - 0.5)
         return across
 

@@ -127,6 +127,7 @@ def _fill(grid: Any, block: Block, place: int, at: int, scene: Scene) -> None:
 
 
 def _write(grid: Any, path: Path) -> None:
+    from vtkmodules.vtkCommonCore import vtkObject
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
     writer = vtkXMLUnstructuredGridWriter()
@@ -134,5 +135,11 @@ def _write(grid: Any, path: Path) -> None:
     writer.SetFileName(str(path))
     writer.SetDataModeToBinary()
     writer.SetCompressorTypeToZLib()
-    if not writer.Write() or writer.GetErrorCode():
+    shown = vtkObject.GetGlobalWarningDisplay()
+    vtkObject.SetGlobalWarningDisplay(0)  # VTK would print its own account of a disk that is full
+    try:
+        written = writer.Write() and not writer.GetErrorCode()
+    finally:
+        vtkObject.SetGlobalWarningDisplay(shown)
+    if not written:
         raise OSError(errno.EIO, f"VTK could not write {path.name}")

@@ -13,7 +13,7 @@ import pytest
 
 from analytic.march import Coordinates, Joint, known_states, march, modal_state, tables
 from analytic.march.initial_state import started
-from analytic.modes import normal_modes
+from analytic.modes import mode_count, normal_modes
 from analytic.published import joint as published
 from lapjoint import Problem, paper_joint
 from lapjoint.solver import make_solver
@@ -26,7 +26,7 @@ def forget() -> None:
     """What a fresh process does not know."""
     ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
     ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, published._products)
-    for known in (*ours, normal_modes._exact_modes):
+    for known in (*ours, normal_modes._exact_modes, mode_count._parts):
         known.cache_clear()
 
 
@@ -56,6 +56,21 @@ def test_two_joints_of_one_family_marched_in_turn() -> None:
     both = list(zip(steps(FREQUENCIES[0]), steps(FREQUENCIES[4]), strict=True))
     assert [pair[0] for pair in both] == one
     assert [pair[1] for pair in both] == other
+
+
+def test_states_known_from_other_motions_change_no_bit() -> None:
+    """The memory of a family only grows, and decides only what is filled in beforehand."""
+    one = alone(FREQUENCIES[0])
+    memory = known_states.memory_of(Joint(problem(FREQUENCIES[0]), 9, 7).family, (9, 7))
+    before = memory.known
+    for omega in FREQUENCIES[1:]:
+        list(steps(omega))
+    assert set(before.states) < set(memory.known.states)
+    assert set(before.switches) < set(memory.known.switches)
+    assert list(memory.known.states) == sorted(memory.known.states)
+    assert list(steps(FREQUENCIES[0])) == one
+    memory.known = before  # as if another thread had replaced it: what is lost is only met again
+    assert list(steps(FREQUENCIES[0])) == one
 
 
 @pytest.mark.parametrize("solver", ["analytic", "analytic-published"])

@@ -11,6 +11,8 @@ import analytic
 from analytic.modes.mode_count import most_closed
 from lapjoint import FREE, BaseMotion, Beam, ContactState, ModalDamping, Problem, Stop, Support, paper_joint
 from lapjoint.answers import History
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
 from tests.helpers.population import stiff_joint
 
@@ -135,3 +137,32 @@ def test_most_closed_takes_the_stiffer_side_of_every_position() -> None:
     )
     assert most_closed(cantilever(1.0).replace(stops=stops)) == ContactState((1, 2, 3))
     assert most_closed(cantilever(1.0).replace(stops=())) == FREE
+
+
+def test_eight_two_sided_stops_are_solved() -> None:
+    """They have 6561 contact states, more than are listed."""
+    stops = tuple(
+        Stop(x=0.3 + 0.1 * i, side=side, gap=1e-3 * (0.5 + i % 3), stiffness=500.0)
+        for i in range(8)
+        for side in ("top", "bottom")
+    )
+    history = analytic.Solver().simulate(cantilever(1.0).replace(stops=stops), 1.0)
+    assert len(history.contacts) > 2
+
+
+@pytest.mark.parametrize(
+    ("closed", "coordinates"),
+    [
+        ((7,), np.zeros((2, 4))),
+        ((-1,), np.zeros((2, 4))),
+        ((), np.full((2, 4), np.nan)),
+        ((), np.zeros((3, 4))),
+        ((), np.zeros(4)),
+        ((), np.zeros((2, 0))),
+        ((), np.zeros((2, 4), dtype=complex)),
+        ((), np.array([["a"], ["b"]])),
+    ],
+)
+def test_a_section_point_of_something_else_is_refused(closed: tuple[int, ...], coordinates: np.ndarray) -> None:
+    with pytest.raises(InputError, match="start"):
+        analytic.Solver().steady_state(cantilever(1.0), start=SectionPoint(ContactState(closed), coordinates))

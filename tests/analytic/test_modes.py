@@ -77,6 +77,24 @@ def test_a_matrix_that_is_singular_to_the_last_bit_has_its_null_vector() -> None
     np.testing.assert_allclose(np.abs(vector), np.array([2.0, 1.0, 0.0]) / math.sqrt(5), atol=1e-13)
 
 
+def test_no_rule_of_signs_is_continuous() -> None:
+    """Followed around the spring amid two pins at which the first two frequencies meet, a shape changes its sign."""
+    L, x = BEAM.length, np.linspace(0, BEAM.length, 41)
+    pins = tuple(Support(x=at, translational=math.inf) for at in (0.0, L))
+    crossing = 4 * (2 * math.pi) ** 3 / math.tanh(math.pi) * BEAM.EI / L**3
+    followed: list[np.ndarray] = []
+    for angle in np.linspace(0.0, 2 * math.pi, 49):
+        stiffness, place = crossing * math.exp(0.5 * math.cos(angle)), L / 2 + 0.04 * L * math.sin(angle)
+        problem = Problem(beam=BEAM, supports=(*pins, Support(x=place, translational=stiffness)))
+        modes = exact_modes(problem, FREE, 2)
+        assert modes.omega[1] > 1.01 * modes.omega[0]
+        shapes = modes.shapes(x)
+        overlap = (followed[-1] * shapes).sum(axis=1) if followed else np.ones(2)
+        assert np.all(np.abs(overlap) > 0.5)
+        followed.append(shapes * np.sign(overlap)[:, None])
+    np.testing.assert_allclose(followed[-1], -followed[0], atol=1e-9)
+
+
 def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:
     # (8) by parts: (omega_i^2 - omega_j^2) <Phi_i, Phi_j> = sum of k Phi_i Phi_j over the stops that differ.
     problem = paper_joint()

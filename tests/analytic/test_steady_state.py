@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic.march import Coordinates, Joint, carried, march, monodromy
+from analytic.march import Coordinates, Joint, march, march_linearised
 from analytic.march.initial_state import started
 from analytic.modes.mode_count import default_count, truncation_error
 from lapjoint import ModalDamping, Outcome, ViscousDamping, paper_joint
+from lapjoint.problem import FloatArray
 
 pytestmark = pytest.mark.long_march
 
@@ -38,6 +39,10 @@ def settled(joint: Joint, period: float) -> Coordinates:
     return march(joint, started(joint), 0.0, 60 * period, record=False).end
 
 
+def monodromy(joint: Joint, start: Coordinates, period: float) -> FloatArray:
+    return march_linearised(joint, start, period, np.eye(start.y.size))[1]
+
+
 DAMPINGS = {"modal": ModalDamping(ratio=0.08), "viscous": ViscousDamping(coefficient=2000.0)}
 
 
@@ -46,7 +51,7 @@ def test_monodromy_agrees_with_finite_differences(damping: str) -> None:
     problem, n = paper_joint().replace(damping=DAMPINGS[damping]), 6
     joint, period = Joint(problem, n, n), 2 * math.pi / 515.0
     start = settled(joint, period)
-    M = monodromy(march(joint, start, 0.0, period))
+    M = monodromy(joint, start, period)
     difference = np.zeros_like(M)
     steps = np.concatenate([np.full(n, 1e-8), np.full(n, 1e-5)])
     for i, h in enumerate(steps):
@@ -58,16 +63,17 @@ def test_monodromy_agrees_with_finite_differences(damping: str) -> None:
         difference[:, i] = (ends[0] - ends[1]) / (2 * h)
     np.testing.assert_allclose(M, difference, atol=2e-5 * np.abs(M).max())
     vector = np.random.default_rng(1).standard_normal((2 * n, 1))
-    np.testing.assert_allclose(
-        carried(march(joint, start, 0.0, period), vector), M @ vector, atol=1e-9 * np.abs(M @ vector).max()
-    )
+    end, along = march_linearised(joint, start, period, vector)
+    np.testing.assert_allclose(along, M @ vector, atol=1e-9 * np.abs(M @ vector).max())
+    assert end.y.tobytes() == march(joint, start, 0.0, period).end.y.tobytes()
 
 
 @pytest.mark.parametrize("damping", DAMPINGS)
 def test_the_monodromy_shrinks_volume_by_the_damping_and_the_truncation(damping: str) -> None:
     problem = paper_joint().replace(damping=DAMPINGS[damping])
     joint, period = Joint(problem, 20, 20), 2 * math.pi / 515.0
-    motion = march(joint, settled(joint, period), 0.0, period)
+    start = settled(joint, period)
+    motion = march(joint, start, 0.0, period)
     expected = 0.0
     segments = motion.segments
     for now, after in zip(segments, (*segments[1:], None), strict=True):
@@ -76,7 +82,7 @@ def test_the_monodromy_shrinks_volume_by_the_damping_and_the_truncation(damping:
             # A saltation matrix has the determinant of the map itself times h' after over h' before, which is 1
             # but for the velocity that 20 modes lose: 1e-5 a switch.
             expected += 2 * np.linalg.slogdet(joint.passage(now.state, after.state).S)[1]
-    assert np.linalg.slogdet(monodromy(motion))[1] == pytest.approx(expected, abs=2e-3)
+    assert np.linalg.slogdet(monodromy(joint, start, period))[1] == pytest.approx(expected, abs=2e-3)
 
 
 @pytest.mark.parametrize("omega", [515.0, 2950.0, 5000.0])
@@ -205,3 +211,9 @@ def test_numbers_of_modes_may_differ_between_free_and_contact_states() -> None:
     mixed = analytic.Solver(free_modes=30, contact_modes=18).steady_state(problem)
     both = analytic.Solver(n_modes=30).steady_state(problem)
     np.testing.assert_allclose(mixed.impulses, both.impulses, rtol=2e-5)
+
+
+def test_with_the_most_modes_there_are_no_error_is_stated() -> None:
+    found = analytic.Solver(n_modes=480).simulate(paper_joint(), 1e-3)
+    assert "500 modes are the most" in found.error_source
+    assert all(contact.impulse_error == math.inf for contact in found.contacts)

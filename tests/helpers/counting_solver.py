@@ -63,7 +63,9 @@ class Counting:
 
         return Modes(state, np.arange(1.0, count + 1), shapes)
 
-    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+    def simulate(
+        self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
+    ) -> History:
         raise NotImplementedError
 
     def refined(self, factor: float) -> Counting:
@@ -75,6 +77,7 @@ class Counting:
         *,
         start: SectionPoint | None = None,
         sensitivity: bool = True,
+        errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
         omega = problem.excitation_frequency
@@ -93,7 +96,7 @@ class Counting:
         multipliers = np.array([-0.3 - 0.4j, -0.3 + 0.4j])
         acceptance = Acceptance(section, 8, growth=omega if sensitivity else None)
         found = Outcome.PERIODIC, 1, False, 1e-9, multipliers, None, section, history, impulses, acceptance
-        return SteadyState(problem, self.name, *found)
+        return SteadyState(problem, self.name, *found, impulse_errors=impulses / 1e3 if errors else None)
 
     def _note(self, omega: float, mark: float | None) -> None:
         if "COUNTING_LOG" in os.environ:

@@ -10,7 +10,7 @@ index are cantilevers with one stop at the tip, those of odd index joints with o
   stiffness 3 to 1000; one modal ratio, one per mode, or viscous damping, each ratio 1e-3 to 0.1.
 
 Frequencies, gaps, stiffnesses of stops in cantilevers' range and of springs, and ratios that span more than a decade
-are drawn evenly by their logarithm, the rest evenly.
+are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives them stops of up to 1e6.
 """
 
 from __future__ import annotations
@@ -81,6 +81,14 @@ def joint(seed: int, index: int) -> Problem:
     rng = np.random.default_rng((seed, index))
     problem = random_joint(rng) if index % 2 else random_cantilever(rng)
     return problem.replace(title=f"seed {seed}, index {index}: {problem.title}")
+
+
+def stiffened_joint(seed: int, index: int) -> Problem:
+    """The same problem with stops of any stiffness from 3 to 1e6, drawn evenly by its logarithm; twins stay twins."""
+    problem, rng = joint(seed, index), np.random.default_rng((seed, index, 1))
+    drawn = {place: _between(rng, 3.0, 1e6) for place in dict.fromkeys((stop.x, stop.gap) for stop in problem.stops)}
+    stops = (stop.model_copy(update={"stiffness": drawn[stop.x, stop.gap]}) for stop in problem.stops)
+    return problem.replace(stops=tuple(stops))
 
 
 def random_cantilever(rng: np.random.Generator) -> Problem:

@@ -341,7 +341,9 @@ class Bar:
 
         return Modes(state, np.array([math.sqrt(K / m)]), shapes)
 
-    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
+    def simulate(
+        self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
+    ) -> History:
         """The motion from the initial state."""
         return self.period_map(problem).simulated(duration)
 
@@ -355,11 +357,13 @@ class Bar:
         *,
         start: SectionPoint | None = None,
         sensitivity: bool = True,
+        errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that remains."""
         effort = Effort(self.max_period_multiple, self.max_periods, growth=sensitivity)
-        return find_steady_state(self.period_map(problem), self.name, effort, start=start, progress=progress)
+        period_map = self.period_map(problem)
+        return find_steady_state(period_map, self.name, effort, start=start, errors=errors, progress=progress)
 
 
 def stop_gap(stop: Stop, stretch: Stretch, t: float) -> float:

@@ -69,7 +69,7 @@ def run(level: Level, say: Say) -> CaseResult:
     problem, criteria = from_toml(JOINT), []
     for solver, label in ((analytic.Solver(n_modes=16), "analytic"), (fe_lapjoint.Solver(elements=8), "FE")):
         say(label)
-        history = solver.simulate(problem, DURATION)
+        history = solver.simulate(problem, DURATION, errors=False)
         criteria += witness(history, TOLERANCE, solver.name)
         struck = float(len({contact.stop for contact in history.contacts}))
         criteria.append(Criterion(f"{solver.name}: stops that are struck", "1", struck, 3, 3, "else little is shown"))

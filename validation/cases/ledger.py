@@ -92,7 +92,7 @@ def _paint_phase(axes: Axes, omega: float) -> None:
         ("converged, finite elements", "fe", fe_lapjoint.Solver()),
     )
     for label, colour, solver in solvers:
-        history = solver.steady_state(joint, sensitivity=False).history
+        history = solver.steady_state(joint, sensitivity=False, errors=False).history
         axes.set_prop_cycle(color=[COLOURS[colour]], linestyle=["--" if colour == "fe" else "-"])
         plot_phase_portrait(history, axes, x=TIP, label=label)
         plot_poincare_section(history, axes, x=TIP, label=f"_sections, {label}")

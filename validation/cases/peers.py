@@ -115,7 +115,7 @@ def first_contacts(
     runs: dict[str, list[list[Contact]]] = {}
     for name, (solvers, _, _) in chosen.items():
         say(f"first contacts, {name}")
-        runs[name] = [complete(solver.simulate(problem, duration), CONTACTS) for solver in solvers]
+        runs[name] = [complete(solver.simulate(problem, duration, errors=False), CONTACTS) for solver in solvers]
     every = [run for series in runs.values() for run in series]
     for i in range(min(map(len, every))):
         if len({run[i].stop for run in every}) > 1:
@@ -132,7 +132,7 @@ def first_contacts(
 def duration_of(problem: Problem) -> float:
     """Until the last contact looked at ends, at most some periods of the excitation or the slowest motion, s."""
     longest = PERIODS * longest_period(problem)
-    contacts = complete(analytic.Solver().simulate(problem, longest), CONTACTS)
+    contacts = complete(analytic.Solver().simulate(problem, longest, errors=False), CONTACTS)
     return min(longest, MARGIN * max(c.end for c in contacts)) if len(contacts) == CONTACTS else longest
 
 

@@ -88,8 +88,10 @@ class Solver:
 
         return opensees_answers.modes(self, problem, state, count)
 
-    def simulate(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> History:
-        """The motion from rest over `duration` seconds.
+    def simulate(
+        self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
+    ) -> History:
+        """The motion from rest over `duration` seconds; `errors` is not used, none are estimated.
 
         See `lapjoint.solver.Solver.simulate`.
 
@@ -115,11 +117,13 @@ class Solver:
         *,
         start: SectionPoint | None = None,
         sensitivity: bool = True,
+        errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
         """The motion that a march from rest settles to: the first that comes back to itself; see `repeats`.
 
-        Nothing is certified: there are no Floquet multipliers and no exponent.  `start` and `sensitivity` are not used.
+        Nothing is certified: there are no Floquet multipliers and no exponent, and no errors are estimated.  `start`,
+        `sensitivity` and `errors` are not used.
 
         See `lapjoint.solver.Solver.steady_state`.
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from lapjoint.output_files import write_file
+from lapjoint.plain_text import no_formula
 
 Cell = str | float | None
 FOLDER = "tables"
@@ -48,10 +48,10 @@ class Sheet:
         )
 
     def csv(self) -> str:
-        """Header and rows; numbers that are not finite as inf and nan."""
+        """Header and rows; numbers that are not finite as inf and nan, and no text that a spreadsheet computes."""
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerows([self.columns, *self.rows])
+        writer.writerows([no_formula(cell) for cell in row] for row in (self.columns, *self.rows))
         return out.getvalue()
 
     def json(self) -> str:
@@ -104,31 +104,46 @@ def distinct(names: Sequence[str]) -> list[str]:
 
 
 def write_sheets(sheets: Sequence[Sheet], output: Path) -> None:
-    """Write all sheets into the folder `tables`, and remove those that an earlier report left there.
+    """Write all sheets, and an index of them, into a new folder `tables`.
 
     Parameters
     ----------
     sheets : sequence of Sheet
         Their names are all different.
     output : Path
-        An existing directory.
+        An existing directory, without a folder of that name; see `lapjoint.output_files.completed_series`.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
     """
     folder = output / FOLDER
-    folder.mkdir(exist_ok=True)
-    for name in _left_behind(folder):
-        (folder / name).unlink(missing_ok=True)
+    folder.mkdir()
     for sheet in sheets:
         for name, text in zip(sheet.files, (sheet.csv(), sheet.json()), strict=True):
-            write_file(folder / name, text)
+            (folder / name).write_text(text, encoding="utf-8", newline="")
     index = [{"title": sheet.title, "files": sheet.files} for sheet in sheets]
-    write_file(folder / _INDEX, json.dumps(index, indent=1) + "\n")
+    (folder / _INDEX).write_text(json.dumps(index, indent=1) + "\n", encoding="utf-8", newline="")
+
+
+def remove_sheets(output: Path) -> None:
+    """Remove the sheets that an earlier report left in the folder `tables`.
+
+    Parameters
+    ----------
+    output : Path
+        The directory of the report.
+    """
+    for name in _left_behind(output / FOLDER):
+        (output / FOLDER / name).unlink(missing_ok=True)
 
 
 def _left_behind(folder: Path) -> list[str]:
     try:
         index = json.loads((folder / _INDEX).read_text(encoding="utf-8"))
         names = [str(name) for entry in index for name in entry["files"]]
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return []
     return [name for name in names if re.fullmatch(r"[a-z0-9-]+\.(csv|json)", name)]
 

@@ -10,15 +10,16 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from lapjoint.output_files import write_file
+from lapjoint.output_files import completed_series, unwritable
 from lapjoint.problem import Problem
 from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult
 from validation.report.page import page, views
 from validation.report.records import case_record, kinds_sheet, summary_sheet
-from validation.report.table_files import write_sheets
+from validation.report.table_files import remove_sheets, write_sheets
 from validation.report.uncertainty_budget import overall_sheet
 
+_PAGES = ("report.html", "report.json")
 _PACKAGES = (
     *("lapjoint", "numpy", "scipy", "numba", "scikit-fem", "pydantic", "matplotlib", "jinja2", "meshio", "xarray"),
     *("h5netcdf", "h5py", "threadpoolctl", "click", "rich", "tomli-w"),
@@ -28,7 +29,7 @@ _PACKAGES = (
 def write_reports(
     results: Sequence[CaseResult], level: str, output: Path, seconds: float, problem: Problem | None = None
 ) -> tuple[Path, Path]:
-    """Write the reports into `output`, each file in one move.
+    """Write the reports into `output`; files of an earlier report stay until all new ones are complete.
 
     Parameters
     ----------
@@ -47,6 +48,11 @@ def write_reports(
     -------
     tuple of Path
         ``report.html`` and ``report.json``; the tables are in the folder ``tables`` beside them.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written.
     """
     about: dict[str, Any] = {
         "level": level,
@@ -60,12 +66,16 @@ def write_reports(
         about["problem"] = problem_tables_json(problem)
     shown = views(results)
     overall = {"summary": summary_sheet(results), "kinds": kinds_sheet(results), "budget": overall_sheet(results)}
-    write_sheets([*overall.values(), *(sheet for view in shown for sheet in view.sheets)], output)
-    pages = output / "report.html", output / "report.json"
-    write_file(pages[0], page(shown, overall, about))
     data: dict[str, Any] = {"about": about, "cases": [case_record(result) for result in results]}
-    write_file(pages[1], json.dumps(data, indent=1, allow_nan=False) + "\n")
-    return pages
+    try:
+        with completed_series(output, lambda: remove_sheets(output)) as draft:
+            write_sheets([*overall.values(), *(sheet for view in shown for sheet in view.sheets)], draft)
+            (draft / _PAGES[0]).write_text(page(shown, overall, about), encoding="utf-8", newline="")
+            text = json.dumps(data, indent=1, allow_nan=False) + "\n"
+            (draft / _PAGES[1]).write_text(text, encoding="utf-8", newline="")
+    except OSError as error:
+        raise unwritable(output, error) from None
+    return output / _PAGES[0], output / _PAGES[1]
 
 
 def _version(name: str) -> str:

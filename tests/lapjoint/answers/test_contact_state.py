@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import pytest
 
 from lapjoint import (
@@ -15,6 +17,7 @@ from lapjoint import (
     paper_joint,
     paper_state_number,
 )
+from lapjoint.answers.contact_state import can_be_closed
 
 
 def beam_with(*stops: Stop) -> Problem:
@@ -41,6 +44,20 @@ def test_the_papers_joint_has_its_nine_states_in_its_order() -> None:
         8: "P3 + P4",
         9: "P4 + P5",
     }
+
+
+def test_a_state_can_be_closed_if_it_is_one_of_those_listed() -> None:
+    places = [(0.5, "top", 1e-3), (0.5, "top", 1e-3), (0.5, "bottom", 0.0), (1.0, "top", 2e-3), (1.0, "top", 0.0)]
+    problem = beam_with(*(stop(*place) for place in places))
+    listed = contact_states(problem)
+    subsets = [ContactState(closed) for n in range(6) for closed in combinations(range(5), n)]
+    assert [state for state in subsets if can_be_closed(problem, state)] == list(listed)
+
+
+def test_too_many_states_are_counted_and_not_listed() -> None:
+    many = beam_with(*(stop((i + 1) / 20_000, "top") for i in range(20_000)))
+    with pytest.raises(InputError, match=r"these have some 10\^6021 contact states; at most 4096 can be listed"):
+        contact_states(many)
 
 
 def test_opposite_stops_at_one_place_never_close_together() -> None:

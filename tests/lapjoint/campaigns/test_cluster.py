@@ -20,7 +20,7 @@ from counting_solver import installed
 
 from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, SolverError
 
 pytest.importorskip("distributed")
 JOINT = paper_joint()
@@ -28,8 +28,8 @@ AXES = [Axis(FREQUENCY, range(100, 140))]
 
 
 @pytest.fixture
-def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int]]]:
-    """Address of a scheduler, and the process groups of its two workers (each a nanny and its child)."""
+def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int], int]]:
+    """Address of a scheduler, the process groups of its two workers (each a nanny and its child), and its own."""
     folder = tmp_path / "package"
     folder.mkdir()
     monkeypatch.setenv("PYTHONPATH", installed(folder))
@@ -45,10 +45,10 @@ def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[s
         return processes[-1].pid
 
     try:
-        begin("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
+        scheduler = begin("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
         workers = [begin("dask_worker", "--nthreads", "1", "--host", "127.0.0.1") for _ in range(2)]
         monkeypatch.delenv("COUNTING_SECONDS")
-        yield address(where), workers
+        yield address(where), workers, scheduler
     finally:
         for process in processes:
             kill_group(process.pid)
@@ -72,9 +72,9 @@ def kill_group(group: int) -> None:
 
 @pytest.mark.parametrize("start", ["rest", "up"])
 def test_a_cluster_that_loses_a_worker_finds_what_one_process_finds(
-    start: Any, cluster: tuple[str, list[int]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    start: Any, cluster: tuple[str, list[int], int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scheduler, workers = cluster
+    scheduler, workers, _ = cluster
     killers: list[threading.Timer] = []
 
     def kill_one(done: float, total: float) -> None:
@@ -88,7 +88,7 @@ def test_a_cluster_that_loses_a_worker_finds_what_one_process_finds(
     xr.testing.assert_identical(found, sweep(JOINT, AXES, **given))
 
 
-def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: tuple[str, list[int]]) -> None:
+def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: tuple[str, list[int], int]) -> None:
     axes = [Axis(FREQUENCY, range(100, 104))]
     found = sweep(JOINT, axes, solver="counting", options={"dies_at": 102.0}, scheduler=cluster[0])
     assert found.outcome.values.tolist() == [1, 1, -1, 1]
@@ -99,3 +99,33 @@ def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"needs the package distributed; install it with pip install 'lapjoint"):
         sweep(JOINT, AXES, scheduler="tcp://127.0.0.1:8786", options={"n_modes": 4})
+
+
+@pytest.mark.parametrize("address", ["", "x://y", "tcp://", "tcp://a:b:c", "tls://127.0.0.1:1", "tcp://127.0.0.1:1"])
+def test_an_address_that_is_none_is_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lapjoint.campaigns.cluster.REACHED", 0.2)
+    with pytest.raises(InputError, match="cannot be reached"):
+        sweep(JOINT, AXES, scheduler=address, options={"n_modes": 4})
+
+
+@pytest.mark.parametrize(
+    ("lost", "message"),
+    [
+        ("workers", r"all workers of the scheduler are gone, and none came in 2 s; \d+ of 40 points are kept in"),
+        ("scheduler", r"the connection to it was lost; \d+ of 40 points are kept in .*; the same command resumes"),
+    ],
+)
+def test_a_cluster_that_dies_ends_the_sweep_with_a_message(
+    lost: str, message: str, cluster: tuple[str, list[int], int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lapjoint.campaigns.cluster.ALONE", 2.0)
+    monkeypatch.setattr("lapjoint.campaigns.cluster.LOOK", 0.5)
+    address, workers, scheduler = cluster
+
+    def kill_all(done: float, total: float) -> None:
+        if done >= 5:
+            for group in workers if lost == "workers" else [scheduler]:
+                kill_group(group)
+
+    with pytest.raises(SolverError, match=message):
+        sweep(JOINT, AXES, solver="counting", scheduler=address, out=tmp_path / "curve.nc", progress=kill_all)

@@ -82,6 +82,14 @@ def test_growth_on_the_way_is_measured_only_if_asked(counting: Path) -> None:
     xr.testing.assert_equal(without, asked_for.drop_vars("growth"))
 
 
+def test_errors_are_estimated_only_if_asked(counting: Path) -> None:
+    without, asked_for = (sweep(JOINT, [FREQUENCIES], errors=yes, **counted()) for yes in (False, True))
+    assert "impulse_error" not in without
+    np.testing.assert_array_equal(asked_for.impulse_error, asked_for.impulse / 1e3)
+    assert asked_for.impulse_error.units == "N s"
+    xr.testing.assert_equal(without, asked_for.drop_vars("impulse_error"))
+
+
 @pytest.mark.parametrize("mapper", [map, "threads"])
 def test_a_callable_like_map_does_the_work(mapper: Any, counting: Path) -> None:
     with ThreadPool(2) as threads:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -15,10 +16,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Outcome, Problem, SteadyState, paper_joint, read_problem
+from lapjoint import FREE, ContactState, Outcome, Problem, SteadyState, Stop, paper_joint, read_problem
 from lapjoint.answers import Exponent
 from lapjoint.cli.main import main
 from lapjoint.cli.options import DRAWINGS
+from lapjoint.cli.printing import error_text
 from lapjoint.cli.progress import duration_text, lines_of_progress, lines_with_time_left
 from lapjoint.errors import SolverError
 from lapjoint.problem.example import commented_example
@@ -83,8 +85,24 @@ def test_simulate_prints_and_writes_the_contacts(tmp_path: Path) -> None:
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["impulse_Ns"]) for row in rows] == [contact.impulse for contact in history.contacts]
+    assert [float(row["impulse_error_Ns"]) for row in rows] == [contact.impulse_error for contact in history.contacts]
     assert f"{len(rows)} contacts" in printed
+    first = history.contacts[0]
+    assert f"{first.start:15.9f}{first.start_error:10.1e}" in printed
+    assert f"{first.impulse:15.6g}{first.impulse_error:10.1e}" in printed
+    assert f"Numerical errors (+-): {history.error_source}" in printed
     assert figure.stat().st_size > 1000
+
+
+def test_errors_are_left_out_if_asked() -> None:
+    for command in (("simulate", PAPER, "--duration", "0.02"), ("steady", PAPER)):
+        printed = run_well(*command, *FEW, "--no-errors")
+        assert "Numerical errors (+-): no errors were estimated" in printed
+    assert printed.count("+-") == 1
+
+
+def test_an_error_that_cannot_be_stated_is_a_question_mark() -> None:
+    assert [error_text(error) for error in (None, 1.23e-5, math.inf)] == ["", "1.2e-05", "?"]
 
 
 @pytest.mark.parametrize("drawing", DRAWINGS)
@@ -123,6 +141,10 @@ def test_steady_prints_the_impulse_of_every_stop(tmp_path: Path) -> None:
     ] == (exact.multipliers.tolist())
     assert "Floquet multipliers" in printed
     assert all(name in printed for name in ("P2", "P3", "P4", "P5"))
+    assert exact.impulse_errors is not None
+    assert list(content["impulse_errors_Ns"].values()) == exact.impulse_errors.tolist()
+    assert f"{exact.impulses[2]:14.8g}  +- {exact.impulse_errors[2]:.1e}" in printed
+    assert exact.error_source in printed
 
 
 def test_values_of_a_problem_are_changed_on_the_command_line(tmp_path: Path) -> None:
@@ -168,6 +190,68 @@ def test_show_says_what_it_wrote(output: str, tmp_path: Path, monkeypatch: pytes
     assert printed == f"Wrote {tmp_path / output}\n"
     assert (drawn[0].size, drawn[0].label) == ((300, 200), "velocity [m/s]")
     assert len(drawn[0].captions) == (1 if output == "x.png" else 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("a+b", "several ways; put each name in quotes, as in "),
+        ('"a+b"', "a+b  "),
+        ('"a"+"b"', "a + b  "),
+        ("b + a+b", "several ways"),
+        ("c+d+a", "a + c+d  "),
+        ('"free"', "free  "),
+        ("free", "free  "),
+        ("a+c", "there is no such state"),
+    ],
+)
+def test_stops_whose_names_hold_a_plus_are_chosen(text: str, expected: str, tmp_path: Path) -> None:
+    path = tmp_path / "problem.toml"
+    stops = [Stop(name=name, x=0.5 + 0.1 * i, side="top", gap=1e-3, stiffness=1e5) for i, name in enumerate(NAMES)]
+    path.write_text(to_toml(paper_joint().replace(stops=tuple(stops))))
+    result = run("modes", path, "--state", text, "--count", "2", *FEW)
+    if result.exit_code:
+        assert_refused(result, expected)
+    else:
+        line = result.stdout.splitlines()[1]
+        assert line.startswith(expected)
+        free = run_well("modes", path, "--state", "free", "--count", "2", *FEW).split()[-1]
+        assert (line.split()[-1] == free) == (text == "free")
+
+
+NAMES = ("a", "b", "a+b", "c+d", "free")
+
+
+@pytest.mark.parametrize("command", ["modes", "steady"])
+def test_many_stops_are_taken_only_when_asked_for(command: str, tmp_path: Path) -> None:
+    path = tmp_path / "problem.toml"
+    stop = '[[stops]]\nx = 0.5\nside = "top"\ngap = 0.0\nstiffness = 1.0\n'
+    path.write_text(to_toml(paper_joint().replace(stops=())) + 101 * stop)
+    assert_refused(run(command, path), "stops: there are 101; more than 100 are taken only with --large")
+    assert run_well("modes", path, "--large", "--count", "1", *FEW).startswith("Natural")
+
+
+def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_path: Path) -> None:
+    evil, formula = "\x1b[2J\x9b31m\x07\u202e", "=HYPERLINK(1)"
+    names = (evil, formula, "-1", "+x")
+    stops = [stop.model_copy(update={"name": name}) for stop, name in zip(paper_joint().stops, names, strict=True)]
+    path, table = tmp_path / "problem.toml", tmp_path / "contacts.csv"
+    path.write_text(to_toml(paper_joint().replace(stops=tuple(stops), title=evil)))
+    results = [
+        run("simulate", path, "--duration", "0.03", *FEW, "--contacts", table),
+        run("modes", path, "--count", "1", *FEW),
+        run("modes", path, "--state", "nothing"),
+        run("modes", path, "--set", f'"{evil}"=1'),
+        run("modes", path, "--set", f"stops.{evil}.gap=-1"),
+        run("modes", tmp_path / "\x1b[31m.toml"),
+        run(evil),
+    ]
+    for result in results:
+        assert all(sign.isprintable() or sign == "\n" for sign in result.output), result.output
+    with table.open(newline="") as file:
+        written = {row["stop"] for row in csv.DictReader(file)}
+    assert {f"'{formula}", "-1", "'+x"} & written
+    assert not {formula, "+x"} & written
 
 
 def problem_file(tmp_path: Path, change: str = "", to: str = "") -> Path:
@@ -284,6 +368,7 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("unknown case", ("validate", "--case", "magic"), "magic"),
     ("no such peer", ("validate", "--peers", "magic"), "--peers magic: solver = 'magic' is not installed"),
     ("a case without its peers", ("validate", "--case", "peers"), "--peers opensees"),
+    ("changes to nothing", ("validate", "--set", "stops.*.gap=1"), "--set: it changes a PROBLEM, and none is given"),
     ("no such file to validate", ("validate", "missing.toml"), "missing.toml: cannot be read"),
     ("nothing swept", (*NOWHERE, "--out", "c.nc"), "nothing is swept; give --from and --to, or --over"),
     ("half a range", (*NOWHERE, "--out", "c.nc", "--from", "1"), "--to: is missing"),

@@ -25,7 +25,8 @@ def test_names_and_numbers_stand_apart(history: History, capsys: pytest.CaptureF
     start = head.index("start [s]") + len("start [s]")
     assert first[:start].split()[-1] == f"{history.contacts[0].start:.9f}"
     assert first[:NAME_SHOWN].split("  ")[0].rstrip() in (name.replace("\n", " "), "Upper elastome…t bracket")
-    impulses = lines[-2:]
+    impulses, source = lines[-3:-1], lines[-1]
+    assert source == "Numerical errors (+-): no errors were estimated"
     assert len({line.index("x = ") for line in impulses}) == 1
     assert all(line[line.index("x = ") - 1] == " " for line in impulses)
 

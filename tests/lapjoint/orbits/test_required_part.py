@@ -155,6 +155,20 @@ def test_chaos_is_certified_by_the_exponent_of_two_marches_side_by_side(chaos: S
     assert chaos.exponent.positive
 
 
+def test_the_mean_impulse_of_chaos_carries_its_standard_error(chaos: SteadyState) -> None:
+    assert chaos.impulse_errors is not None
+    assert "standard error of the mean" in chaos.error_source
+    map_, point, means = Bar().period_map(CHAOTIC), chaos.section_point, []
+    for _ in range(4):
+        passage = map_.march(point, 2 * 250)
+        point = passage.end
+        means.append(passage.impulses[0] / 250)
+    # Stretches of 250 periods scatter at least as much as one of twice the length; five errors are as good as certain.
+    assert 0 < chaos.impulse_errors[0] < 2 * np.std(means, ddof=1)
+    both = math.hypot(chaos.impulse_errors[0], np.std(means, ddof=1) / math.sqrt(4))
+    assert abs(np.mean(means) - chaos.impulses[0]) <= 5 * both
+
+
 def test_the_exponent_of_two_marches_is_that_of_the_saltation_matrices(chaos: SteadyState) -> None:
     """Flow of a deviation in closed form; at a switch of a continuous force it passes as it is."""
     map_ = Bar().period_map(CHAOTIC)
@@ -199,7 +213,7 @@ def test_deviations_that_are_followed_grow_as_the_matrix_says() -> None:
     assert followed.deviation == pytest.approx(deviation, abs=1e-5)
     assert len(followed.points) == 3
     assert followed.switches == map_.march(found.section_point, 6).switches
-    assert followed.impulses == pytest.approx(map_.march(found.section_point, 6).impulses, rel=1e-12)
+    assert followed.impulses.sum(axis=0) == pytest.approx(map_.march(found.section_point, 6).impulses, rel=1e-12)
 
 
 def test_the_derivative_by_differences_is_that_of_the_closed_form() -> None:

@@ -67,7 +67,7 @@ def test_what_is_followed_ends_at_the_bits_of_the_march(solver: str) -> None:
     for periods in (1, 3, 6):
         assert same(followed.points[periods - 1], map_.march(point, 2 * periods).end)
     passage = map_.march(point, 12)
-    assert followed.impulses == pytest.approx(passage.impulses, rel=1e-12)
+    assert followed.impulses.sum(axis=0) == pytest.approx(passage.impulses, rel=1e-12)
     assert followed.switches == passage.switches > 0
     assert map_.norm(followed.deviation) == pytest.approx(1.0)
 
@@ -77,7 +77,7 @@ def test_simulate_ends_each_period_at_the_bits_of_the_search(solver: str) -> Non
     """Its history shows the same displacement and velocity at each end of a period, to rounding of the evaluation."""
     problem, periods = JOINTS[solver], 6
     map_ = SOLVERS[solver].period_map(problem)
-    marched = SOLVERS[solver].simulate(problem, periods * map_.period)
+    marched = SOLVERS[solver].simulate(problem, periods * map_.period, errors=False)
     recorded = map_.history(map_.initial(), periods)
     assert np.array_equal(marched.switch_times, recorded.switch_times)
     assert marched.states == recorded.states
@@ -293,7 +293,7 @@ def test_what_a_measurement_shows() -> None:
 def test_a_stretch_confirms_the_one_before_where_both_show_the_same() -> None:
     def stretch(outcome: Outcome, value: float) -> Wandering:
         point = SectionPoint(Bar().period_map(bar(1.0, (0.5, 1.0))).initial().state, np.zeros((2, 1)))
-        return Wandering(outcome, exponent(value), point, 0.5, 0.5, np.zeros(1))
+        return Wandering(outcome, exponent(value), point, 0.5, 0.5, np.zeros(1), np.zeros(1))
 
     chaos, torus = stretch(Outcome.APERIODIC, 1.0), stretch(Outcome.QUASIPERIODIC, 0.0)
     dying, unclear = stretch(Outcome.UNDECIDED, -1.0), stretch(Outcome.UNDECIDED, 0.2)

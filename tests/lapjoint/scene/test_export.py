@@ -12,6 +12,7 @@ import pytest
 
 from lapjoint import FREE, Circle, ContactState, History, InputError, Material, Rectangle, Tube, paper_joint
 from lapjoint.answers import Modes
+from lapjoint.errors import OutputError
 from lapjoint.problem.beam import Beam, Section
 from lapjoint.scene import export_modes, export_motion
 from lapjoint.scene.scene import Scene, motion_scene
@@ -343,7 +344,7 @@ def test_bad_arguments_are_refused(history: History, tmp_path: Path, arguments: 
 def test_a_directory_that_cannot_be_made_is_refused(history: History, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for kind in FORMATS:
-        with pytest.raises(InputError, match="cannot be written"):
+        with pytest.raises(OutputError, match="cannot be written"):
             export_motion(history, tmp_path / "file" / "out", format=kind)  # type: ignore[arg-type]
 
 
@@ -375,9 +376,42 @@ def test_a_full_disk_is_said_before_it_is_met(
     from lapjoint.scene import export
 
     monkeypatch.setattr(export, "ROOM", 10**18)
-    with pytest.raises(InputError, match="No space left"):
+    with pytest.raises(OutputError, match="No space left"):
         export_motion(solid, tmp_path / "out", format=kind)
     assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_the_size_is_said_first_and_a_large_one_refused_unless_asked_for(
+    solid: History, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from lapjoint.scene import export
+
+    for kind in FORMATS:
+        said: list[str] = []
+        export_motion(solid, tmp_path / kind, format=kind, frames=60, say=said.append)
+        files = [file for file in (tmp_path / kind).rglob("*") if file.is_file()]
+        size = sum(file.stat().st_size for file in files) / 1e6
+        number, _, told = said[0].partition(" files, about " if kind != "vtkhdf" else " file, about ")
+        assert int(number.split()[-1]) == len(files)
+        assert size / 3 < float(told.split()[0]) < 3 * size
+    monkeypatch.setattr(export, "MOST_FILES", 20)
+    there = files_in(tmp_path / "pvd")
+    with pytest.raises(InputError, match="more than 500 MB or 20 files are written only with --large"):
+        export_motion(solid, tmp_path / "pvd", frames=60)
+    assert files_in(tmp_path / "pvd") == there
+    export_motion(solid, tmp_path / "pvd", frames=60, large=True)
+
+
+@pytest.mark.parametrize("in_the_way", ["motion", "motion.pvd", "motion/beam_000000.vtu"])
+def test_what_is_in_the_way_of_a_series_is_left_alone(solid: History, tmp_path: Path, in_the_way: str) -> None:
+    if in_the_way == "motion":
+        (tmp_path / "motion").write_text("mine")
+    else:
+        (tmp_path / in_the_way / "mine").mkdir(parents=True)
+    there = files_in(tmp_path)
+    with pytest.raises(OutputError, match=r"cannot be written: (Is|Not) a directory"):
+        export_motion(solid, tmp_path, frames=2)
+    assert files_in(tmp_path) == there
 
 
 def test_whatever_the_title_says_the_series_can_be_read(solid: History, tmp_path: Path) -> None:

@@ -282,7 +282,7 @@ class TestDrawn:
 
     def test_a_file_that_cannot_be_written_is_said(self, solid: History, tmp_path: Path) -> None:
         (tmp_path / "x.png").mkdir()
-        with pytest.raises(InputError, match="cannot be written"):
+        with pytest.raises(OutputError, match="cannot be written"):
             save_picture(solid, tmp_path / "x.png", look=Look(size=(200, 200)))
         assert [path.name for path in tmp_path.iterdir()] == ["x.png"]
 

@@ -14,9 +14,10 @@ import pytest
 from report_sample import HOSTILE, checks, everything
 
 import validation.report.page
+from lapjoint.errors import OutputError
 from validation.case import CaseResult
 from validation.report.page import sentence, short, significant
-from validation.report.table_files import distinct, slug
+from validation.report.table_files import Sheet, distinct, slug
 from validation.report.uncertainty_budget import shares
 from validation.report.write import write_reports
 from validation.verdict import Check, Estimate, Kind
@@ -198,6 +199,34 @@ def test_short_numbers_are_read_at_a_glance() -> None:
     shown = [short(value) for value in (100.0, 55.3, 0.0123, -1e-9, 2e7, 0.0, math.inf, -math.inf, math.nan)]
     assert shown == ["100", "55", "0.012", "-1e-09", "2e+07", "0", "∞", "-∞", "nan"]
     assert [short(value, 4) for value in (3.9982, 511.685, 12345.6)] == ["3.998", "511.7", "12346"]
+
+
+def test_no_text_of_a_table_is_a_formula() -> None:
+    rows = (("=1+1", "-0.5", -0.5), ("@x", "+x", "- 0.1 ± 0.2"))
+    text = Sheet("a", "A", ("-b", "c", "d"), rows).csv()
+    assert text == "'-b,c,d\n'=1+1,-0.5,-0.5\n'@x,'+x,'- 0.1 ± 0.2\n"
+
+
+def test_a_report_that_cannot_be_written_leaves_the_earlier_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_reports(everything(), "quick", tmp_path, 1.0)
+    there = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+    assert len(there) > 3
+    written = []
+
+    def full(descriptor: int) -> None:
+        written.append(descriptor)
+        if len(written) == 3:
+            raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", full)
+        with pytest.raises(OutputError, match="cannot be written: No space left on device"):
+            write_reports(everything(), "quick", tmp_path, 2.0)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == there
+    write_reports(everything()[:1], "quick", tmp_path, 1.0)
+    assert len(list((tmp_path / "tables").iterdir())) < len(there)
 
 
 def test_names_become_files_safely() -> None:

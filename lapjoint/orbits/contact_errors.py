@@ -1,0 +1,176 @@
+"""Errors of contacts: each is compared with the same contact of a finer self of the solver.
+
+Contacts of two motions are the same if they are contacts of one stop and each is the nearest to the other in time.  A
+contact that has no such partner, because the finer motion grazes the stop, or splits a contact in two, has no error
+that could be stated: it is infinite.  Along a march the two motions part in the end, if it is chaotic.  They have
+parted where partners are not much nearer to each other than to their neighbours; from then on nothing can be stated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.answers.history import Contact, History
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.refinement import ROUNDING, Refinement
+from lapjoint.problem import FloatArray
+
+IndexArray = npt.NDArray[np.intp]
+
+PARTED = 0.1
+"""Distance in time between partners, over that to the stop's next contact before or after, from which two motions have
+parted."""
+
+
+@dataclass(frozen=True)
+class Differences:
+    """How far contacts are from their partners; infinite where they have none."""
+
+    start: FloatArray
+    """s, shape ``(contacts,)``."""
+    impulse: FloatArray
+    """N s, shape ``(contacts,)``."""
+
+
+def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
+    """A march with the errors of its contacts.
+
+    Parameters
+    ----------
+    history : History
+        The march.
+    refinement : Refinement
+        What is known of the finer solver.
+    finer : callable
+        Gives the same march by the finer solver.
+
+    Returns
+    -------
+    History
+        The same with `Contact.start_error`, `Contact.impulse_error` and `History.error_source`.
+    """
+    try:
+        others = finer().contacts
+    except (InputError, SolverError) as error:
+        return without_contact_errors(history, f"{refinement.name} gave up: {error}")
+    found = differences(history.contacts, others)
+    parted = parting(history.contacts, found)
+    together = np.arange(len(history.contacts)) < parted
+    errors = []
+    for values in (found.start, found.impulse):
+        finite = np.where(np.isfinite(values), values, 0.0)
+        bounds = refinement.bounds(values, np.maximum.accumulate(finite))
+        errors.append(np.where(together, bounds, np.inf))
+    largest = np.maximum.accumulate([abs(contact.impulse) for contact in history.contacts] or [0.0])
+    contacts = tuple(
+        replace(
+            contact,
+            start_error=0.0 if contact.open_start else float(start + ROUNDING * contact.end),
+            impulse_error=float(impulse + ROUNDING * size),
+        )
+        for contact, start, impulse, size in zip(history.contacts, *errors, largest, strict=False)
+    )
+    source = f"compared with {refinement.name}"
+    if parted < len(contacts):
+        source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
+    return replace(history, contacts=contacts, error_source=source)
+
+
+def without_contact_errors(history: History, reason: str) -> History:
+    """A motion of whose contacts no error can be stated, though it was asked for.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    reason : str
+        Why.
+
+    Returns
+    -------
+    History
+        The same; its contacts' errors are infinite.
+    """
+    contacts = tuple(replace(one, start_error=np.inf, impulse_error=np.inf) for one in history.contacts)
+    return replace(history, contacts=contacts, error_source=reason)
+
+
+def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: float | None = None) -> Differences:
+    """How far contacts are from their partners in another motion.
+
+    Parameters
+    ----------
+    contacts, others : sequence of Contact
+        The contacts of the two motions.
+    period : float, optional
+        Period of both motions, s, if they are periodic: then times are compared modulo it.
+
+    Returns
+    -------
+    Differences
+        Of each of `contacts`.
+    """
+    start, impulse = np.full((2, len(contacts)), np.inf)
+    for stop in {contact.stop for contact in contacts}:
+        own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
+        other = [contact for contact in others if contact.stop == stop]
+        if not other:
+            continue
+        times, theirs = (np.array([one.start for one in these]) for these in ([contacts[i] for i in own], other))
+        partner, apart = _nearest(times, theirs, period)
+        mutual = _nearest(theirs, times, period)[0][partner] == np.arange(own.size)
+        start[own[mutual]] = apart[mutual]
+        impulse[own[mutual]] = [
+            abs(contacts[i].impulse - other[k].impulse) for i, k in zip(own[mutual], partner[mutual], strict=True)
+        ]
+    return Differences(start, impulse)
+
+
+def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tuple[IndexArray, FloatArray]:
+    """Which of other times is the nearest to each time, and how far away it is, s, shape ``(n,)`` each.
+
+    Both are ascending; with a period, in s, they are compared modulo it.
+    """
+    index = np.arange(others.size)
+    if period is not None:
+        times, at = times % period, np.argsort(others % period, kind="stable")
+        others, index = (others % period)[at], np.tile(at, 3)
+        others = np.concatenate([others - period, others, others + period])
+    after = np.clip(np.searchsorted(others, times), 0, others.size - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(np.abs(times - others[before]) <= np.abs(others[after] - times), before, after)
+    return index[nearest], np.abs(others[nearest] - times)
+
+
+def parting(contacts: Sequence[Contact], found: Differences) -> int:
+    """The first contact at which two marches have parted.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+        The contacts of a march, by start time.
+    found : Differences
+        How far they are from their partners.
+
+    Returns
+    -------
+    int
+        Index of the contact; their number if the marches have not parted.
+    """
+    near = PARTED * _spacings(contacts)
+    beyond = np.isfinite(found.start) & (found.start > near)
+    return int(np.argmax(beyond)) if beyond.any() else len(contacts)
+
+
+def _spacings(contacts: Sequence[Contact]) -> FloatArray:
+    """Time from the start of each contact to that of the stop's nearest other one, s, shape ``(contacts,)``."""
+    result = np.full(len(contacts), np.inf)
+    for stop in {contact.stop for contact in contacts}:
+        own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
+        steps = np.concatenate([[np.inf], np.diff([contacts[i].start for i in own]), [np.inf]])
+        result[own] = np.minimum(steps[:-1], steps[1:])
+    return result

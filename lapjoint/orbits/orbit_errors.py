@@ -1,0 +1,189 @@
+"""Errors of a steady state: the same orbit is found by a finer self of the solver, and compared.
+
+Newton's method begins at the section point that is known, taken over by the finer period map.  Where that is too far
+from the finer orbit, for it lies on another side of a switch, the finer map is marched for some of the orbit's periods
+first.  Nothing is stated where the finer map has no such orbit, or an unstable one: the errors are infinite then.
+
+A stop that neither motion touches has an impulse of zero.  That is exact if the motion keeps clear of it by more than
+the error of its displacement there, and unknown otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.answers.history import Contact, History
+from lapjoint.answers.steady_state import impulses_per_period
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.contact_errors import Differences, differences, without_contact_errors
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
+from lapjoint.orbits.period_map import PeriodMap
+from lapjoint.orbits.refinement import ROUNDING, Refinement
+from lapjoint.problem import FloatArray
+
+FARTHEST = 0.5
+"""Largest residual of the section point taken over, over the size of the motion, from which Newton's method is tried:
+twenty modes for ten thousand times the beam's own stiffness leave a tenth."""
+SETTLING = (0, 1, 4)
+"""Numbers of the orbit's periods that the finer map is marched before Newton's method is tried again."""
+_SAMPLES = 64
+"""Times in half a period of the excitation at which displacements are compared; without contact they are harmonic, or
+nearly so."""
+
+
+@dataclass(frozen=True)
+class FinerMap:
+    """A finer self of a solver, for one problem."""
+
+    refinement: Refinement
+    """What is known of it."""
+    period_map: PeriodMap
+    """Its period map."""
+
+
+@dataclass(frozen=True)
+class OrbitErrors:
+    """The errors of a steady state."""
+
+    impulses: FloatArray
+    """Of the impulse of each stop per excitation period, N s, shape ``(stops,)``."""
+    history: History
+    """The motion, with the errors of its contacts."""
+    source: str
+    """How they were estimated, or why they are infinite."""
+
+
+def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) -> OrbitErrors:
+    """The errors of a steady state.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        The stable orbit.
+    history : History
+        Its motion over one period.
+    finer : callable
+        Gives the period map of the finer solver.
+
+    Returns
+    -------
+    OrbitErrors
+        Errors of the impulses and of the contacts.
+    """
+    try:
+        other = finer()
+        half_periods, name = HalfPeriods(other.period_map), other.refinement.name
+        found = same_orbit(half_periods, orbit)
+        if found is None:
+            return _unknown(history, f"{name} has no such orbit that Newton's method could find")
+        if not found.stable:
+            return _unknown(history, f"by {name} the motion is unstable")
+        finer_history = other.period_map.history(found.point, orbit.period_multiple)
+    except (InputError, SolverError) as error:
+        return _unknown(history, f"the finer solver gave up: {error}")
+    floor = (ROUNDING + (orbit.residual if orbit.residual > RESIDUAL else 0.0)) / (1 - abs(orbit.leading))
+    impulses = _impulse_errors(orbit, history, finer_history, other.refinement, floor)
+    source = f"compared with {name}"
+    history = _with_contact_errors(history, finer_history, other.refinement, floor)
+    return OrbitErrors(impulses, replace(history, error_source=source), source)
+
+
+def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
+    """The orbit of another map of the same problem that is the nearest to a known one.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The other map.
+    orbit : Orbit
+        The known orbit.
+
+    Returns
+    -------
+    Orbit, or None
+        Of as many half periods; it may be unstable.  None if Newton's method finds none.
+
+    Raises
+    ------
+    SolverError
+        If the other map cannot be marched on.
+    """
+    point, marched = half_periods.map.adopted(orbit.point), 0
+    for periods in SETTLING:
+        for _ in range(periods - marched):
+            point = half_periods.marched(point, orbit.half_periods)
+        marched = periods
+        found = find_orbit(half_periods, point, orbit.half_periods, FARTHEST)
+        if found is not None:
+            return found
+    return None
+
+
+def _unknown(history: History, reason: str) -> OrbitErrors:
+    """Errors of which nothing can be stated."""
+    return OrbitErrors(
+        np.full(len(history.problem.stops), np.inf), without_contact_errors(history, reason), f"unknown: {reason}"
+    )
+
+
+def _impulse_errors(orbit: Orbit, history: History, finer: History, refinement: Refinement, floor: float) -> FloatArray:
+    """Errors of the impulses per excitation period, N s, shape ``(stops,)``; `floor` is relative."""
+    own, other = (impulses_per_period(motion, orbit.period_multiple) for motion in (history, finer))
+    touched = np.zeros(own.size, dtype=bool)
+    touched[[contact.stop for motion in (history, finer) for contact in motion.contacts]] = True
+    apart = own - other
+    errors = refinement.bounds(apart, float(np.abs(apart).max(initial=0.0)))
+    errors += floor * float(np.abs(own).max(initial=0.0))
+    clear = _clear(orbit, history, finer, refinement, np.flatnonzero(~touched).tolist())
+    errors[~touched] = np.where(clear, 0.0, np.inf)
+    return errors
+
+
+def _clear(
+    orbit: Orbit, history: History, finer: History, refinement: Refinement, stops: Sequence[int]
+) -> npt.NDArray[np.bool_]:
+    """Whether the motion keeps clear of stops that it does not touch, for certain."""
+    x = np.array([history.problem.stops[k].x for k in stops])
+    if not x.size:
+        return np.zeros(0, dtype=bool)
+    t = np.linspace(history.start, history.end, 2 * _SAMPLES * orbit.period_multiple + 1)
+    apart = np.abs(history.displacement(x, t) - finer.displacement(x, t)).max(axis=1)
+    intervals = orbit.watch.intervals
+    distance = np.array([intervals.distance[intervals.stop == k].min(initial=np.inf) for k in stops])
+    return np.asarray(distance > refinement.bounds(apart, apart))
+
+
+def _with_contact_errors(history: History, finer: History, refinement: Refinement, floor: float) -> History:
+    """The motion with the errors of its contacts; `floor` is relative."""
+    period = history.end - history.start
+    whole, number = _whole(history)
+    found: Differences = differences(whole, _whole(finer)[0], period)
+    start, impulse = (
+        refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)))
+        for values in (found.start, found.impulse)
+    )
+    impulse += floor * max((abs(contact.impulse) for contact in whole), default=0.0)
+    start += floor * period
+    contacts = tuple(
+        replace(one, start_error=0.0 if one.open_start else float(start[i]), impulse_error=float(impulse[i]))
+        for one, i in zip(history.contacts, number, strict=True)
+    )
+    return replace(history, contacts=contacts)
+
+
+def _whole(history: History) -> tuple[list[Contact], list[int]]:
+    """The contacts of a periodic motion, those that its ends cut in two made one again; and which each belongs to."""
+    contacts = history.contacts
+    cut = {c.stop: i for i, c in enumerate(contacts) if c.open_end and not c.open_start}
+    rest = {i: cut[c.stop] for i, c in enumerate(contacts) if c.open_start and not c.open_end and c.stop in cut}
+    whole = [i for i in range(len(contacts)) if i not in rest]
+    made = [contacts[i] for i in whole]
+    for i, begun in rest.items():
+        k = whole.index(begun)
+        made[k] = replace(made[k], impulse=made[k].impulse + contacts[i].impulse)
+    return made, [whole.index(rest.get(i, i)) for i in range(len(contacts))]

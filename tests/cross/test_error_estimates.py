@@ -1,0 +1,221 @@
+"""The errors that answers state of themselves are not less than their true errors, and not far more.
+
+The truth is the same solver refined until another doubling moves it by less than a twentieth of the stated error.
+"""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from population import stiffened_joint
+
+import analytic
+import fe_lapjoint
+from lapjoint import Problem, SteadyState
+from lapjoint.answers import Contact
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.newton import find_orbit
+from lapjoint.problem import FloatArray
+
+AnySolver = analytic.Solver | fe_lapjoint.Solver
+FEW = 300  # excitation periods, after which a motion that has not been found to repeat is not waited for
+SOLVERS: tuple[AnySolver, ...] = (analytic.Solver(max_periods=FEW), fe_lapjoint.Solver(max_periods=FEW))
+
+SEED, DRAWN, COUNT = 2718, 640, 200  # joints drawn, and how many of those that repeat with contacts are judged
+COVERED, MOST_TIMES = 0.95, 10.0  # share of stated errors that hold; median of stated over true ones
+NOT_STATED, NO_TRUTH = 0.1, 0.15  # most joints whose errors are infinite, or whose truth rounding hides (fine meshes)
+SHARE = 1 / 20  # of the stated error, by which another doubling may move the truth
+DOUBLINGS = 3
+MARCHED = 10  # excitation periods from rest
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Stated and true errors of numbers of one kind of an answer; no true ones if they are out of reach."""
+
+    stated: FloatArray
+    true: FloatArray
+
+    @property
+    def covered(self) -> bool:
+        """Whether no true error is larger than the stated one."""
+        return bool(np.all(self.true <= self.stated))
+
+    @property
+    def times(self) -> float:
+        """The largest stated error over the largest true one."""
+        return float(self.stated.max() / max(self.true.max(), 1e-300))
+
+
+def doubled(solver: AnySolver, problem: Problem, times: int) -> AnySolver:
+    """The same solver with 2**times the modes, as far as there are so many, or elements."""
+    if isinstance(solver, fe_lapjoint.Solver):
+        return fe_lapjoint.Solver(elements=solver.elements * 2**times)
+    return analytic.Solver(n_modes=min(max(solver.mode_counts(problem)) * 2**times, 500))
+
+
+def refined(solver: AnySolver, problem: Problem, steady: SteadyState) -> SteadyState | None:
+    """The steady state of another resolution that is the nearest to a known one; None if there is none."""
+    half_periods, multiple = HalfPeriods(solver.period_map(problem)), steady.period_multiple
+    near = half_periods.map.adopted(steady.section_point)
+    for periods in (0, 8):
+        start = half_periods.map.march(near, 2 * periods * multiple).end if periods else near
+        found = find_orbit(half_periods, start, 2 * multiple, farthest=0.5)
+        if found is not None and found.stable:
+            history = half_periods.map.history(found.point, multiple)
+            return SteadyState(
+                problem=problem,
+                solver=solver.name,
+                outcome=steady.outcome,
+                period_multiple=multiple,
+                symmetric=steady.symmetric,
+                residual=found.residual,
+                multipliers=found.multipliers,
+                exponent=None,
+                section_point=found.point,
+                history=history,
+                impulses=history.impulses() / multiple,
+            )
+    return None
+
+
+def touches(steady: SteadyState) -> bool:
+    """Whether a motion repeats, with contacts."""
+    return steady.period_multiple > 0 and bool(steady.history.contacts)
+
+
+def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, Judged, Judged] | None:
+    """Impulses, and starts and impulses of the contacts, of one steady state; None if it makes none."""
+    problem = stiffened_joint(SEED, index)
+    if not isinstance(solver, analytic.Solver) and not touches(
+        SOLVERS[0].steady_state(problem, sensitivity=False, errors=False)
+    ):
+        return None  # finite elements take long over what does not repeat
+    steady = solver.steady_state(problem, sensitivity=False)
+    if not touches(steady):
+        return None
+    stated = steady.impulse_errors
+    assert stated is not None
+    last: SteadyState | None = steady
+    for times in range(1, DOUBLINGS + 1):
+        before = last
+        assert before is not None
+        last = refined(doubled(solver, problem, times), problem, before)
+        if last is None:
+            break
+        if times > 1 and np.all(np.abs(last.impulses - before.impulses) <= SHARE * stated):
+            period = steady.history.end - steady.history.start
+            contacts = judged_contacts(steady.history.contacts, last.history.contacts, before.history.contacts, period)
+            return Judged(stated, np.abs(steady.impulses - last.impulses)), *contacts
+    return Judged(stated, np.zeros(0)), *[Judged(np.zeros(0), np.zeros(0))] * 2
+
+
+def judged_march(solver: AnySolver, index: int) -> tuple[Judged, Judged]:
+    """Starts and impulses of the contacts from rest."""
+    problem = stiffened_joint(SEED, index)
+    assert problem.excitation_frequency is not None
+    duration = MARCHED * 2 * math.pi / problem.excitation_frequency
+    own = solver.simulate(problem, duration).contacts
+    before, truth = (doubled(solver, problem, n).simulate(problem, duration, errors=False).contacts for n in (1, 2))
+    return judged_contacts(own, truth, before, math.inf)
+
+
+def judged_contacts(
+    own: Sequence[Contact], truth: Sequence[Contact], before: Sequence[Contact], period: float
+) -> tuple[Judged, Judged]:
+    """Starts and impulses of those contacts whose errors are stated, and whose truth is certain.
+
+    `before` has half the resolution of the truth.  Contacts that a section point cuts are left out.
+    """
+    starts, impulses = [], []
+    for contact in own:
+        assert contact.start_error is not None
+        assert contact.impulse_error is not None
+        if contact.open_start or contact.open_end or not math.isfinite(contact.start_error):
+            continue
+        (t, j), (t2, j2) = (nearest(contact, these, period) for these in (truth, before))
+        if abs(t - t2) <= SHARE * contact.start_error and abs(j - j2) <= SHARE * contact.impulse_error:
+            starts.append((contact.start_error, t))
+            impulses.append((contact.impulse_error, abs(contact.impulse - j)))
+    return tuple(Judged(*np.array(pairs).reshape(-1, 2).T) for pairs in (starts, impulses))  # type: ignore[return-value]
+
+
+def nearest(contact: Contact, others: Sequence[Contact], period: float) -> tuple[float, float]:
+    """How far in time the nearest contact of the same stop is, modulo a period, and its impulse."""
+    mine = [one for one in others if one.stop == contact.stop]
+    if not mine:
+        return math.inf, math.inf
+    apart = [abs(math.remainder(one.start - contact.start, period)) for one in mine]
+    i = int(np.argmin(apart))
+    return apart[i], mine[i].impulse
+
+
+def check_joints(found: Sequence[Judged]) -> None:
+    """Fail unless errors are stated, hold, and are not far more than the true ones."""
+    judged = [one for one in found if one.true.size]
+    finite = [one for one in judged if np.all(np.isfinite(one.stated))]
+    print(
+        f"{len(found)} joints: {len(found) - len(judged)} without a truth, {len(judged) - len(finite)} not stated; "
+        f"{sum(one.covered for one in finite)} of {len(finite)} hold; stated over true "
+        f"{np.percentile([one.times for one in finite], (5, 50, 95)).round(2)}"
+    )
+    assert len(judged) >= (1 - NO_TRUTH) * len(found)
+    assert len(finite) >= (1 - NOT_STATED) * len(judged)
+    assert sum(one.covered for one in judged) >= COVERED * len(judged)
+    assert np.median([one.times for one in judged]) <= MOST_TIMES
+
+
+def check_contacts(found: Sequence[Judged]) -> None:
+    """The same of contacts, all together."""
+    stated, true = (np.concatenate([getattr(one, name) for one in found]) for name in ("stated", "true"))
+    share, times = np.mean(true <= stated), np.median(stated / np.maximum(true, 1e-300))
+    print(f"{stated.size} contacts: {share:.3f} hold; stated over true in the median {times:.2f}")
+    assert share >= COVERED
+    assert times <= MOST_TIMES
+
+
+QUICK = (4, 8, 30)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_errors_of_a_few_steady_states_hold(solver: AnySolver) -> None:
+    found = [one for one in (judged_steady(solver, i) for i in QUICK) if one is not None]
+    assert len(found) == len(QUICK)
+    check_joints([one[0] for one in found])
+    check_contacts([one[1] for one in found])
+    check_contacts([one[2] for one in found])
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_errors_of_a_few_marches_hold(solver: AnySolver) -> None:
+    found = [judged_march(solver, i) for i in QUICK]
+    check_contacts([one[0] for one in found])
+    check_contacts([one[1] for one in found])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_errors_of_steady_states_hold(solver: AnySolver) -> None:
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
+        results = (task.result() for task in [pool.submit(judged_steady, solver, i) for i in range(DRAWN)])
+        found = [one for one in results if one is not None][:COUNT]
+    assert len(found) == COUNT
+    check_joints([one[0] for one in found])
+    check_contacts([one[1] for one in found])
+    check_contacts([one[2] for one in found])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_errors_of_marches_hold(solver: AnySolver) -> None:
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
+        found = [task.result() for task in [pool.submit(judged_march, solver, i) for i in range(COUNT)]]
+    check_contacts([one[0] for one in found])
+    check_contacts([one[1] for one in found])

@@ -1,0 +1,151 @@
+"""The search for switches: no contact that rounding makes, no unit of time or length of its own, and no crawling."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import fe_lapjoint
+from fe_lapjoint.march.gaps import FlowGaps
+from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.system import build_system
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.mesh import mesh_nodes
+from lapjoint import FREE, BaseMotion, Beam, History, ModalDamping, Problem, Stop, Support, ViscousDamping, paper_joint
+from lapjoint.problem import Damping
+
+BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
+CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
+OMEGA = 8.0
+
+
+def shaken(*stops: Stop, phase: float = 0.0, damping: Damping | None = None) -> Problem:
+    return Problem(
+        beam=BEAM,
+        supports=(CLAMP,),
+        stops=stops,
+        damping=ModalDamping(ratio=0.02) if damping is None else damping,
+        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=OMEGA, phase=phase),
+    )
+
+
+def tip(gap: float, side: str = "top") -> Stop:
+    return Stop(x=1.0, side=side, gap=gap, stiffness=1000.0)
+
+
+def simulated(problem: Problem, periods: float, elements: int = 12) -> History:
+    return fe_lapjoint.Solver(elements=elements).simulate(problem, periods * 2 * math.pi / OMEGA)
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.0, 4.0])
+@pytest.mark.parametrize("ratio", [0.0, 0.02, 0.1, 2.0])
+def test_rounding_makes_no_contact_on_a_gap_of_zero(phase: float, ratio: float) -> None:
+    for stops in ((tip(0.0),), (tip(0.0), tip(0.0, "bottom"))):
+        contacts = simulated(shaken(*stops, phase=phase, damping=ModalDamping(ratio=ratio)), 4).contacts
+        assert len(contacts) > 3
+        shortest = min(c.duration for c in contacts if not c.open_end)
+        assert shortest > 1e-3 * 2 * math.pi / OMEGA, "half a contact oscillation on k = 1000 lasts 0.05"
+        assert all(c.impulse for c in contacts if not c.open_end)
+
+
+def test_a_beam_at_rest_on_a_stop_without_gap_has_one_contact_when_it_is_pressed() -> None:
+    pressed = simulated(shaken(tip(0.0)), 0.2).contacts  # pushed upwards from the start
+    assert (len(pressed), pressed[0].start) == (1, pytest.approx(0.0, abs=1e-5))
+    lifted = simulated(shaken(tip(0.0, "bottom")), 0.2).contacts
+    assert not lifted
+
+
+@pytest.mark.parametrize("x", [0.0, 1.0, 0.5])
+def test_a_stop_without_gap_on_a_fixed_point_never_switches(x: float) -> None:
+    stop = Stop(x=x, side="top", gap=0.0, stiffness=1000.0)
+    problem = shaken(stop, stop.model_copy(update={"side": "bottom"}))
+    problem = problem.replace(
+        supports=(CLAMP, Support(x=1.0, translational=math.inf), Support(x=0.5, translational=math.inf))
+    )
+    assert simulated(problem, 5).switch_times.size == 0
+
+
+def scaled(problem: Problem, speed: float, length: float) -> Problem:
+    """The same problem `speed` times as fast, with deflections `length` times as large."""
+    beam, base = problem.beam, problem.base_motion
+    assert base is not None
+    stops = tuple(
+        stop.model_copy(update={"gap": stop.gap * length, "stiffness": stop.stiffness * speed**2})
+        for stop in problem.stops
+    )
+    return problem.replace(
+        beam=Beam(length=beam.length, bending_stiffness=beam.EI * speed**2, mass_per_length=beam.m),
+        stops=stops,
+        base_motion=BaseMotion(amplitude=base.amplitude * length, angular_frequency=base.angular_frequency * speed),
+    )
+
+
+@pytest.mark.parametrize(("speed", "length"), [(2.0**11, 1.0), (2.0**-19, 1.0), (1.0, 2.0**-40), (2.0**11, 2.0**30)])
+def test_a_problem_of_other_units_has_the_same_contacts(speed: float, length: float) -> None:
+    """Powers of two are without rounding, so that nothing but a constant with a unit can make a difference."""
+    joint, solver = paper_joint(angular_frequency=515.0), fe_lapjoint.Solver(elements=6)
+    duration = 6 * 2 * math.pi / 515
+    here = solver.simulate(joint, duration).contacts
+    there = solver.simulate(scaled(joint, speed, length), duration / speed).contacts
+    assert len(here) > 10
+    assert [(c.stop, c.start, c.end) for c in here] == [(c.stop, c.start * speed, c.end * speed) for c in there]
+    unit = speed * length
+    assert [c.impulse for c in here] == pytest.approx([c.impulse / unit for c in there], rel=1e-12)
+    assert [c.peak_force for c in here] == pytest.approx([c.peak_force / unit / speed for c in there], rel=1e-12)
+
+
+@pytest.mark.parametrize("speed", [1e6 / 515, 1e-3 / 515])
+def test_steady_states_of_other_units_are_the_same(speed: float) -> None:
+    joint, solver = paper_joint(angular_frequency=515.0), fe_lapjoint.Solver(elements=6)
+    here, there = (solver.steady_state(p, sensitivity=False) for p in (joint, scaled(joint, speed, 1.0)))
+    assert there.outcome is here.outcome
+    assert there.impulses / speed == pytest.approx(here.impulses, rel=1e-7)  # Newton's method closes to 1e-9
+
+
+@pytest.mark.parametrize(
+    "damping", [ModalDamping(ratio=r) for r in (0.98, 1.0, 1.02, 5.0)] + [ViscousDamping(coefficient=200.0)]
+)
+def test_overdamped_modes_do_not_slow_the_search(damping: Damping, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: Counter[str] = Counter()
+    plain = FlowGaps.at
+
+    def counted(self: FlowGaps, k: int, t: float) -> tuple[float, float]:
+        asked["at"] += 1
+        return plain(self, k, t)
+
+    monkeypatch.setattr(FlowGaps, "at", counted)
+    history = simulated(shaken(tip(1e-5), damping=damping), 4, elements=40)
+    switches = history.switch_times.size
+    assert switches > 4
+    assert asked["at"] < 60 * switches  # some ten halvings and Newton steps for each, with room for windows without one
+
+
+def test_bounds_hold_for_every_kind_of_mode() -> None:
+    """Against 2000 samples: z never rises above a chord, or leaves a tangent, by more than the bound."""
+    rng = np.random.default_rng(0)
+    for ratio in ((5.0, 1.0, 0.999, 0.02), (1.2, 0.8, 3.0, 1.0 + 1e-7), (0.0, 0.5), (1.1,)):
+        for supports in ((CLAMP,), (Support(x=0.0, translational=math.inf),), ()):
+            problem = shaken(
+                tip(1e-3), Stop(x=0.4, side="top", gap=0.0, stiffness=1.0), damping=ModalDamping(ratio=ratio)
+            )
+            problem = problem.replace(supports=supports)
+            system = build_system(Assembly(problem, mesh_nodes(problem, 5, None)), FREE)
+            n = system.omega.size
+            flow = Flow(system, 0.3, rng.normal(size=n), rng.normal(size=n) * rng.choice([0.1, 1.0, 1e3], size=n))
+            for width in 10.0 ** rng.uniform(-6, 1, size=12):
+                begin = 0.3 + rng.choice([0.0, 1e-3, 0.1])
+                t = np.linspace(begin, begin + width, 2000)
+                z = flow.at_stops(t)
+                slack = 1e-9 * np.abs(z).max()
+                chord = flow.envelope.from_chord(t[:1], width)[system.place_of, 0]
+                assert np.all(z.max(axis=1) <= np.maximum(z[:, 0], z[:, -1]) + chord + slack)
+                for k in range(2):
+                    value, rate = flow.at_stop(k, begin)
+                    stray, turn = flow.envelope.from_tangent(int(system.place_of[k]), begin, width)
+                    since = t - begin
+                    assert np.all(np.abs(z[k] - value - rate * since) <= stray * since / width + slack)
+                    rates = flow.at_stops(t, 1)[k]
+                    assert np.all(np.abs(rates - rate) <= turn + 1e-9 * np.abs(rates).max())

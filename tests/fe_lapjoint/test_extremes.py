@@ -1,0 +1,126 @@
+"""Random problems whose parameters span many decades: solved, without a warning, a false contact, or a crawl."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import fe_lapjoint
+from fe_lapjoint.march.gaps import FlowGaps
+from lapjoint import (
+    BaseMotion,
+    Beam,
+    History,
+    InputError,
+    ModalDamping,
+    NoDamping,
+    Problem,
+    SineLoad,
+    StepLoad,
+    Stop,
+    Support,
+    ViscousDamping,
+)
+from lapjoint.problem import Damping
+
+
+def random_problem(seed: int) -> tuple[Problem, float]:
+    """A problem with stops, and a duration: at most a fiftieth of a period of slow bending; stiff stops chatter in it.
+
+    Lengths are 1e-3 to 1e3 m, stiffnesses of supports 1e-6 to 1e12 EI / L^3, those of stops up to 1e8 (on stiffer ones
+    a pressed beam without damping chatters, with a hundred thousand contacts in so short a time); gaps zero, tiny or of
+    the size of the motion, damping ratios 0 to 5; supports of every kind, and none.
+    """
+    rng = np.random.default_rng((11, seed))
+
+    def decades(least: float, most: float) -> float:
+        return float(10 ** rng.uniform(least, most))
+
+    L, EI, m = decades(-3, 3), decades(-6, 9), decades(-6, 4)
+    slow, unit = math.sqrt(EI / m) / L**2, EI / L**3
+    supports: list[Support] = []
+    for _ in range(int(rng.integers(0, 4))):
+        k, kt = ([0.0, math.inf, size * decades(-6, 12)][int(rng.integers(0, 3))] for size in (unit, EI / L))
+        supports.append(Support(x=float(rng.choice([0.0, L, rng.uniform(0, L)])), translational=k, torsional=kt))
+    omega = slow * decades(-1, 2)
+    base = BaseMotion(amplitude=decades(-11, -2) * L, angular_frequency=omega, phase=rng.uniform(0, 6))
+    size = base.amplitude * min(1.0, (omega / slow) ** 2)
+    stops = tuple(
+        Stop(
+            x=float(rng.choice([L, rng.uniform(0, L)])),
+            side="top" if rng.random() < 0.5 else "bottom",
+            gap=float(rng.choice([0.0, size * decades(-3, 1), size * decades(-9, -6)])),
+            stiffness=unit * decades(-6, 8),
+        )
+        for _ in range(int(rng.integers(1, 5)))
+    )
+    step = StepLoad(x=rng.uniform(0, L), force=unit * size * rng.normal())
+    sine = SineLoad(x=rng.uniform(0, L), force=unit * size, angular_frequency=omega * decades(-1, 1), phase=1.0)
+    dampings: tuple[Damping, ...] = (
+        NoDamping(),
+        ModalDamping(ratio=float(rng.choice([0.01, 0.3, 1.0, 2.0, 5.0]))),
+        ModalDamping(ratio=tuple(rng.uniform(0, 5, size=3).tolist())),
+        ViscousDamping(coefficient=2 * m * slow * decades(-3, 2)),
+    )
+    problem = Problem(
+        beam=Beam(length=L, bending_stiffness=EI, mass_per_length=m),
+        supports=tuple(supports),
+        stops=stops,
+        damping=dampings[int(rng.integers(0, 4))],
+        point_loads=((), (step,), (sine,), (step, sine))[int(rng.integers(0, 4))],
+        base_motion=base,
+    )
+    return problem, min(2 * math.pi / slow / 50, 2 * math.pi / omega / 30)
+
+
+def check_contacts(history: History) -> None:
+    """No contact of no duration, none that pulls but for rounding, none missed on a grid."""
+    t = np.linspace(0, history.end, 300, endpoint=False)
+    for k, stop in enumerate(history.problem.stops):
+        depth = stop.sign * history.displacement(stop.x, t)[0] - stop.gap
+        closed = np.zeros(t.size, dtype=bool)
+        mine = [contact for contact in history.contacts if contact.stop == k]
+        for contact in mine:
+            assert contact.duration > 0 or contact.open_end
+            closed |= (t >= contact.start) & (t < contact.end)
+        allowed = 1e-9 * (
+            np.abs(depth).max() + stop.gap + max((c.peak_force / stop.stiffness for c in mine), default=0)
+        )
+        assert np.all(depth[closed] >= -allowed)
+        assert np.all(depth[~closed] <= allowed)
+
+
+def check(seed: int, monkeypatch: pytest.MonkeyPatch) -> str:
+    problem, duration = random_problem(seed)
+    asked: Counter[str] = Counter()
+    plain = FlowGaps.at
+
+    def counted(self: FlowGaps, k: int, t: float) -> tuple[float, float]:
+        asked["at"] += 1
+        return plain(self, k, t)
+
+    monkeypatch.setattr(FlowGaps, "at", counted)
+    try:
+        history = fe_lapjoint.Solver(elements=8).simulate(problem, duration)
+    except InputError:
+        return "refused"
+    finally:
+        monkeypatch.undo()
+    check_contacts(history)
+    # Fifty halvings at most lead to a switch, for each stop that is near one, and some to none.
+    assert asked["at"] <= 100 * (history.switch_times.size + 10) * len(problem.stops), f"seed {seed}"
+    return "solved"
+
+
+def test_random_extremes(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcomes = Counter(check(seed, monkeypatch) for seed in range(30))
+    assert outcomes["solved"] >= 25
+
+
+@pytest.mark.slow
+def test_many_random_extremes(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcomes = Counter(check(seed, monkeypatch) for seed in range(30, 330))
+    assert outcomes["solved"] >= 250

@@ -1,0 +1,146 @@
+"""The way into the command line: Ctrl-C at any moment, and what cannot be written, end in a line and a status."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+START = (sys.executable, "-c", "import sys; from lapjoint.cli.start import main; main()")
+SIMULATE = ("simulate", "preset:sdnl104", "--duration", "0.002", "--modes", "3")
+INTERRUPT_IN = """
+import os, signal, sys
+from lapjoint.cli.start import main
+{way}
+main()
+"""
+WAYS = {
+    "an import": """
+import builtins
+real = builtins.__import__
+def interrupted(name, *rest):
+    if name == "scipy":
+        builtins.__import__ = real
+        os.kill(os.getpid(), signal.SIGINT)
+    return real(name, *rest)
+builtins.__import__ = interrupted
+""",
+    "an import that makes another error of it": """
+import builtins
+real = builtins.__import__
+def interrupted(name, *rest):
+    if name == "numpy":
+        builtins.__import__ = real
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+        except BaseException:
+            raise SystemError("returned a result with an exception set") from None
+    return real(name, *rest)
+builtins.__import__ = interrupted
+""",
+    "a destructor": """
+import lapjoint.cli.arguments as arguments
+real = arguments.problem_from
+class Dying:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+def interrupted(*given):
+    Dying()
+    for _ in range(1000):
+        pass
+    return real(*given)
+arguments.problem_from = interrupted
+""",
+    "what takes no notice": """
+import lapjoint.cli.arguments as arguments
+real = arguments.problem_from
+def interrupted(*given):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except BaseException:
+        pass
+    return real(*given)
+arguments.problem_from = interrupted
+""",
+}
+
+
+def environment(cache: Path) -> dict[str, str]:
+    """An environment in which everything is compiled anew."""
+    return {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_ctrl_c_is_not_lost(way: str) -> None:
+    script = INTERRUPT_IN.format(way=WAYS[way])
+    done = subprocess.run([sys.executable, "-c", script, *SIMULATE], capture_output=True, text=True, timeout=100)
+    lines = [line for line in done.stderr.splitlines() if line and not line.startswith("simulate: ")]
+    assert (done.returncode, lines) == (130, ["lapjoint: interrupted"])
+
+
+def interrupted_after(seconds: float, cache: Path) -> tuple[int, list[str]]:
+    """The exit status and the messages of a command that gets Ctrl-C after some time."""
+    command = subprocess.Popen(
+        [*START, *SIMULATE], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment(cache)
+    )
+    time.sleep(seconds)
+    command.send_signal(signal.SIGINT)
+    said = command.communicate(timeout=100)[1]
+    return command.returncode, [line for line in said.splitlines() if line and not line.startswith("simulate: ")]
+
+
+@pytest.mark.parametrize("seconds", [0.8, 2.4])
+def test_ctrl_c_while_it_starts_and_compiles_is_one_line(seconds: float, tmp_path: Path) -> None:
+    assert interrupted_after(seconds, tmp_path) in ((130, ["lapjoint: interrupted"]), (0, []))
+
+
+@pytest.mark.slow
+def test_ctrl_c_at_any_moment_is_one_line(tmp_path: Path) -> None:
+    found = [interrupted_after(0.3 + 0.35 * i, tmp_path / str(i)) for i in range(40)]
+    assert set(map(str, found)) <= {str((130, ["lapjoint: interrupted"])), str((0, []))}
+    assert sum(status == 130 for status, _ in found) > 10
+
+
+def limited(room: int) -> None:
+    """Let no file grow beyond so many bytes."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
+
+
+WRITERS: list[tuple[str, tuple[str, ...]]] = [
+    ("a.toml", ("init", "a.toml", "--force")),
+    ("a.json", ("modes", "preset:sdnl104", "--modes", "3", "--json", "a.json")),
+    ("a.csv", (*SIMULATE, "--contacts", "a.csv")),
+    ("a.svg", (*SIMULATE, "--figure", "a.svg")),
+    ("motion.pvd", ("export", *SIMULATE[1:], "-o", ".", "--frames", "2", "--points", "3")),
+]
+
+
+@pytest.mark.parametrize(("name", "command"), WRITERS, ids=[" ".join(row[1][:1]) + " " + row[0] for row in WRITERS])
+def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(
+    name: str, command: tuple[str, ...], tmp_path: Path
+) -> None:
+    (tmp_path / name).write_text("before")
+    done = subprocess.run(
+        [*START, *command], cwd=tmp_path, capture_output=True, text=True, timeout=100, preexec_fn=lambda: limited(10)
+    )
+    lines = [line for line in done.stderr.splitlines() if not line.startswith(("simulate: ", "export: "))]
+    assert done.returncode == 3, done.stderr
+    assert len(lines) == 1
+    assert "cannot be written" in lines[0]
+    assert (tmp_path / name).read_text() == "before"
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+@pytest.mark.parametrize("command", [("schema",), ("--help",), ("modes", "preset:sdnl104", "--modes", "3")])
+def test_standard_output_on_a_full_disk_is_one_line(command: tuple[str, ...]) -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*START, *command], stdout=full, stderr=subprocess.PIPE, text=True, timeout=100)
+    assert (done.returncode, done.stderr) == (3, "lapjoint: output: cannot be written: No space left on device\n")
