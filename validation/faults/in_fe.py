@@ -139,8 +139,8 @@ FE = (
         "an event dropped",
         "fe_lapjoint.march.events",
         "A contact between two samples of the motion is not seen.",
-        old="ends + curvature * (",
-        new="ends + 0.0 * curvature * (",
+        old="h[:, 1:]) + straying",
+        new="h[:, 1:]) + 0.0 * straying",
     ),
     Fault(
         "fe-contact-counted-twice",
