@@ -25,6 +25,7 @@ _MODULES = {
     "as-given": "as_given",
     "pinned-beam": "pinned_beam",
     "rigid-bar": "rigid_bar",
+    "settled": "settled",
     "balance": "balance",
     "ledger": "ledger",
     "textbook": "textbook",

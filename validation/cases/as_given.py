@@ -15,7 +15,7 @@ import numpy as np
 
 import analytic
 import fe_lapjoint
-from lapjoint import FREE, ContactState, History, Problem, paper_joint, sdnl104
+from lapjoint import FREE, ContactState, History, Problem, paper_joint, paper_state_number, sdnl104
 from lapjoint.answers import Contact
 from lapjoint.answers.steady_state import impulses_per_period
 from lapjoint.orbits.exponent import exponent_of
@@ -245,6 +245,19 @@ def arithmetic(problem: Problem) -> Iterator[Check]:
     yield same("time of its measurement", found.time, series.size * 0.25, "s", ROUNDING)
 
 
+PAPER_STATES = {1: "", 2: "P2", 3: "P3", 4: "P4", 5: "P5", 6: "P2 P3", 7: "P2 P5", 8: "P3 P4", 9: "P4 P5"}
+"""The paper's Table 1: closed stops, tip (P2, P4) and mid-span (P3, P5), bottom before top; its Table 4 has 6 to 9 by
+the springs that act."""
+
+
+def states() -> Iterator[Check]:
+    """The paper's numbers of contact states."""
+    joint = paper_joint()
+    for number, closed in PAPER_STATES.items():
+        state = ContactState(tuple(joint.stop_names.index(name) for name in closed.split()))
+        yield same(f"number of the state {closed or 'free'}", paper_state_number(joint, state), number, "1")
+
+
 CORRELATION, LENGTH = 0.8, 65_536
 """Of the growths of neighbouring periods, and how many they are."""
 
@@ -286,6 +299,7 @@ def run(level: Level, say: Say) -> CaseResult:
         *read_as_written(from_toml(to_toml(problem)), "written and read again"),
         *meanings(problem),
         *presets(),
+        *states(),
         *arithmetic(problem),
         *statistics(),
         *frequencies(problem),

@@ -1,0 +1,193 @@
+"""Does a march from rest end on the motion that the search certifies?
+
+A search that accepts a motion too early, or one that is unstable, or takes a symmetry for granted that is not there,
+may be wrong in both solvers alike, for they share it.  So each solver is judged by its own march here: by `simulate`,
+which knows neither orbits nor Newton's method, over so many decay times that nothing of the transient is left.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+import analytic
+import fe_lapjoint
+from lapjoint import History, ModalDamping, Problem, SteadyState
+from lapjoint.problem import FloatArray
+from lapjoint.problem.files import from_toml
+from validation.case import CaseResult, Level, Say, table
+from validation.invariants import steady_witness
+from validation.verdict import Check, Criterion, Estimate, Kind
+
+Solver = analytic.Solver | fe_lapjoint.Solver
+SOLVERS: tuple[Solver, ...] = (analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=3))
+"""Coarse ones will do: each is compared with itself."""
+DECAY_TIMES = 20.0
+"""Of the slowest free vibration, that are marched: exp(-20) = 2e-9 of a transient is left, and more where a motion with
+contacts is slower than free vibration: the multiplier of the slowest one here, 0.93 over three periods, leaves less."""
+WATCHED = 24  # periods at the end of a march whose ends are compared
+LONGEST = 8  # periods after which a motion may repeat
+SAME = 1e-3  # of the size of the motion: section points nearer than this are one; those of other phases differ by more
+EQUAL = 1e-4  # relative, of impulses of the same orbit, one marched and one found; coarse modes leave jumps at switches
+POINTS = 9  # along the beam, at which section points are compared
+WITNESS = 0.05  # of the motion: what six modes, or three elements, lose of energy and impulses
+
+JOINT = """
+title = "{title}"
+[beam]
+length = 1.0
+bending_stiffness = 1.0
+mass_per_length = 1.0
+[[supports]]
+x = 0.0
+translational = inf
+torsional = inf
+[damping]
+kind = "modal"
+ratio = {ratio}
+[base_motion]
+amplitude = 1e-3
+angular_frequency = {omega}
+"""
+STOP = """
+[[stops]]
+x = {x}
+side = "{side}"
+gap = {gap}
+stiffness = {stiffness}
+"""
+FIRST = 3.5160152685  # rad/s, of the cantilever
+
+
+def joint(title: str, times: float, ratio: float, *stops: tuple[float, str, float, float]) -> Problem:
+    """A cantilever of unit stiffness, mass and length, excited at a multiple of its first frequency."""
+    text = JOINT.format(title=title, ratio=ratio, omega=repr(times * FIRST))
+    for x, side, gap, stiffness in stops:
+        text += STOP.format(x=x, side=side, gap=gap, stiffness=stiffness)
+    return from_toml(text)
+
+
+JOINTS = {
+    "early contacts": joint("A late end on three periods", 4.5, 0.01, (1.0, "top", 3e-3, 100.0)),
+    "three periods": joint(
+        "A stable motion of one period beside it", 4.976706, 0.02, (1.0, "top", 1.849372330525e-3, 29.229075838)
+    ),
+    "uneven": joint(
+        "Gaps that differ by a fifth", 3.2, 0.05, (1.0, "top", 4.7e-4, 30.0), (1.0, "bottom", 5.64e-4, 30.0)
+    ),
+    "twins": joint(
+        "Equal gaps, light damping", 2.555, 0.02, (1.0, "top", 9.873e-4, 100.0), (1.0, "bottom", 9.873e-4, 100.0)
+    ),
+}
+"""Of the first, a stable motion without contact exists, and the march seems near it early on.  Of the second, a stable
+motion of one period exists, but rest is not in its basin.  Of the third, no motion mirrors itself; that of the fourth
+does, and a search that misses that says that its motion is not symmetric, though half of it mirrors the other half."""
+
+FINE: dict[str, Solver] = {
+    SOLVERS[0].name: analytic.Solver(n_modes=24),
+    SOLVERS[1].name: fe_lapjoint.Solver(elements=12),
+}
+"""Four times as fine: their own errors are a sixteenth at the most, for errors fall with the second power or faster."""
+ESTIMATED = ("uneven",)  # joints whose stated errors are looked at: the orbit is the same at every resolution
+LAVISH = 60.0  # times the true error that the stated one may be: it is a bound, but one that says something
+
+
+@dataclass(frozen=True)
+class End:
+    """The end of a march from rest."""
+
+    multiple: int
+    """Excitation periods after which the motion repeats; 0 if it does not after `LONGEST`."""
+    impulses: FloatArray
+    """Impulse of each stop per excitation period, N s, shape ``(stops,)``."""
+    periods: int
+    """Excitation periods that were marched."""
+
+
+def end_of_march(solver: Solver, problem: Problem) -> End:
+    """March from rest until nothing of the transient is left, and see what is left instead."""
+    assert isinstance(problem.damping, ModalDamping)
+    period = problem.require_excitation_period("march")
+    decay = float(problem.damping.ratios(1)[0]) * FIRST
+    # as many periods as a motion of any of the multiples goes into
+    periods = math.ceil(DECAY_TIMES / (decay * period)) + WATCHED
+    history = solver.simulate(problem, periods * period, errors=False)
+    multiple = repeats(history, periods, period)
+    last = WATCHED // max(multiple, 1) * max(multiple, 1)
+    return End(multiple, impulses_after(history, (periods - last) * period) / last, periods)
+
+
+def repeats(history: History, periods: int, period: float) -> int:
+    """After how many excitation periods the last section points come again; 0 if they do not after `LONGEST`."""
+    x = np.linspace(0.0, history.problem.beam.length, POINTS)
+    t = period * np.arange(periods - WATCHED, periods + 1, dtype=float)
+    points = np.concatenate([history.displacement(x, t), history.velocity(x, t) * period / (2 * math.pi)])
+    apart = [float(np.abs(points[:, n:] - points[:, :-n]).max()) for n in range(1, LONGEST + 1)]
+    near = SAME * float(np.abs(points).max())
+    return next((n for n, distance in enumerate(apart, start=1) if distance <= near), 0)
+
+
+def impulses_after(history: History, start: float) -> FloatArray:
+    """Impulse of each stop from a time on, N s; of a contact that the time cuts, the integral of its force."""
+    total = np.zeros(len(history.problem.stops))
+    for contact in history.contacts:
+        if contact.start >= start:
+            total[contact.stop] += contact.impulse
+        elif contact.end > start:
+            t = np.linspace(start, contact.end, 401)
+            total[contact.stop] -= np.trapezoid(
+                history.contact_force(t)[contact.stop], t
+            )  # the force is that on the beam
+    return total
+
+
+def compared(label: str, solver: Solver, steady: SteadyState, end: End) -> Iterator[Check]:
+    """The motion found against the end of the march."""
+    how = f"march of {end.periods} periods"
+    found = Estimate(float(steady.period_multiple), 0.0, "search")
+    marched = Estimate(float(end.multiple), 0.0, how, Kind.ANALYTICAL)
+    yield Check(f"{label}, excitation periods: {solver.name}", "1", found, marched)
+    size = float(np.abs(end.impulses).max(initial=0.0))
+    for k, (one, other) in enumerate(zip(steady.impulses, end.impulses, strict=True)):
+        found = Estimate(float(one), 0.0, "search")
+        marched = Estimate(float(other), EQUAL * size, how)
+        yield Check(f"{label}, impulse of stop {k + 1} per excitation period: {solver.name}", "N s", found, marched)
+
+
+def estimated(label: str, solver: Solver, problem: Problem, steady: SteadyState) -> Iterator[Criterion]:
+    """Stated errors of impulses over true ones, which a finer solver shows."""
+    fine = FINE[solver.name].steady_state(problem, sensitivity=False, errors=False)
+    assert steady.impulse_errors is not None
+    true = float(np.abs(steady.impulses - fine.impulses).max())
+    stated = float(steady.impulse_errors.max())
+    reason = f"a bound, and of use; the true error by {fine.solver}"
+    yield Criterion(f"{label}, stated error over the true one: {solver.name}", "1", stated / true, 1.0, LAVISH, reason)
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """All joints by both solvers."""
+    checks: list[Check] = []
+    criteria: list[Criterion] = []
+    for label, problem in JOINTS.items():
+        for solver in SOLVERS:
+            steady = solver.steady_state(problem, sensitivity=False, errors=label in ESTIMATED)
+            checks += compared(label, solver, steady, end_of_march(solver, problem))
+            criteria += steady_witness(steady, WITNESS, f"{label}, {solver.name}")
+            if label in ESTIMATED:
+                criteria += estimated(label, solver, problem, steady)
+        say(label)
+    rows = [(c.name, c.unit, c.b.value, c.a.value, f"{c.difference:.1e}", f"{c.allowed:.1e}") for c in checks]
+    return CaseResult(
+        "settled",
+        "What a march from rest ends on",
+        "The search accepts a motion as soon as it can prove that the march is bound for it. Here each solver marches "
+        f"on from rest, without a search, over {DECAY_TIMES:g} decay times of its slowest free vibration: the period "
+        "multiple and the impulses of the last periods are compared with those of the motion that was found. Where a "
+        "joint's orbit is the same at every resolution, stated errors of coarse solvers are compared with true ones.",
+        checks=tuple(checks),
+        criteria=tuple(criteria),
+        tables=(table("Ends of marches", ("quantity", "unit", "marched", "found", "difference", "allowed"), rows),),
+    )
