@@ -26,6 +26,12 @@ from lapjoint.cli.echo import echo
 )
 @click.option("--quick", "level", flag_value="quick", help="Less refinement.")
 @click.option("--full", "level", flag_value="full", help="More refinement.")
+@click.option("--faults", is_flag=True, help="Put faults into the program, one at a time, and tell what catches each.")
+@click.option("--fault", "fault_names", multiple=True, metavar="NAME", help="This fault only; repeatable.")
+@click.option(
+    "--quickest", type=click.IntRange(1), metavar="N", help="The N faults only that were caught most quickly."
+)
+@click.option("--workers", type=click.IntRange(1), metavar="N", help="Faults that are tried at a time; all processors.")
 @click.option("-o", "--output", default="report", show_default=True, metavar="DIR", help="Where the report goes.")
 @click.option("--list", "list_cases", is_flag=True, help="List the cases and stop.")
 def validate(
@@ -34,12 +40,17 @@ def validate(
     cases: tuple[str, ...],
     peers: tuple[str, ...],
     level: Literal["quick", "full"] | None,
+    faults: bool,
+    fault_names: tuple[str, ...],
+    quickest: int | None,
+    workers: int | None,
     output: str,
     list_cases: bool,
 ) -> None:
     """Compare the two solvers with each other and with published results; write DIR/report.html.
 
-    With PROBLEM, compare the solvers on that problem instead.
+    With PROBLEM, compare the solvers on that problem instead.  With --faults, judge the judge: docs/faults.md has the
+    table of the last complete run.
     """
     import rich.console
 
@@ -54,6 +65,14 @@ def validate(
             "it changes a PROBLEM, and none is given; preset:paper is one", set=" ".join(overrides) or None
         )
     arguments.check_directory(output)
+    if faults or fault_names or quickest is not None:
+        if problem is not None or peers or level is not None:
+            raise click.UsageError("--faults takes no problem, no peers and no level: it is the suite that is judged.")
+        from validation.faults import run
+
+        folder, modules = suite.writable(Path(output)), suite.modules_of(cases)
+        status = run.main(fault_names, quickest, modules, folder, rich.console.Console(), workers)
+        click.get_current_context().exit(status)
     this = None if problem is None else arguments.problem_from(problem, overrides)
     named, console = tuple(dict.fromkeys(peers)), rich.console.Console()
     click.get_current_context().exit(suite.main(this, cases, level or "standard", Path(output), console, named))

@@ -98,7 +98,7 @@ def main(
         runs = _chosen(others) if problem is None else _own(problem, others)
     if peers:
         runs[PEERS] = _peers(problem, peers)
-    output = _writable(output)
+    output = writable(output)
     results, begin = [], time.perf_counter()
     for name, run in runs.items():
         started = time.perf_counter()
@@ -117,17 +117,35 @@ def main(
     return 1 if any(result.verdict is Verdict.DISAGREE for result in results) else 0
 
 
-def _chosen(cases: tuple[str, ...]) -> dict[str, Run]:
-    from importlib import import_module
+def modules_of(cases: tuple[str, ...]) -> tuple[str, ...]:
+    """Modules in `validation.cases`, in the order of the suite.
 
+    Parameters
+    ----------
+    cases : tuple of str
+        Names of cases; empty: all.
+
+    Returns
+    -------
+    tuple of str
+        Names of modules.
+
+    Raises
+    ------
+    InputError
+        For an unknown case.
+    """
     unknown = [name for name in cases if name not in _MODULES]
     if unknown:
         raise InputError(f"case = {unknown[0]!r} is unknown; allowed: {', '.join(_MODULES)}")
-    return {
-        name: import_module(f"validation.cases.{module}").run
-        for name, module in _MODULES.items()
-        if not cases or name in cases
-    }
+    return tuple(module for name, module in _MODULES.items() if not cases or name in cases)
+
+
+def _chosen(cases: tuple[str, ...]) -> dict[str, Run]:
+    from importlib import import_module
+
+    names = {module: name for name, module in _MODULES.items()}
+    return {names[module]: import_module(f"validation.cases.{module}").run for module in modules_of(cases)}
 
 
 def _own(problem: Problem, cases: tuple[str, ...]) -> dict[str, Run]:
@@ -152,7 +170,24 @@ def _peers(problem: Problem | None, names: tuple[str, ...]) -> Run:
     return lambda level, say: peers.run(problem, names, level, say)
 
 
-def _writable(output: Path) -> Path:
+def writable(output: Path) -> Path:
+    """Make the folder of the reports, and see that files can be written there.
+
+    Parameters
+    ----------
+    output : Path
+        The folder.
+
+    Returns
+    -------
+    Path
+        The same.
+
+    Raises
+    ------
+    InputError
+        If they cannot.
+    """
     try:
         output.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=output).close()

@@ -59,6 +59,9 @@ _SLOWER = 0.5
 misses it by more, it may go around the orbit for ever."""
 _THERE = 1e-8
 """Distance from an orbit, over the size of the motion, up to which rounding decides how a step goes."""
+_AT = 1e-11
+"""Distance from an orbit, over the size of the motion, up to which a march is at the orbit: rounding and the tolerance
+of switches make some 1e-13 of it."""
 MULTIPLES_AT_A_LOOK = 8
 """Periods that a march goes on each time Newton's method is tried, to see after how many it comes back."""
 DECAY_TIMES = 20.0
@@ -281,9 +284,29 @@ class Search:
             if forecast.bound and self._as_linearised(orbit, deviation):
                 return True
             wait = math.ceil(forecast.fails * orbit.half_periods / 2)
+            if wait > self._enough and self._is_at(orbit):
+                return self._stays(orbit)
             wait = multiple * math.ceil(max(wait, self._marched // 8, 1) / multiple)
             if self._marched + wait > self._effort.max_periods or not self._on_course(orbit, deviation, wait):
                 return False
+
+    def _is_at(self, orbit: Orbit) -> bool:
+        """Whether the march is at the orbit, as far as rounding lets one tell."""
+        distance = self._map.norm(self._map.difference(self._point, orbit.point))
+        return distance <= max(_AT, 10 * orbit.residual) * self._map.size(orbit.point)
+
+    def _stays(self, orbit: Orbit) -> bool:
+        """March on until free vibration has decayed; whether the march is still at the orbit where it was at first.
+
+        A stop that chatters, or is touched by less than rounding, leaves no room for any deviation, so that no forecast
+        can show that a march is bound for the orbit.
+        """
+        multiple = orbit.period_multiple
+        wait = multiple * math.ceil(max(self._enough, TRANSIENT) / multiple)
+        if self._marched + wait > self._effort.max_periods:
+            return False
+        self._advance(wait)
+        return self._is_at(orbit)
 
     def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
         """Whether the next step of the march to the orbit is that of the linearised map, well enough.

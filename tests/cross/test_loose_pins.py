@@ -76,9 +76,10 @@ def test_chaos_that_dies_by_chance_is_named_for_what_it_does(askew: bool) -> Non
     assert judgement.verdict != "false", judgement.why
     if steady.period_multiple:
         assert steady.period_multiple == 1
-        # The motion of period one, or its mirror images: impulses by a march of 2000 periods on one machine.
+        # The motion of period one, or its mirror images: impulses by a march of 2000 periods with 32 modes.
+        assert steady.impulse_errors is not None
         assert np.sort(np.abs(steady.impulses)) == pytest.approx(
-            [0.34212086, 0.34212086, 0.35902841, 0.35902841], rel=1e-5
+            [0.34217839, 0.34217839, 0.35909316, 0.35909316], abs=float(steady.impulse_errors.max())
         )
 
 

@@ -15,6 +15,7 @@ from rich.console import Console
 import analytic
 import fe_lapjoint
 from lapjoint import History, InputError, Problem, paper_joint, sdnl104
+from lapjoint.errors import OutputError
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import problem_tables_json
 from validation import suite
@@ -150,7 +151,7 @@ def test_unknown_cases_and_unwritable_reports_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="'figure5' is unknown"):
         suite.main(None, ("figure5",), "quick", tmp_path, Console())
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(OutputError, match="cannot be written"):
         suite.main(None, ("table4",), "quick", tmp_path / "file", Console())
 
 

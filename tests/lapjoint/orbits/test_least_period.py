@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from loose_pins import bar as loose_bar
 from toy import Bar, bar
+from witness import testify
 
 import analytic
 import fe_lapjoint
@@ -100,3 +101,12 @@ def test_the_multiple_is_the_least_and_the_half_period_that_mirrors_is_found(
     t = np.linspace(0.01, 0.99, 20) * half
     z, later = one.history.displacement(x, t), one.history.displacement(x, t + half)
     assert bool(np.abs(z + later).max() < 1e-3 * np.abs(z).max()) is symmetric
+
+
+@pytest.mark.parametrize("n_modes", [16, 19])
+def test_a_chattering_motion_that_leaves_no_room_for_any_deviation_is_certified(n_modes: int) -> None:
+    """With most numbers of modes it repeats to 1e-13, and yet some contact is so short that no forecast holds."""
+    solver, problem = analytic.Solver(n_modes=n_modes), loose_bar(100.0, 1e-3, 5e-3)
+    steady, period_map = solver.steady_state(problem, errors=False), solver.period_map(problem)
+    assert (steady.outcome, steady.period_multiple) == (Outcome.CHATTERING, 1)
+    assert testify(period_map, steady, 1 / period_map.slowest_decay).verdict == "true"

@@ -1,0 +1,127 @@
+"""Faults: their list, how they are put in, and that the judge notices them and not their absence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from lapjoint.cli.main import main
+from validation.faults.catalogue import CONTROL, FAULTS
+from validation.faults.changed_tree import change, changed_names, installed_tree
+from validation.faults.fault import PLACES, Fault
+from validation.faults.record import PAGE, page, recorded
+from validation.faults.running import Changed, Kept, Order, Trials, plain, source_of
+from validation.faults.trial import Result, Seen
+
+TREE = installed_tree()
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.mark.parametrize("fault", [*FAULTS, CONTROL], ids=lambda fault: fault.name)
+def test_a_fault_fits_the_source_once_and_leaves_it_valid(fault: Fault) -> None:
+    compile(fault.put_into(source_of(TREE, fault.module)), fault.module, "exec")
+
+
+def test_there_are_faults_of_many_kinds_in_both_solvers_and_the_ground() -> None:
+    names = [fault.name for fault in FAULTS]
+    assert len(names) == len(set(names)) >= 40
+    for place in PLACES.values():
+        assert sum(fault.place == place for fault in FAULTS) >= 12
+    kinds = {fault.kind for fault in FAULTS}
+    assert {"a sign", "a factor", "a term dropped", "an input ignored", "off by one", "a mode skipped"} <= kinds
+    assert {"a stale cache", "an event dropped", "counted twice", "a gap read wrong"} <= kinds
+    assert {"a certificate too lenient", "an error estimate too small"} <= kinds
+
+
+@pytest.mark.parametrize("source", ["", "x = 1\nx = 1\n"])
+def test_a_fault_whose_text_is_not_there_once_is_refused(source: str) -> None:
+    with pytest.raises(ValueError, match="must once"):
+        Fault("some", "a sign", "analytic.solver", "", old="x = 1", new="x = -1").put_into(source)
+
+
+def test_the_record_fits_the_list_and_the_page_fits_the_record() -> None:
+    judged, costs = recorded()
+    assert [one.fault for one in judged] == [*FAULTS, CONTROL]
+    assert all(one.as_wanted for one in judged), [one.fault.name for one in judged if not one.as_wanted]
+    assert (ROOT / "docs" / PAGE).read_text() == page(judged, costs)
+
+
+def _quickest(count: int) -> tuple[list[Fault], list[str]]:
+    caught = sorted(recorded()[0], key=lambda one: (one.fault == CONTROL, one.seen.seconds))[:count]
+    return [one.fault for one in caught], sorted({one.seen.case for one in caught})
+
+
+def test_the_quickest_faults_change_verdicts_and_their_absence_does_not() -> None:
+    faults, cases = _quickest(3)
+    sound = source_of(TREE, CONTROL.module)
+    changes = [Changed(fault.name, fault.module, fault.put_into(source_of(TREE, fault.module))) for fault in faults]
+    changes.append(Changed("control", CONTROL.module, CONTROL.put_into(sound)))
+    changes.append(Changed("crash", CONTROL.module, sound + "\nraise RuntimeError('on purpose')\n"))
+    trials = Trials(TREE, "quick", 2, Kept(None))
+    seen = {changed.label: seen for changed, seen in trials.judged(changes, Order(dict.fromkeys(cases, 5.0)))}
+    assert all(seen[fault.name].result is Result.CAUGHT and seen[fault.name].number for fault in faults)
+    assert seen["control"].result is Result.MISSED
+    assert seen["crash"].result is Result.CRASHED
+    assert "on purpose" in seen["crash"].item
+
+
+def test_a_trial_that_was_done_is_not_run_again_and_a_torn_line_is(tmp_path: Path) -> None:
+    path, seen = tmp_path / "kept", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 0.5, (("textbook", 0.5),))
+    Kept(path).put("one", seen)
+    Kept(path).put("two", seen)
+    whole = path.read_text()
+    path.write_text(whole[: len(whole) - 20])
+    assert Kept(path).get("one", ["table4", "textbook"]) == seen
+    assert Kept(path).get("one", ["table4"]) is None
+    assert Kept(path).get("two", ["textbook"]) is None
+
+
+def test_a_trial_that_nothing_caught_is_run_again_if_there_are_more_cases() -> None:
+    kept, missed = Kept(None), Seen(Result.MISSED, spent=(("table4", 1.0), ("textbook", 1.0)))
+    kept.put("one", missed)
+    assert kept.get("one", ["textbook"]) == missed
+    assert kept.get("one", ["textbook", "grazing"]) is None
+
+
+def test_what_was_seen_survives_json() -> None:
+    assert plain(Seen(Result.TOO_SLOW, "grazing"))["result"] == "too slow"
+
+
+def test_what_was_compiled_from_changed_source_is_thrown_away(tmp_path: Path) -> None:
+    for package in ("lapjoint", "analytic", "fe_lapjoint", "validation"):
+        (tmp_path / package / "__pycache__").mkdir(parents=True)
+    (tmp_path / "analytic/low.py").write_text("LIMIT = 1.0\n\n@njit\ndef low(x):\n    return x + LIMIT\n")
+    (tmp_path / "analytic/high.py").write_text(
+        "@njit\ndef high(x):\n    return low(x)\n\n@njit\ndef other(x):\n    return x\n"
+    )
+    kept = [tmp_path / "analytic/__pycache__" / name for name in ("high.high-2.py311.nbi", "high.other-6.py311.nbi")]
+    for file in kept:
+        file.touch()
+    assert change(tmp_path, "analytic.low", "LIMIT = 2.0\n\n@njit\ndef low(x):\n    return x + LIMIT\n")
+    assert [file.exists() for file in kept] == [False, True]
+
+
+def test_a_change_is_known_by_the_name_at_the_top_of_the_module() -> None:
+    old = "A = 1\nB = A\n\ndef f():\n    return A\n"
+    assert changed_names(old, old.replace("return A", "return B")) == {"f"}
+    assert changed_names(old, old.replace("A = 1", "A = 2")) == {"A"}
+    assert changed_names(old, old + "\n# nothing\n") == set()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--fault", "no-such"], "fault = 'no-such' is unknown"),
+        (["--faults", "--quick"], "no level"),
+        (["--faults", "preset:paper"], "no problem"),
+        (["--faults", "--case", "no-such"], "case = 'no-such' is unknown"),
+    ],
+)
+def test_a_wrong_command_is_refused(
+    arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as refused:
+        main(["validate", *arguments, "-o", str(tmp_path)])
+    assert refused.value.code == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,56 @@
+"""Mutants: drawn by seed, valid, and only where something is computed."""
+
+from __future__ import annotations
+
+from validation.faults.changed_tree import installed_tree
+from validation.faults.mutants import identity, reasons
+from validation.faults.mutation import KINDS, drawn, everywhere, modules, possible
+from validation.faults.running import source_of
+
+TREE = installed_tree()
+SOURCE = '''
+def f(x: tuple[int, int], n):
+    """x - 1"""
+    if n < 0:
+        raise ValueError(f"{n + 1} - 2")
+    return -x[0] + 2 * n
+'''
+
+
+def test_the_same_seed_draws_the_same_mutants_however_many() -> None:
+    many = drawn(TREE, 3, 60)
+    assert drawn(TREE, 3, 20) == many[:20]
+    assert drawn(TREE, 4, 20) != many[:20]
+    assert {mutant.kind for mutant in many} == set(KINDS)
+    assert {mutant.module.partition(".")[0] for mutant in many} == {"analytic", "fe_lapjoint", "lapjoint"}
+
+
+def test_every_mutant_of_a_draw_is_valid_source_and_another_one() -> None:
+    for mutant in drawn(TREE, 5, 30):
+        sound = source_of(TREE, mutant.module)
+        changed = mutant.put_into(sound)
+        compile(changed, mutant.module, "exec")
+        assert changed != sound
+
+
+def test_texts_annotations_and_errors_are_left_alone() -> None:
+    found = {(mutant.kind, mutant.old, mutant.new) for mutant in possible("m", SOURCE)}
+    assert found == {
+        ("off by one", "n < 0", "(n <= 0)"),
+        ("sign", "-x[0] + 2 * n", "(-x[0] - (2 * n))"),
+        ("dropped term", "-x[0] + 2 * n", "(-x[0])"),
+        ("dropped term", "-x[0] + 2 * n", "(2 * n)"),
+        ("sign", "-x[0]", "(x[0])"),
+        ("off by one", "0", "(0 + 1)"),
+        ("factor 1.001", "2 * n", "(1.001 * (2 * n))"),
+    }
+
+
+def test_nothing_that_draws_or_speaks_is_changed() -> None:
+    names = modules(TREE)
+    assert "analytic.march.segment" in names
+    assert not any("figures" in name or "messages" in name or "cli" in name for name in names)
+
+
+def test_every_reason_belongs_to_a_mutant_that_can_be_drawn() -> None:
+    assert set(reasons()) <= {identity(mutant) for mutant in everywhere(TREE)}

@@ -1,0 +1,19 @@
+"""All faults, and the control."""
+
+from __future__ import annotations
+
+from validation.faults.fault import Fault
+from validation.faults.in_analytic import ANALYTIC
+from validation.faults.in_fe import FE
+from validation.faults.in_ground import GROUND
+
+FAULTS: tuple[Fault, ...] = (*ANALYTIC, *FE, *GROUND)
+
+CONTROL = Fault(
+    "control",
+    "no fault",
+    "fe_lapjoint.modes.assembly",
+    "Two factors change places, and nothing is other than it was: this must not be caught.",
+    old="f[here] += h * one * scale",
+    new="f[here] += one * h * scale",
+)

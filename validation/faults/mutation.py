@@ -1,0 +1,226 @@
+"""Small changes of source, drawn at random: a sign, a factor of 1.001, a term dropped, an index off by one.
+
+Where they may be: in the functions of both solvers and of the ground that compute something.  What only reads, writes,
+draws or speaks is left out, and so are texts, annotations and what an error says.
+"""
+
+from __future__ import annotations
+
+import ast
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from validation.faults.changed_tree import module_file
+
+ROOMS = ("analytic", "fe_lapjoint", "lapjoint/problem", "lapjoint/answers", "lapjoint/orbits", "lapjoint/campaigns")
+LEFT_OUT = (
+    *("lapjoint/problem/example", "lapjoint/problem/files", "lapjoint/problem/messages", "lapjoint/problem/schema"),
+    *("lapjoint/answers/contact_files", "lapjoint/campaigns/batch", "lapjoint/campaigns/cluster"),
+    *("lapjoint/campaigns/format_version", "lapjoint/campaigns/journal", "lapjoint/campaigns/running"),
+    *("lapjoint/campaigns/workers",),
+)
+KINDS = ("sign", "factor 1.001", "dropped term", "off by one")
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One change of one module."""
+
+    kind: str
+    """One of `KINDS`."""
+    module: str
+    """The module, by its full name."""
+    function: str
+    """Where in it."""
+    line: int
+    """Number of its line in the sound source."""
+    start: int
+    """Where the change begins, in bytes of the source."""
+    end: int
+    """Where it ends."""
+    old: str
+    """What stands there."""
+    new: str
+    """What it becomes."""
+
+    def put_into(self, source: str) -> str:
+        """The source of the module with the change in it.
+
+        Parameters
+        ----------
+        source : str
+            The sound source, in which the change was drawn.
+
+        Returns
+        -------
+        str
+            The same, changed.
+        """
+        raw = source.encode()
+        return (raw[: self.start] + self.new.encode() + raw[self.end :]).decode()
+
+
+def drawn(tree: Path, seed: int, count: int) -> list[Mutant]:
+    """Changes drawn at random, first the kind and then the place, each place once at most.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the packages.
+    seed : int
+        Of the random numbers: with the same source it gives the same changes.
+    count : int
+        How many.
+
+    Returns
+    -------
+    list of Mutant
+        In the sequence in which they were drawn, which does not depend on `count`.
+    """
+    known: dict[str, list[Mutant]] = {kind: [] for kind in KINDS}
+    for mutant in everywhere(tree):
+        known[mutant.kind].append(mutant)
+    generator = random.Random(seed)
+    found: list[Mutant] = []
+    while len(found) < count and any(known.values()):
+        kind = generator.choice([kind for kind, left in known.items() if left])
+        found.append(known[kind].pop(generator.randrange(len(known[kind]))))
+    return found
+
+
+@cache
+def everywhere(tree: Path) -> tuple[Mutant, ...]:
+    """All changes that may be made, as the source is when this is first asked.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the packages.
+
+    Returns
+    -------
+    tuple of Mutant
+        Module by module.
+    """
+    return tuple(one for name in modules(tree) for one in possible(name, module_file(tree, name).read_text()))
+
+
+def modules(tree: Path) -> list[str]:
+    """Names of the modules that may be changed, sorted.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the packages.
+
+    Returns
+    -------
+    list of str
+        Full names.
+    """
+    paths = {path.relative_to(tree).with_suffix("") for room in ROOMS for path in (tree / room).rglob("*.py")}
+    wanted = [path.as_posix() for path in paths if path.name != "__init__"]
+    return sorted(path.replace("/", ".") for path in wanted if path not in LEFT_OUT)
+
+
+def possible(module: str, source: str) -> Iterator[Mutant]:
+    """All changes that may be made in a module.
+
+    Parameters
+    ----------
+    module : str
+        Its full name.
+    source : str
+        Its source.
+
+    Yields
+    ------
+    Mutant
+        In the sequence of the source.
+    """
+    raw = source.encode()
+    starts = [0]
+    for line in raw.split(b"\n"):
+        starts.append(starts[-1] + len(line) + 1)
+    for function, node in _computing(ast.parse(source), ""):
+        for kind, part, change in _changes(node):
+            begin = starts[part.lineno - 1] + part.col_offset
+            assert part.end_lineno is not None
+            assert part.end_col_offset is not None
+            end = starts[part.end_lineno - 1] + part.end_col_offset
+            old = raw[begin:end].decode()
+            new = change.format(old=old, **_pieces(part, raw, starts))
+            yield Mutant(kind, module, function, part.lineno, begin, end, old, new)
+
+
+def _computing(tree: ast.AST, above: str) -> Iterator[tuple[str, ast.AST]]:
+    """Expressions and statements of the functions, with the name of the function."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.ClassDef):
+            yield from _computing(node, f"{above}{node.name}.")
+        elif isinstance(node, ast.FunctionDef) and not (node.name.startswith("__") and node.name != "__call__"):
+            for statement in node.body:
+                for part in _walked(statement):
+                    yield above + node.name, part
+
+
+def _walked(node: ast.AST) -> Iterator[ast.AST]:
+    """A statement and what it consists of, but for texts, annotations, errors and assertions."""
+    if isinstance(node, ast.Raise | ast.Assert | ast.JoinedStr):
+        return
+    yield node
+    for name, value in ast.iter_fields(node):
+        if name in ("annotation", "returns", "decorator_list"):
+            continue
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST):
+                yield from _walked(child)
+
+
+def _changes(node: ast.AST) -> Iterator[tuple[str, ast.expr, str]]:
+    """The changes of one expression: the kind, what is replaced, and what by."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        if not any(_text(side) for side in (node.left, node.right)):
+            other = "-" if isinstance(node.op, ast.Add) else "+"
+            yield "sign", node, "({left} " + other + " ({right}))"
+            yield "dropped term", node, "({left})"
+            yield "dropped term", node, "({right})" if isinstance(node.op, ast.Add) else "(-({right}))"
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+        yield "factor 1.001", node, "(1.001 * ({old}))"
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        yield "sign", node, "({operand})"
+    elif isinstance(node, ast.Subscript):
+        for part in ast.walk(node.slice):
+            if isinstance(part, ast.Constant) and type(part.value) is int:
+                yield "off by one", part, "({old} + 1)"
+            elif isinstance(part, ast.Slice) and isinstance(part.upper, ast.Name):
+                yield "off by one", part.upper, "({old} - 1)"
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "range":
+        yield "off by one", node.args[-1], "({old} - 1)"
+    elif isinstance(node, ast.Compare) and len(node.ops) == 1 and isinstance(node.ops[0], ast.Lt | ast.Gt):
+        yield "off by one", node, "({left} " + ("<=" if isinstance(node.ops[0], ast.Lt) else ">=") + " {right})"
+
+
+def _text(node: ast.expr) -> bool:
+    return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
+
+
+def _pieces(node: ast.expr, raw: bytes, starts: list[int]) -> dict[str, str]:
+    """The source of both sides of an operation, or of its operand."""
+    if isinstance(node, ast.Compare):
+        parts = {"left": node.left, "right": node.comparators[0]}
+    elif isinstance(node, ast.BinOp):
+        parts = {"left": node.left, "right": node.right}
+    else:
+        parts = {"operand": node.operand} if isinstance(node, ast.UnaryOp) else {}
+    return {name: _source(part, raw, starts) for name, part in parts.items()}
+
+
+def _source(node: ast.expr, raw: bytes, starts: list[int]) -> str:
+    assert node.end_lineno is not None
+    assert node.end_col_offset is not None
+    begin = starts[node.lineno - 1] + node.col_offset
+    return raw[begin : starts[node.end_lineno - 1] + node.end_col_offset].decode()

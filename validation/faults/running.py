@@ -1,0 +1,373 @@
+"""Many trials: each on its own copy of the packages, in its own process, some at a time.
+
+The processes are forked from one that has loaded the heavy libraries (multiprocessing's fork server), so that a trial
+begins at once, and nothing leaks from one to the next.  Ctrl-C ends all of them; what is done is kept, see `Kept`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import signal
+import tempfile
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import ForkServerContext, ForkServerProcess
+from pathlib import Path
+from typing import Any
+
+from lapjoint.processes import interrupts_held
+from validation.case import Level
+from validation.faults.changed_tree import PACKAGES, change, copied_tree, module_file
+from validation.faults.trial import Result, Seen, try_tree
+
+ALLOWANCE, TIMES = 20.0, 10.0
+"""Time of the processor that a case may take on a changed tree, s, besides `TIMES` what it takes on the sound one."""
+COMPILING = 200.0
+"""Time, s, that it may take besides where functions have to be compiled again, all of which takes half of this."""
+_NOT_JUDGING = ("faults", "report", "command.py", "suite.py")  # parts of the validation on which no verdict depends
+
+
+Limits = tuple[tuple[str, float], ...]
+"""Modules of cases in the order in which they run, and the most time that each may take, s."""
+
+
+@dataclass(frozen=True)
+class Changed:
+    """One module with other source; no module: nothing is changed."""
+
+    label: str
+    """What it is called."""
+    module: str = ""
+    """The module, by its full name."""
+    source: str = ""
+    """Its new source."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """The cases in the order in which all trials run them, cheapest first."""
+
+    costs: Mapping[str, float]
+    """The time of each case on the sound tree, s."""
+
+    def limits(self, compiles: bool) -> tuple[tuple[str, float], ...]:
+        """The cases, and the most time that each may take on a changed tree.
+
+        Parameters
+        ----------
+        compiles : bool
+            Whether functions have to be compiled again.
+
+        Returns
+        -------
+        tuple of (str, float)
+            Modules of the cases, and seconds.
+        """
+        more = ALLOWANCE + (COMPILING if compiles else 0.0)
+        ordered = sorted(self.costs.items(), key=lambda item: item[1])
+        return tuple((case, more + TIMES * seconds) for case, seconds in ordered)
+
+
+class Kept:
+    """Trials that are done, a line each in a file, so that a run that was interrupted goes on where it was.
+
+    Parameters
+    ----------
+    path : Path, optional
+        The file; None keeps nothing.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path, self._seen = path, dict[str, Seen]()
+        if path is None or not path.exists():
+            return
+        for line in path.read_text(errors="replace").splitlines():
+            try:
+                entry = json.loads(line)
+                self._seen[entry["key"]] = seen_from(entry["seen"])
+            except (ValueError, KeyError, TypeError):
+                continue  # a line that was cut off: its trial is run again
+
+    def get(self, key: str, cases: Collection[str]) -> Seen | None:
+        """What became of a trial that was run before, if it was, and that would come of it again.
+
+        Parameters
+        ----------
+        key : str
+            All that its outcome depends on but for the cases, as a digest.
+        cases : collection of str
+            The cases: that in which something was seen must be among them, or all of them were run then.
+
+        Returns
+        -------
+        Seen or None
+            What was seen then.
+        """
+        seen = self._seen.get(key)
+        if seen is None:
+            return None
+        again = seen.case in cases or (not seen.case and set(cases) <= {case for case, _ in seen.spent})
+        return seen if again else None
+
+    def passed(self, key: str) -> Seen:
+        """The cases that a trial went through before without being caught.
+
+        Parameters
+        ----------
+        key : str
+            All that its outcome depends on but for the cases, as a digest.
+
+        Returns
+        -------
+        Seen
+            With the time of each.
+        """
+        seen = self._seen.get(key)
+        return seen if seen is not None and seen.result is Result.MISSED else Seen(Result.MISSED)
+
+    def put(self, key: str, seen: Seen) -> Seen:
+        """Keep what became of a trial, together with what it went through before.
+
+        Parameters
+        ----------
+        key : str
+            All that its outcome depends on but for the cases, as a digest.
+        seen : Seen
+            What was seen.
+
+        Returns
+        -------
+        Seen
+            The same, with the time of all cases.
+        """
+        before = self.passed(key)
+        seen = replace(seen, spent=before.spent + seen.spent, seconds=before.seconds + seen.seconds)
+        self._seen[key] = seen
+        if self._path is not None:
+            with open(self._path, "a") as file:
+                file.write(json.dumps({"key": key, "seen": plain(seen)}) + "\n")
+        return seen
+
+
+def plain(seen: Seen) -> dict[str, Any]:
+    """What was seen as plain values, for JSON.
+
+    Parameters
+    ----------
+    seen : Seen
+        What was seen.
+
+    Returns
+    -------
+    dict
+        Its fields.
+    """
+    return {**vars(seen), "result": seen.result.value}
+
+
+def seen_from(values: Mapping[str, Any]) -> Seen:
+    """What was seen, from plain values.
+
+    Parameters
+    ----------
+    values : mapping
+        The fields of a `Seen`.
+
+    Returns
+    -------
+    Seen
+        What was seen.
+    """
+    spent = tuple((str(case), float(seconds)) for case, seconds in values.get("spent", ()))
+    return Seen(**{**values, "result": Result(values["result"]), "spent": spent})
+
+
+def digest(tree: Path) -> str:
+    """A digest of all source on which verdicts depend.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the packages.
+
+    Returns
+    -------
+    str
+        Hexadecimal.
+    """
+    found = hashlib.sha256()
+    for package in PACKAGES:
+        for path in sorted((tree / package).rglob("*.*")):
+            parts = path.relative_to(tree).parts
+            if path.suffix in (".py", ".toml") and not (parts[0] == "validation" and parts[1] in _NOT_JUDGING):
+                found.update("/".join(parts).encode() + b"\0" + path.read_bytes())
+    return found.hexdigest()
+
+
+@dataclass
+class _Trial:
+    """A trial under way."""
+
+    changed: Changed
+    key: str
+    folder: tempfile.TemporaryDirectory[str]
+    process: ForkServerProcess
+    case: str = ""
+    """The case that it is at."""
+
+
+class Trials:
+    """Runs trials, some at a time.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the sound packages.
+    level : "quick", "standard" or "full"
+        Level at which the judge runs.
+    workers : int
+        Number of processes at a time.
+    kept : Kept
+        Takes what is done, and knows what was done before.
+    """
+
+    def __init__(self, tree: Path, level: Level, workers: int, kept: Kept) -> None:
+        self.tree, self._level, self._workers, self._kept = tree, level, workers, kept
+        self._digest = digest(tree)
+        self._context: ForkServerContext = multiprocessing.get_context("forkserver")
+        self._context.set_forkserver_preload(["validation.faults.preload"])
+
+    def costs(self, cases: Sequence[str], done: Callable[[str, Seen], None]) -> dict[str, Seen]:
+        """Run each case alone on the sound packages.
+
+        Parameters
+        ----------
+        cases : sequence of str
+            Modules of the cases.
+        done : callable
+            Takes each case and what was seen, when it is done.
+
+        Returns
+        -------
+        dict
+            What was seen, by case; nothing disagrees if all are `Result.MISSED`.
+        """
+        jobs = [(Changed(case), ((case, 3600.0),)) for case in cases]
+        found = {}
+        for changed, seen in self._run(jobs):
+            found[changed.label] = seen
+            done(changed.label, seen)
+        return found
+
+    def judged(self, changes: Iterable[Changed], order: Order) -> Iterator[tuple[Changed, Seen]]:
+        """Run the cases on changed packages, each until the first disagreement.
+
+        Parameters
+        ----------
+        changes : iterable of Changed
+            What is changed, one at a time.
+        order : Order
+            The cases.
+
+        Yields
+        ------
+        Changed, Seen
+            Each change, and what became of it, in the sequence in which they are done.
+        """
+        yield from self._run((changed, order) for changed in changes)
+
+    def _run(self, jobs: Iterable[tuple[Changed, Order | Limits]]) -> Iterator[tuple[Changed, Seen]]:
+        waiting, running = iter(jobs), dict[Connection, _Trial]()
+        try:
+            while True:
+                while len(running) < self._workers and (job := next(waiting, None)) is not None:
+                    changed, cases = job
+                    key = self._key(changed)
+                    seen = self._kept.get(key, [case for case, _ in _limits(cases, False)])
+                    if seen is not None:
+                        yield changed, seen
+                        continue
+                    here, trial = self._begin(changed, cases, key)
+                    running[here] = trial
+                if not running:
+                    return
+                for ready in wait(list(running)):
+                    assert isinstance(ready, Connection)
+                    trial = running[ready]
+                    seen = _received(ready, trial)
+                    if seen is None:
+                        continue
+                    del running[ready]
+                    ready.close()
+                    trial.folder.cleanup()
+                    yield trial.changed, self._kept.put(trial.key, seen)
+        finally:
+            for connection, trial in running.items():
+                trial.process.kill()
+                trial.process.join()
+                connection.close()
+                trial.folder.cleanup()
+
+    def _key(self, changed: Changed) -> str:
+        """All that the outcome of a trial depends on but for the cases."""
+        text = "\0".join((self._digest, self._level, changed.module, changed.source or changed.label))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def _begin(self, changed: Changed, cases: Order | Limits, key: str) -> tuple[Connection, _Trial]:
+        folder = tempfile.TemporaryDirectory(prefix="lapjoint-fault-")
+        tree = self.tree
+        compiles = False
+        if changed.module:
+            tree = Path(folder.name)
+            copied_tree(self.tree, tree)
+            compiles = change(tree, changed.module, changed.source)
+        passed = {case for case, _ in self._kept.passed(key).spent}
+        limits = tuple((case, most) for case, most in _limits(cases, compiles) if case not in passed)
+        here, there = self._context.Pipe(duplex=False)
+        process = self._context.Process(target=try_tree, args=(str(tree), limits, self._level, there))
+        with interrupts_held():
+            process.start()
+        there.close()
+        return here, _Trial(changed, key, folder, process)
+
+
+def _limits(cases: Order | Limits, compiles: bool) -> Limits:
+    return cases.limits(compiles) if isinstance(cases, Order) else cases
+
+
+def _received(connection: Connection, trial: _Trial) -> Seen | None:
+    """What a trial sent or how it ended; None while it goes on."""
+    try:
+        message = connection.recv()
+    except EOFError:
+        trial.process.join()
+        code = trial.process.exitcode or 0
+        if code == -signal.SIGXCPU:
+            return Seen(Result.TOO_SLOW, trial.case)
+        return Seen(Result.CRASHED, trial.case, f"the process ended with status {code}")
+    if isinstance(message, str):
+        trial.case = message
+        return None
+    trial.process.join()
+    return seen_from(message)
+
+
+def source_of(tree: Path, module: str) -> str:
+    """The source of a module.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the packages.
+    module : str
+        Its full name.
+
+    Returns
+    -------
+    str
+        Its text.
+    """
+    return module_file(tree, module).read_text()
