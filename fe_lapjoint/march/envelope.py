@@ -17,18 +17,23 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Bounds on ``m`` terms at ``p`` places, each times exp(-fading (t - start)) from a time t on."""
+    """Bounds on ``m`` terms at ``p`` places, each times exp(-fading (t - start)) from a time t on.
+
+    A term is the motion of a mode, or of whatever else moves, times its share in the motion of a place.
+    """
 
     start: float
     """s."""
     fading: FloatArray
     """Rate at which each bound falls, 1/s, shape ``(m,)``."""
+    shares: FloatArray
+    """Moduli of the shares, shape ``(p, m)``; with the bounds below they give m, m/s and m/s2."""
     value: FloatArray
-    """On \\|f\\|, m, shape ``(p, m)``; infinite for what grows."""
+    """On \\|f\\| over its share, shape ``(m,)``; infinite for what grows."""
     slope: FloatArray
-    """On \\|f'\\|, m/s, shape ``(p, m)``; infinite for what grows."""
+    """On \\|f'\\| over its share, shape ``(m,)``; infinite for what grows."""
     curvature: FloatArray
-    """On \\|f''\\|, m/s2, shape ``(p, m)``."""
+    """On \\|f''\\| over its share, shape ``(m,)``."""
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """How far the motion of each place may rise above the higher end of an interval.
@@ -46,7 +51,8 @@ class Envelope:
             m.
         """
         straying = np.minimum(2 * self.value, self.curvature * (width**2 / 8))
-        return np.asarray(straying @ np.exp(-np.multiply.outer(self.fading, t - self.start)))
+        fade = np.exp(np.multiply.outer(self.start - t, self.fading))
+        return np.asarray(self.shares @ (straying * fade).T)
 
     def from_tangent(self, place: int, t: float, width: float) -> tuple[float, float]:
         """How far the motion of a place, and its rate, may stray from their values at a time.
@@ -66,6 +72,6 @@ class Envelope:
             By how much it may leave its tangent, m: by no more than the part s / width of that after s; and by how much
             its rate may change, m/s.
         """
-        now = np.exp(self.fading * (self.start - t))
-        steep, bent = 2 * self.slope[place], self.curvature[place] * width
-        return float(np.minimum(steep, bent / 2) @ now) * width, float(np.minimum(steep, bent) @ now)
+        now = self.shares[place] * np.exp(self.fading * (self.start - t))
+        steep, bent = 2 * self.slope, self.curvature * width
+        return float(np.minimum(steep, bent / 2).dot(now)) * width, float(np.minimum(steep, bent).dot(now))

@@ -14,7 +14,7 @@ So rounding makes no contact, and a stop that rests on a gap of zero stays as it
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -22,10 +22,12 @@ import numpy.typing as npt
 from lapjoint.problem import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
+IndexArray = npt.NDArray[np.intp]
 _STEPS = 60  # of Newton's method or of halving, at most; 52 halvings leave the last digit of an interval
 _CONTINUOUS = 1e6  # roundings: a stop further beyond its switch than this has not just switched, but switches at once
 _LATE = 4  # resolutions: another stop's switch may have been located so much later than this stop's
 _RESOLUTION = 2.0**-50  # relative: a crossing is located to four rounding errors of the times that are searched
+_FEW = 4  # steps: so many are searched sooner than a second look at them excludes some
 
 
 class Gaps(Protocol):
@@ -48,6 +50,26 @@ class Gaps(Protocol):
         -------
         float, float
             h, m, and h', m/s.
+        """
+
+    @property
+    def curvature(self) -> FloatArray:
+        """Bounds on \\|h''\\| at all times, m/s2, shape ``(P,)``: quickly had, for a first look."""
+
+    def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
+        """One gap function and its rate at both ends of a step of the grid that is searched.
+
+        Parameters
+        ----------
+        k : int
+            The stop.
+        i : int
+            Which step.
+
+        Returns
+        -------
+        float, float, float, float
+            h, m, and h', m/s, at its beginning; h and h' at its end.
         """
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
@@ -96,9 +118,24 @@ class Switch:
     """Which stop."""
 
 
-def first_switch(
-    gaps: Gaps, t: FloatArray, h: FloatArray, straying: FloatArray, rounding: FloatArray, fresh: BoolArray
-) -> Switch | None:
+class _Interval(NamedTuple):
+    """An interval with a gap function and its rate at both ends."""
+
+    start: float
+    """s."""
+    end: float
+    """s."""
+    h: float
+    """m."""
+    rate: float
+    """m/s."""
+    h_end: float
+    """m."""
+    rate_end: float
+    """m/s."""
+
+
+def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, rounding: FloatArray, fresh: BoolArray) -> Switch | None:
     """The first crossing of any gap function between the first and the last of the times ``t``.
 
     Parameters
@@ -106,11 +143,9 @@ def first_switch(
     gaps : Gaps
         The gap functions of ``P`` stops.
     t : FloatArray, shape (m + 1,)
-        Grid that is searched, s, ascending.
+        Even grid that is searched, s, ascending.
     h : FloatArray, shape (P, m + 1)
         The gap functions there, m.
-    straying : FloatArray, shape (P, m)
-        How far each of them may rise above both ends of each step, m.
     rounding : FloatArray, shape (P,)
         What rounding makes of each gap function, m.
     fresh : BoolArray, shape (P,)
@@ -123,35 +158,54 @@ def first_switch(
     """
     held = fresh & (h[:, 0] <= _CONTINUOUS * rounding)
     level = np.where(held, np.maximum(h[:, 0], 0.0), 0.0) + rounding
-    top = np.maximum(h[:, :-1], h[:, 1:]) + straying
-    suspicious = top > level[:, None]
+    sure = (h[:, 1:] > (level + rounding)[:, None]).any(axis=0)
+    last = int(sure.argmax()) + 1 if sure.any() else sure.size  # the first step that is sure to have a crossing
+    suspicious, steps = _suspicious(gaps, t[: last + 1], h[:, : last + 1], level)
     resolution = _RESOLUTION * max(abs(float(t[0])), abs(float(t[-1])))
-    for i in np.flatnonzero(suspicious.any(axis=0)):
+    for i, suspects in zip(steps.tolist(), suspicious.T, strict=True):
         first: Switch | None = None
-        for k in np.flatnonzero(suspicious[:, i]):
-            end = float(t[i + 1]) if first is None else first.time
+        for k in suspects.nonzero()[0].tolist():
+            interval = _Interval(float(t[i]), float(t[i + 1]), *gaps.at_step(k, i))
+            if first is not None:
+                interval = _Interval(interval.start, first.time, interval.h, interval.rate, *gaps.at(k, first.time))
             touching = i == 0 and bool(held[k])
-            time = _first_crossing(gaps, int(k), (float(t[i]), end), float(level[k]), touching, resolution)
-            first = first if time is None else Switch(time, int(k))
+            time = _first_crossing(gaps, k, interval, float(level[k]), touching, resolution)
+            first = first if time is None else Switch(time, k)
         if first is not None:
             return first
     return None
 
 
+def _suspicious(gaps: Gaps, t: FloatArray, h: FloatArray, level: FloatArray) -> tuple[BoolArray, IndexArray]:
+    """Which stops, ``(P, s)``, may exceed their level in which steps of the grid, ``(s,)``.
+
+    The bound on the curvature serves for a first look; where it leaves many steps, the bound for each excludes most.
+    """
+    width, top = float(t[1] - t[0]), np.maximum(h[:, :-1], h[:, 1:]) - level[:, None]
+    suspicious = top > gaps.curvature[:, None] * (-(width**2) / 8)
+    steps = np.nonzero(suspicious.any(axis=0))[0]
+    if steps.size > _FEW:
+        suspicious[:, steps] = top[:, steps] > -gaps.from_chord(t[steps], width)
+        steps = np.nonzero(suspicious.any(axis=0))[0]
+    return suspicious[:, steps], steps
+
+
 def _first_crossing(
-    gaps: Gaps, k: int, interval: tuple[float, float], level: float, touching: bool, resolution: float
+    gaps: Gaps, k: int, interval: _Interval, level: float, touching: bool, resolution: float
 ) -> float | None:
     """Where stop `k` first switches in an interval, or None; at once if it is above its level from the start."""
-    t, end = interval
-    h, rate = gaps.at(k, t)
+    t, end, h, rate = interval.start, interval.end, interval.h, interval.rate
     if h > level + _LATE * resolution * abs(rate):
         return t
     level, touching, width = max(h, level), touching or h > level, end - t
+    curvature = float(gaps.curvature[k])
     while t < end:
         last = width >= end - t
         width, after = (end - t, end) if last else (width, t + width)
-        h_after, rate_after = gaps.at(k, after)
-        stray, turn = gaps.from_tangent(k, t, width)
+        h_after, rate_after = (interval.h_end, interval.rate_end) if last else gaps.at(k, after)
+        stray, turn = curvature * width**2 / 2, curvature * width
+        if h + rate * width + stray > level and rate <= turn:  # neither clear nor rising all the way, at a first look
+            stray, turn = gaps.from_tangent(k, t, width)
         if h_after <= level and (
             h + rate * width + stray <= level
             or max(h, h_after) + float(gaps.from_chord(np.array([t]), width)[k, 0]) <= level
@@ -160,7 +214,8 @@ def _first_crossing(
         elif h_after > level and rate > turn:  # it rises all the way
             if h >= 0 and not touching:
                 return t
-            return _located(gaps, k, (t, after), (h, h_after), 0.0 if h < 0 else level, resolution)
+            rising = _Interval(t, after, h, rate, h_after, rate_after)
+            return _located(gaps, k, rising, 0.0 if h < 0 else level, resolution)
         elif width > resolution:
             width /= 2
         elif h_after > level:
@@ -170,17 +225,34 @@ def _first_crossing(
     return None
 
 
-def _located(
-    gaps: Gaps, k: int, interval: tuple[float, float], ends: tuple[float, float], level: float, resolution: float
-) -> float:
-    """Where a gap function that rises all the way passes a level: Newton's method, kept between the ends."""
-    (lo, hi), (h_lo, h_hi) = interval, ends
-    t = lo + (hi - lo) * (level - h_lo) / (h_hi - h_lo)
+def _located(gaps: Gaps, k: int, rising: _Interval, level: float, resolution: float) -> float:
+    """Where a gap function that rises all the way passes a level: Newton's method, kept between the ends.
+
+    It is done when so short a step remains that the curvature moves the crossing by less than the resolution: a step s
+    at a rate of more than 2 B s, with B the bound on the curvature, misses the crossing by at most B s^2 / rate.
+    """
+    curvature = float(gaps.curvature[k])
+    lo, hi = rising.start, rising.end
+    t = min(max(_passed(rising, level), lo), hi)
     for _ in range(_STEPS):
         h, rate = gaps.at(k, t)
         lo, hi = (t, hi) if h < level else (lo, t)
         step = (level - h) / rate if rate > 0 else np.inf
         if abs(step) <= resolution or hi - lo <= resolution:
             break
-        t = t + step if lo < t + step < hi else (lo + hi) / 2
+        within = lo < t + step < hi
+        t = t + step if within else (lo + hi) / 2
+        bent = curvature * abs(step)
+        if within and 2 * bent < rate and bent * abs(step) <= resolution * rate:
+            break
     return float(t)
+
+
+def _passed(rising: _Interval, level: float) -> float:
+    """About when a rising gap function passes a level: time as a cubic in it, by its value and rate at both ends."""
+    width, rise = rising.end - rising.start, rising.h_end - rising.h
+    u = (level - rising.h) / rise
+    if not rising.rate_end > 0:  # estimates in place of bounds do not rule that out
+        return rising.start + u * width
+    slow, fast = rise / rising.rate, rise / rising.rate_end
+    return rising.start + u * (u * (3 - 2 * u) * width + (1 - u) * ((1 - u) * slow - u * fast))

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.system import SAMPLES
 from lapjoint.problem import FloatArray
 
 Coordinates = Callable[[FloatArray, int], FloatArray]
@@ -27,6 +28,8 @@ class FlowGaps:
     """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
     """m, shape ``(P,)``; see `Model.offset`."""
+    step: float
+    """Of the grid that is searched, from the start of the flow on, s."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
         """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
@@ -36,6 +39,18 @@ class FlowGaps:
         """One gap function and its rate. See `fe_lapjoint.march.events.Gaps.at`."""
         z, rate = self.flow.at_stop(k, t)
         return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Bounds on the curvature, m/s2, ``(P,)``. See `fe_lapjoint.march.events.Gaps.curvature`."""
+        envelope, place_of = self.flow.envelope, self.flow.system.place_of
+        return np.asarray((envelope.shares @ envelope.curvature)[place_of])
+
+    def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
+        """One gap function and its rate at both ends of a step. See `fe_lapjoint.march.events.Gaps.at_step`."""
+        sign, offset = float(self.orientation[k]), float(self.offset[k])
+        z, rate, z_end, rate_end = self.flow.at_step(k, self.step, i)
+        return sign * z - offset, sign * rate, sign * z_end - offset, sign * rate_end
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """Bounds on what lies between the ends of intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
@@ -77,17 +92,27 @@ class SolutionGaps:
         z, rate = (float(self.stops[k] @ self.coordinates(np.array([t]), dt)[:, 0]) for dt in (0, 1))
         return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
 
+    def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
+        """One gap function and its rate at both ends of a step. See `fe_lapjoint.march.events.Gaps.at_step`."""
+        begin, end = self.grid[i : i + 2].tolist()
+        return *self.at(k, begin), *self.at(k, end)
+
+    @cached_property
+    def grid(self) -> FloatArray:
+        """The times of the grid that is searched, s, shape ``(SAMPLES + 1,)``."""
+        return np.linspace(self.start, self.end, SAMPLES + 1)
+
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """Estimates for intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
-        return np.asarray(np.multiply.outer(self._curvature * (width**2 / 8), np.ones_like(t)))
+        return np.asarray(np.multiply.outer(self.curvature * (width**2 / 8), np.ones_like(t)))
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """Estimates for what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
-        bent = float(self._curvature[k]) * width
+        bent = float(self.curvature[k]) * width
         return bent * width / 2, bent
 
     @cached_property
-    def _curvature(self) -> FloatArray:
+    def curvature(self) -> FloatArray:
         """Twice the largest of 200 samples of |z''| at the stops, m/s2, shape ``(P,)``.
 
         It is no bound, but dense output gives none.

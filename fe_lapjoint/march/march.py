@@ -246,9 +246,9 @@ def _advance(
             # The flow goes on beyond the end of the window, so the last step may, too.
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
-            gaps = FlowGaps(flow, orientation, offset)
+            gaps = FlowGaps(flow, orientation, offset, step)
             rounding = since.rounding_until_now(gaps.rounding)
-            switch = first_switch(gaps, grid, h, flow.straying(step, count), rounding, since.switch == t)
+            switch = first_switch(gaps, grid, h, rounding, since.switch == t)
         switch = switch if switch is not None and switch.time <= until else None
         until = until if switch is None else switch.time
         return Piece(state, t, until, y, flow, flow, -1 if switch is None else switch.stop), flow.at(until)
@@ -261,12 +261,10 @@ def _advance_by_library(
     """A window integrated by `solve_ivp`."""
     coordinates = integrate(model, state, t, end, y)
     gaps = SolutionGaps(model.system(state).stops, coordinates, t, end, model.orientation(state), model.offset(state))
-    grid = np.linspace(t, end, SAMPLES + 1)
-    straying = gaps.from_chord(grid[:-1], (end - t) / SAMPLES)
     switch: Switch | None = None
     if model.sign.size:
         rounding = since.rounding_until_now(gaps.rounding)
-        switch = first_switch(gaps, grid, gaps(grid), straying, rounding, since.switch == t)
+        switch = first_switch(gaps, gaps.grid, gaps(gaps.grid), rounding, since.switch == t)
     until = end if switch is None else switch.time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
@@ -300,7 +298,7 @@ def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
     """The gap functions of a piece."""
     orientation, offset = model.orientation(piece.state), model.offset(piece.state)
     if piece.flow is not None:
-        return FlowGaps(piece.flow, orientation, offset)
+        return FlowGaps(piece.flow, orientation, offset, (piece.end - piece.start) / SAMPLES)
     stops = model.system(piece.state).stops
     return SolutionGaps(stops, piece.coordinates, piece.start, piece.end, orientation, offset)
 

@@ -48,9 +48,10 @@ class Model:
         System
             Its modes and loads.
         """
-        if state not in self._systems:
-            self._systems[state] = build_system(self.assembly, state)
-        return self._systems[state]
+        system = self._systems.get(state)
+        if system is None:
+            system = self._systems[state] = build_system(self.assembly, state)
+        return system
 
     def weighted(self, state: ContactState) -> FloatArray:
         """M Phi of a contact state: the free degrees of freedom times it are the modal coordinates.
@@ -82,9 +83,10 @@ class Model:
         FloatArray, shape (n, n)
             Without unit.
         """
-        if (old, new) not in self._maps:
-            self._maps[old, new] = self.system(new).vectors.T @ self.weighted(old)
-        return self._maps[old, new]
+        matrix = self._maps.get((old, new))
+        if matrix is None:
+            matrix = self._maps[old, new] = self.system(new).vectors.T @ self.weighted(old)
+        return matrix
 
     def orientation(self, state: ContactState) -> FloatArray:
         """The signs with which ``orientation * z - offset`` rises through 0 at the next switch of each stop.
@@ -117,8 +119,9 @@ class Model:
         return self._signs(state)[1]
 
     def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
-        if state not in self._gaps:
+        signs = self._gaps.get(state)
+        if signs is None:
             closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
             direction = np.where(closed, -1.0, 1.0)
-            self._gaps[state] = direction * self.sign, direction * self.gap
-        return self._gaps[state]
+            signs = self._gaps[state] = direction * self.sign, direction * self.gap
+        return signs

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -21,7 +20,7 @@ import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
 
 from fe_lapjoint.march.envelope import Envelope
-from fe_lapjoint.march.system import ComplexArray, System
+from fe_lapjoint.march.system import System
 from lapjoint.problem import FloatArray
 
 _ROUNDING = 32 * np.finfo(float).eps
@@ -69,56 +68,48 @@ def _slow_rate(a: FloatArray, omega: FloatArray) -> FloatArray:
     return omega**2 / np.where(a + s > 0, a + s, 1.0)
 
 
-@dataclass(frozen=True, eq=False)
 class Flow:
-    """The exact motion of a `System` of ``n`` modes and ``P`` stops at ``p`` places, from given coordinates on."""
+    """The exact motion of a `System` of ``n`` modes and ``P`` stops at ``p`` places, from given coordinates on.
 
-    system: System
-    start: float
-    """s."""
-    q: FloatArray
-    """Modal displacements at the start, kg^1/2 m, shape ``(n,)``."""
-    v: FloatArray
-    """Modal velocities at the start, kg^1/2 m/s, shape ``(n,)``."""
+    Parameters
+    ----------
+    system : System
+        The contact state.
+    start : float
+        s.
+    q : FloatArray, shape (n,)
+        Modal displacements at the start, kg^1/2 m.
+    v : FloatArray, shape (n,)
+        Modal velocities at the start, kg^1/2 m/s.
+    """
 
-    @cached_property
-    def _loads(self) -> ComplexArray:
-        """exp(i angle) of the loads at the start, shape ``(H,)``."""
-        return np.asarray(np.exp(1j * (self.system.driven * self.start + self.system.phase)))
-
-    @cached_property
-    def free(self) -> tuple[FloatArray, FloatArray]:
+    def __init__(self, system: System, start: float, q: FloatArray, v: FloatArray) -> None:
+        self.system, self.start, self.q, self.v = system, start, q, v
+        loads = np.exp(1j * (system.driven * start + system.phase))
+        forced, forced_rate = system.forced(loads).reshape(2, -1)
+        x, y = q - forced, v - forced_rate
+        self.free = x, y
         """Modal displacement and velocity at the start less those of the forced motion, each of shape ``(n,)``."""
-        it = self.system
-        wave = it.amplitudes * self._loads
-        x = self.q - _summed(wave.imag) - it.equilibrium
-        y = self.v - (wave.real @ it.driven)
-        return (x, y) if it.drift is None else (x, y - it.drift[0])
-
-    @cached_property
-    def _phasors(self) -> ComplexArray:
+        if not system.all_oscillate:
+            x, y = x[system.oscillating], y[system.oscillating]
+        damped, inverse = system.parts_of_roots
+        amplitudes = self._amplitudes = np.empty(system.rates_of_terms.size, dtype=complex)
+        """Those of the oscillating modes, of the loads at the start, and of the constant, 1, shape ``(terms,)``."""
+        self._phasors = amplitudes[: x.size]
         """Complex amplitudes c at the start of the oscillating modes, Re(c exp(root s)), shape ``(oscillating,)``."""
-        x, y = self.free
-        if not self.system.all_oscillate:
-            x, y = x[self.system.oscillating], y[self.system.oscillating]
-        damped, inverse = self.system.parts_of_roots
-        phasors = np.empty(x.size, dtype=complex)
-        phasors.real, phasors.imag = x, (damped * x - y) * inverse
-        return phasors
-
-    @cached_property
-    def _terms(self) -> ComplexArray:
+        self._phasors.real, self._phasors.imag = x, (damped * x - y) * inverse
+        amplitudes[x.size : -1], amplitudes[-1] = loads, 1.0
+        self._moduli = np.abs(amplitudes)
+        """Their moduli, shape ``(terms,)``."""
+        self._terms = system.shares * amplitudes
         """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
-        it = self.system
-        loads = it.place_amplitudes * (-1j * self._loads)
-        return np.concatenate([it.place_modes * self._phasors, loads, it.place_equilibrium], axis=1)
 
     @cached_property
-    def _terms_and_rates(self) -> ComplexArray:
-        """Those of the displacement and of the velocity, shape ``(p, 2, terms)``."""
+    def _terms_and_rates(self) -> FloatArray:
+        """Those of displacement and velocity as pairs of real numbers, shape ``(p, 2, 2 terms)``."""
         both = np.empty((self._terms.shape[0], 2, self._terms.shape[1]), dtype=complex)
         both[:, 0], both[:, 1] = self._terms, self._terms * self.system.rates_of_terms
-        return both
+        return both.view(float)
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
@@ -148,10 +139,12 @@ class Flow:
         if not it.plain:
             times = np.array([t])
             return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
-        wave = it.amplitudes * np.exp(1j * (it.driven * t + it.phase))
-        now = self._phasors * np.exp(it.roots * (t - self.start))
-        q = now.real + _summed(wave.imag) + it.equilibrium
-        return np.concatenate([q, (now * it.roots).real + wave.real @ it.driven])
+        n = self.q.size
+        now = self._amplitudes[:-1] * np.exp(it.rates_of_terms[:-1] * (t - self.start))
+        y = it.forced(now[n:])
+        y[:n] += now[:n].real
+        y[n:] += (now[:n] * it.roots).real
+        return y
 
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """A derivative of z at the stops: the same sum as q, with the modes contracted first.
@@ -169,9 +162,8 @@ class Flow:
             m, m/s or m/s2.
         """
         it = self.system
-        waves = np.exp(np.multiply.outer(it.rates_of_terms, t - self.start))
         terms = self._terms * it.rates_of_terms**dt if dt else self._terms
-        return self._with_others((terms @ waves).real, t, dt)
+        return self._with_others(terms.view(float) @ it.waves(t - self.start).T, t, dt)
 
     def at_grid(self, step: float, count: int) -> FloatArray:
         """z at the stops on an even grid of times from the start.
@@ -188,7 +180,9 @@ class Flow:
         FloatArray, shape (P, count + 1)
             m.
         """
-        z = (self._terms @ self.system.grid(step)[:, : count + 1]).real
+        z = self._terms.view(float) @ self.system.grid(step)[: count + 1].T
+        if self.system.plain:
+            return np.asarray(z[self.system.place_of])
         return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
 
     def at_stop(self, k: int, t: float) -> tuple[float, float]:
@@ -206,12 +200,39 @@ class Flow:
         float, float
             m and m/s.
         """
+        it, since = self.system, t - self.start
+        both = self._terms_and_rates[it.place_of[k]].dot(it.waves(since))
+        return self._with_other_rates(both, k, t)
+
+    def at_step(self, k: int, step: float, i: int) -> tuple[float, float, float, float]:
+        """z and its rate at one stop at both ends of a step of an even grid from the start.
+
+        Parameters
+        ----------
+        k : int
+            The stop.
+        step : float
+            The spacing, s.
+        i : int
+            Which step.
+
+        Returns
+        -------
+        float, float, float, float
+            m and m/s at its beginning, m and m/s at its end.
+        """
         it = self.system
-        place, since = it.place_of[k], t - self.start
-        both = self._terms_and_rates[place].dot(np.exp(it.rates_of_terms * since)).real
+        both = self._terms_and_rates[it.place_of[k]] @ it.grid(step)[i : i + 2].T
+        begin, end = self.start + i * step, self.start + (i + 1) * step
+        return *self._with_other_rates(both[:, 0], k, begin), *self._with_other_rates(both[:, 1], k, end)
+
+    def _with_other_rates(self, both: FloatArray, k: int, t: float) -> tuple[float, float]:
+        """A displacement and its rate with what rigid-body and overdamped modes contribute, m and m/s."""
+        it = self.system
         if it.plain:
             z, rate = both.tolist()
             return z, rate
+        place, since = it.place_of[k], t - self.start
         if not it.all_oscillate:
             others = self._others(np.array([t]))
             both = both + [it.places[place, ~it.oscillating] @ part[:, 0] for part in others[:2]]
@@ -273,8 +294,8 @@ class Flow:
         it, T = self.system, end - self.start
         if not it.plain:
             return np.asarray(it.stops @ self.integral(end))
-        rates = it.rates_of_terms[:-1]
-        waves = np.concatenate([np.expm1(rates * T) / rates, [T]])
+        rates, waves = it.rates_of_terms[:-1], np.full(it.rates_of_terms.size, T, dtype=complex)
+        np.divide(np.expm1(rates * T), rates, out=waves[:-1])
         return np.asarray((self._terms @ waves).real[it.place_of])
 
     def integral(self, end: float) -> FloatArray:
@@ -339,8 +360,9 @@ class Flow:
         """
         it, (x, y) = self.system, self.free
         if it.all_ring:
-            value = np.abs(self._terms[:, :-1])
-            return Envelope(self.start, it.fading, value, value * it.moduli, value * it.moduli**2)
+            value = self._moduli[:-1]
+            slope = value * it.moduli
+            return Envelope(self.start, it.fading, it.bounded_shares, value, slope, slope * it.moduli)
         ringing, near, _ = it.bounded
         amplitude = np.hypot(x, (y + it.decay * x) / np.where(it.oscillating, _frequency(it), np.inf))[ringing]
         a, omega, p, r = it.decay[near], it.omega[near], x[near], y[near]
@@ -350,40 +372,20 @@ class Flow:
         least = math.e / 2 * (a - np.sqrt(np.maximum(a**2 - omega**2, 0.0)))
         bounds = [np.abs(now) + np.abs(rate + a * now) / least for now, rate in itertools.pairwise(motions)]
         slow, fast = (np.abs(part) for part in self._creeping)
-        loads = np.abs(it.place_amplitudes)
-        fall = np.zeros((loads.shape[0], 0)) if it.drift is None else np.abs(it.places) @ np.abs(it.drift[1])[:, None]
+        drifting = 0 if it.drift is None else 1
 
         def bound(n: int) -> FloatArray:
             modes = [amplitude * it.omega[ringing] ** n, bounds[n], *_powers(it.creeping_rates, (slow, fast), n)]
-            rigid = fall if n == 2 else np.full_like(fall, np.inf)
-            return np.concatenate([it.bounded_rows * np.concatenate(modes), loads * it.driven**n, rigid], axis=1)
+            rigid = np.full(drifting, 1.0 if n == 2 else np.inf)
+            return np.concatenate([*modes, it.driven**n, rigid])
 
-        return Envelope(self.start, it.fading, bound(0), bound(1), bound(2))
-
-    def straying(self, step: float, count: int) -> FloatArray:
-        """How far z at each stop may rise above the ends of the steps of an even grid from the start.
-
-        Parameters
-        ----------
-        step : float
-            The spacing, s.
-        count : int
-            The number of steps, at most `SAMPLES`.
-
-        Returns
-        -------
-        FloatArray, shape (P, count)
-            m.
-        """
-        it, envelope = self.system, self.envelope
-        most = np.minimum(2 * envelope.value, envelope.curvature * (step**2 / 8))
-        return np.asarray((most @ it.faded(step)[:, :count])[it.place_of])
+        return Envelope(self.start, it.fading, it.bounded_shares, bound(0), bound(1), bound(2))
 
     @cached_property
     def rounding(self) -> FloatArray:
         """What rounding makes of z at each stop, m, shape ``(P,)``: `_ROUNDING` of the sum of all terms' moduli."""
         it = self.system
-        terms = np.abs(self._terms).sum(axis=1) + np.abs(it.places) @ np.abs(self.q)
+        terms = it.moduli_of_shares @ np.concatenate([self._moduli, np.abs(self.q)])
         return np.asarray(_ROUNDING * terms[it.place_of])
 
 
@@ -397,11 +399,6 @@ def _powers(
 def _frequency(it: System) -> FloatArray:
     """sqrt(omega^2 - a^2) of the modes that oscillate, 1 for the others, rad/s, shape ``(n,)``."""
     return np.sqrt(np.where(it.oscillating, it.omega**2 - it.decay**2, 1.0))
-
-
-def _summed(parts: FloatArray) -> FloatArray:
-    """Parts by each load, ``(n, H)``, added up, ``(n,)``; most problems have one load."""
-    return parts[:, 0] if parts.shape[1] == 1 else np.asarray(parts.sum(axis=1))
 
 
 class _ExactDense(DenseOutput):  # type: ignore[misc]

@@ -112,14 +112,44 @@ class System:
         return np.asarray(self.places @ self.amplitudes)
 
     @cached_property
-    def place_modes(self) -> FloatArray:
-        """The oscillating modes at the places, kg^-1/2, shape ``(p, oscillating)``."""
-        return np.asarray(self.places if self.all_oscillate else self.places[:, self.oscillating])
+    def shares(self) -> ComplexArray:
+        """What each term is in the motion of the places, shape ``(p, terms)``.
+
+        Oscillating modes, kg^-1/2; loads, m, of unit amplitude and as a cosine; displacement by constant forces, m.
+        """
+        modes = self.places if self.all_oscillate else self.places[:, self.oscillating]
+        constant = (self.places @ self.equilibrium)[:, None]
+        return np.ascontiguousarray(np.concatenate([modes, -1j * self.place_amplitudes, constant], axis=1))
 
     @cached_property
-    def place_equilibrium(self) -> ComplexArray:
-        """Displacement of the places under the constant forces, m, shape ``(p, 1)``."""
-        return np.asarray((self.places @ self.equilibrium)[:, None].astype(complex))
+    def moduli_of_shares(self) -> FloatArray:
+        """Moduli of `shares`, and then of all modes at the places, shape ``(p, terms + n)``."""
+        return np.concatenate([np.abs(self.shares), np.abs(self.places)], axis=1)
+
+    @cached_property
+    def _motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
+        """The forced motion by real and imaginary part of each load, ``(2 n, 2 H)``, and that without, ``(2 n,)``."""
+        sine, cosine = self.amplitudes.real, self.amplitudes.imag
+        q, v = np.stack([cosine, sine], axis=2), np.stack([sine, -cosine], axis=2) * self.driven[:, None]
+        both = np.concatenate([q, v]).reshape(2 * self.omega.size, -1)
+        ramp = np.zeros_like(self.equilibrium) if self.drift is None else self.drift[0]
+        return both, np.concatenate([self.equilibrium, ramp])
+
+    def forced(self, loads: ComplexArray) -> FloatArray:
+        """(q, q') of the forced motion, for rigid-body modes at the start.
+
+        Parameters
+        ----------
+        loads : ComplexArray, shape (H,)
+            exp(i angle) of each load.
+
+        Returns
+        -------
+        FloatArray, shape (2 n,)
+            kg^1/2 m and kg^1/2 m/s.
+        """
+        by_loads, rest = self._motion_by_loads
+        return np.asarray(by_loads @ loads.view(float) + rest)
 
     @cached_property
     def rates_of_terms(self) -> ComplexArray:
@@ -199,10 +229,15 @@ class System:
         return omega**2 / fast, fast
 
     @cached_property
-    def bounded_rows(self) -> FloatArray:
-        """Moduli of the modes that are bounded at the places, creeping ones twice, kg^-1/2, shape ``(p, terms)``."""
+    def bounded_shares(self) -> FloatArray:
+        """Moduli of the shares of what `Flow.envelope` bounds in the motion of the places, shape ``(p, bounds)``.
+
+        Modes that are bounded, creeping ones twice, kg^-1/2; loads, m; rigid-body modes under constant forces, m/s2.
+        """
         ringing, near, creeping = self.bounded
-        return np.asarray(np.abs(self.places[:, np.concatenate([ringing, near, creeping, creeping])]))
+        modes = np.abs(self.places[:, np.concatenate([ringing, near, creeping, creeping])])
+        fall = [] if self.drift is None else [np.abs(self.places) @ np.abs(self.drift[1])[:, None]]
+        return np.concatenate([modes, np.abs(self.place_amplitudes), *fall], axis=1)
 
     @cached_property
     def fading(self) -> FloatArray:
@@ -225,29 +260,29 @@ class System:
         """|r| of `rates_of_terms` but the constant, 1/s, shape ``(terms - 1,)``."""
         return np.asarray(np.abs(self.rates_of_terms[:-1]))
 
-    def faded(self, step: float) -> FloatArray:
-        """exp(-fading t) at t = 0, step, ... `SAMPLES` step; kept for next time.
+    def waves(self, s: float | FloatArray) -> FloatArray:
+        """exp(r s) of the rates r of `rates_of_terms`, conjugate, each as a pair of real numbers.
+
+        The scalar product with complex amplitudes, as pairs too, is the real part of their sum.
 
         Parameters
         ----------
-        step : float
-            The spacing, s.
+        s : float or FloatArray, shape (m,)
+            Times since the start, s.
 
         Returns
         -------
-        FloatArray, shape (bounds, SAMPLES + 1)
+        FloatArray, shape (2 terms,) or (m, 2 terms)
             The exponentials.
         """
-        if step not in self._faded:
-            self._faded[step] = np.exp(-np.multiply.outer(self.fading, step * np.arange(SAMPLES + 1)))
-        return self._faded[step]
+        return np.exp(np.multiply.outer(s, self._conjugate_rates)).view(float)
 
     @cached_property
-    def _faded(self) -> dict[float, FloatArray]:
-        return {}
+    def _conjugate_rates(self) -> ComplexArray:
+        return self.rates_of_terms.conj()
 
-    def grid(self, step: float) -> ComplexArray:
-        """exp(r t) of the rates r of `rates_of_terms` at t = 0, step, ... `SAMPLES` step; kept for next time.
+    def grid(self, step: float) -> FloatArray:
+        """The `waves` at t = 0, step, ... `SAMPLES` step; kept for next time.
 
         Parameters
         ----------
@@ -256,15 +291,15 @@ class System:
 
         Returns
         -------
-        ComplexArray, shape (terms, SAMPLES + 1)
+        FloatArray, shape (SAMPLES + 1, 2 terms)
             The exponentials.
         """
         if step not in self._grids:
-            self._grids[step] = np.exp(np.multiply.outer(self.rates_of_terms, step * np.arange(SAMPLES + 1)))
+            self._grids[step] = self.waves(step * np.arange(SAMPLES + 1.0))
         return self._grids[step]
 
     @cached_property
-    def _grids(self) -> dict[float, ComplexArray]:
+    def _grids(self) -> dict[float, FloatArray]:
         return {}
 
     def rates(self, t: float, y: FloatArray) -> FloatArray:

@@ -105,10 +105,8 @@ def test_steady_states_of_other_units_are_the_same(speed: float) -> None:
     assert there.impulses / speed == pytest.approx(here.impulses, rel=1e-7)  # Newton's method closes to 1e-9
 
 
-@pytest.mark.parametrize(
-    "damping", [ModalDamping(ratio=r) for r in (0.98, 1.0, 1.02, 5.0)] + [ViscousDamping(coefficient=200.0)]
-)
-def test_overdamped_modes_do_not_slow_the_search(damping: Damping, monkeypatch: pytest.MonkeyPatch) -> None:
+def counted_evaluations(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """How often a gap function is asked for at one time, from now on."""
     asked: Counter[str] = Counter()
     plain = FlowGaps.at
 
@@ -117,6 +115,22 @@ def test_overdamped_modes_do_not_slow_the_search(damping: Damping, monkeypatch: 
         return plain(self, k, t)
 
     monkeypatch.setattr(FlowGaps, "at", counted)
+    return asked
+
+
+def test_what_the_grid_tells_is_not_asked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = counted_evaluations(monkeypatch)
+    history = fe_lapjoint.Solver().simulate(paper_joint(angular_frequency=515.0), 6 * 2 * math.pi / 515, errors=False)
+    switches = history.switch_times.size
+    assert switches > 20
+    assert asked["at"] < 4 * switches  # Newton's method from the cubic, once or twice; few intervals are halved
+
+
+@pytest.mark.parametrize(
+    "damping", [ModalDamping(ratio=r) for r in (0.98, 1.0, 1.02, 5.0)] + [ViscousDamping(coefficient=200.0)]
+)
+def test_overdamped_modes_do_not_slow_the_search(damping: Damping, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = counted_evaluations(monkeypatch)
     history = simulated(shaken(tip(1e-5), damping=damping), 4, elements=40)
     switches = history.switch_times.size
     assert switches > 4
@@ -144,6 +158,8 @@ def test_bounds_hold_for_every_kind_of_mode() -> None:
                 assert np.all(z.max(axis=1) <= np.maximum(z[:, 0], z[:, -1]) + chord + slack)
                 for k in range(2):
                     value, rate = flow.at_stop(k, begin)
+                    ends = (*flow.at_stop(k, 0.3 + 3 * width), *flow.at_stop(k, 0.3 + 4 * width))
+                    assert flow.at_step(k, width, 3) == pytest.approx(ends, rel=1e-7, abs=1e-9 * np.abs(z).max())
                     stray, turn = flow.envelope.from_tangent(int(system.place_of[k]), begin, width)
                     since = t - begin
                     assert np.all(np.abs(z[k] - value - rate * since) <= stray * since / width + slack)
