@@ -48,10 +48,10 @@ class PeriodMap:
         return 2 * math.pi / self.problem.excitation_frequency
 
     @cached_property
-    def slowest_decay(self) -> float:
+    def lowest_damping_rate(self) -> float:
         """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
-        decay = self.joint.modal(FREE).decay
-        return float(decay[decay > 0].min()) if (decay > 0).any() else 0.0
+        damping_rate = self.joint.modal(FREE).damping_rate
+        return float(damping_rate[damping_rate > 0].min()) if (damping_rate > 0).any() else 0.0
 
     @cached_property
     def _twins(self) -> tuple[int, ...] | None:

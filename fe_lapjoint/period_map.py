@@ -55,10 +55,10 @@ class PeriodMap:
         return 2 * math.pi / self.omega
 
     @cached_property
-    def slowest_decay(self) -> float:
+    def lowest_damping_rate(self) -> float:
         """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
-        decay = self.model.system(FREE).decay
-        return float(decay[decay > 0].min(initial=math.inf)) if (decay > 0).any() else 0.0
+        damping_rate = self.model.system(FREE).damping_rate
+        return float(damping_rate[damping_rate > 0].min(initial=math.inf)) if (damping_rate > 0).any() else 0.0
 
     @cached_property
     def _twins(self) -> tuple[int, ...] | None:

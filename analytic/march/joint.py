@@ -202,7 +202,7 @@ class Joint:
         self._states = list(known.states)
         self._slots = {state: slot for slot, state in enumerate(known.states)}
         self.tables: Tables = copied(unit, self.harmonics)
-        self._scale(0, unit.natural, unit.decay, unit.residual)
+        self._scale(0, unit.natural, unit.damping_rate, unit.residual)
 
     def _grow(self, slots: int) -> None:
         self.tables = grown(self.tables, empty_tables(self.problem, self.harmonics, max(self.counts), slots))
@@ -212,10 +212,10 @@ class Joint:
         state, size = self._states[slot], max(self.counts)
         flat = flat_state(self.family, state, self.count(state))
         fill(self.tables, slot, flat)
-        natural, decay = np.zeros((1, size)), np.zeros((1, size))
-        natural[0, : flat.omega.size], decay[0, : flat.decay.size] = flat.omega, flat.decay
-        self._scale(slot, natural, decay, flat.residual[None])
+        natural, damping_rate = np.zeros((1, size)), np.zeros((1, size))
+        natural[0, : flat.omega.size], damping_rate[0, : flat.damping_rate.size] = flat.omega, flat.damping_rate
+        self._scale(slot, natural, damping_rate, flat.residual[None])
 
-    def _scale(self, first: int, natural: FloatArray, decay: FloatArray, residual: FloatArray) -> None:
+    def _scale(self, first: int, natural: FloatArray, damping_rate: FloatArray, residual: FloatArray) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
-        scale(self.tables, slice(first, first + natural.shape[0]), natural, decay, residual, self.sizes)
+        scale(self.tables, slice(first, first + natural.shape[0]), natural, damping_rate, residual, self.sizes)

@@ -58,7 +58,7 @@ class ModalState:
 
     state: ContactState
     modes: NormalModes
-    decay: FloatArray
+    damping_rate: FloatArray
     """Damping rates zeta_i omega_i, 1/s, shape ``(N,)``."""
     force: FloatArray
     """(Phi_i, p_l) of the unit loads: the constant F0, kg^-1/2 N, then those of the harmonics, ``(1 + H, N)``."""
@@ -72,7 +72,7 @@ class ModalState:
     @property
     def size(self) -> int:
         """Number of modes N."""
-        return self.decay.size
+        return self.damping_rate.size
 
     @property
     def residual_at_stops(self) -> FloatArray:
@@ -96,7 +96,7 @@ class ModalState:
         return ModalState(
             self.state,
             modes,
-            self.decay[:count],
+            self.damping_rate[:count],
             self.force[:, :count],
             Residual(self.residual.foundation, modes.shapes, left),
             self.at_stops[:, :count],
@@ -177,7 +177,7 @@ def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
     return ModalState(
         state=state,
         modes=modes,
-        decay=damping_rates(problem, modes.omega),
+        damping_rate=damping_rates(problem, modes.omega),
         force=force,
         residual=shapes,
         at_stops=modes.shapes(x_stops).T,

@@ -2,7 +2,7 @@ r"""One mode as an oscillator: its damping, its free motion, and its answer to c
 
 .. math:: \ddot q + 2 \zeta\omega\,\dot q + \omega^2 q = F_0 + \sum_h F_h \sin\theta_h(t)                     (26)
 
-Arrays hold one entry for each of ``N`` modes; `decay` is the damping rate zeta omega throughout.
+Arrays hold one entry for each of ``N`` modes; `damping_rate` is zeta omega throughout.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
     return np.full(omega.size, rate)
 
 
-def forced_answer(force: FloatArray, omega: FloatArray, decay: FloatArray, driven: FloatArray) -> ComplexArray:
+def forced_answer(force: FloatArray, omega: FloatArray, damping_rate: FloatArray, driven: FloatArray) -> ComplexArray:
     """Complex amplitudes of the answer to the harmonics (28), (29), with the off-diagonal entries C* omega of (29).
 
     Parameters
@@ -51,7 +51,7 @@ def forced_answer(force: FloatArray, omega: FloatArray, decay: FloatArray, drive
         Modal forces of ``H`` harmonics in ``S`` states, kg^1/2 m/s2.
     omega : FloatArray, shape (S, N)
         Angular frequencies of the modes, rad/s.
-    decay : FloatArray, shape (S, N)
+    damping_rate : FloatArray, shape (S, N)
         Their damping rates, 1/s.
     driven : FloatArray, shape (H,)
         Angular frequencies of the harmonics, rad/s.
@@ -62,17 +62,17 @@ def forced_answer(force: FloatArray, omega: FloatArray, decay: FloatArray, drive
         kg^1/2 m, such that q_i = Im(answer exp(i theta)).
     """
     Omega = driven[:, None]
-    return np.asarray(force / (omega[:, None, :] ** 2 - Omega**2 + 2j * decay[:, None, :] * Omega))
+    return np.asarray(force / (omega[:, None, :] ** 2 - Omega**2 + 2j * damping_rate[:, None, :] * Omega))
 
 
-def away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArray) -> FloatArray:
+def away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: FloatArray) -> FloatArray:
     """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays.
 
     Parameters
     ----------
     omega : FloatArray
         Angular frequencies of modes, rad/s, of any shape ``(...)``.
-    decay : FloatArray
+    damping_rate : FloatArray
         Their damping rates, 1/s, of the same shape ``(...)``.
     driven : FloatArray, shape (H,)
         Angular frequencies of the harmonics, rad/s.
@@ -83,20 +83,20 @@ def away_from_resonance(omega: FloatArray, decay: FloatArray, driven: FloatArray
         Angular frequencies of the modes, rad/s, of the same shape ``(...)``.
     """
     least = _SEPARATE * omega
-    undamped, result = decay < least, omega
+    undamped, result = damping_rate < least, omega
     for value in driven if undamped.any() else ():
         result = np.where(undamped & (np.abs(omega - value) < least), value * (1 + _SEPARATE), result)
     return result
 
 
-def roots_of(omega: FloatArray, decay: FloatArray) -> ComplexArray:
+def roots_of(omega: FloatArray, damping_rate: FloatArray) -> ComplexArray:
     """The two roots lambda of the free motion of each mode; a critically damped pair is kept 1e-7 apart, relatively.
 
     Parameters
     ----------
     omega : FloatArray, shape (N,)
         Angular frequencies, rad/s.
-    decay : FloatArray, shape (N,)
+    damping_rate : FloatArray, shape (N,)
         Damping rates, 1/s.
 
     Returns
@@ -104,13 +104,14 @@ def roots_of(omega: FloatArray, decay: FloatArray) -> ComplexArray:
     ComplexArray, shape (N, 2)
         1/s; the one with the positive imaginary part, or the slower one, first.
     """
-    square = decay**2 - omega**2
+    square = damping_rate**2 - omega**2
     square = np.where((omega > 0) & (np.abs(square) < (_SEPARATE * omega) ** 2), -((_SEPARATE * omega) ** 2), square)
     split = np.sqrt(square.astype(complex))
-    first = -decay + split
+    first = -damping_rate + split
     # For strong damping the slow root is omega^2 over the fast one: no cancellation.
-    slow = np.where(square > 0, -(omega**2) / np.where(decay + split.real == 0, 1, decay + split.real), first)
-    return np.stack([slow, -decay - split], axis=1)
+    fast = damping_rate + split.real
+    slow = np.where(square > 0, -(omega**2) / np.where(fast == 0, 1, fast), first)
+    return np.stack([slow, -damping_rate - split], axis=1)
 
 
 def kinds_of(roots: ComplexArray) -> npt.NDArray[np.int64]:
@@ -130,10 +131,10 @@ def kinds_of(roots: ComplexArray) -> npt.NDArray[np.int64]:
     return np.where(roots[:, 0].imag > 0, OSCILLATING, np.where(drifting, DRIFTING, SPLIT))
 
 
-def static_answer(F0: FloatArray, omega: FloatArray, decay: FloatArray) -> FloatArray:
+def static_answer(F0: FloatArray, omega: FloatArray, damping_rate: FloatArray) -> FloatArray:
     """Answer to a constant force (31), as a polynomial in time.
 
-    A rigid-body mode drifts: F0 t / (2 decay) with damping, F0 t^2 / 2 without.
+    A rigid-body mode drifts: F0 t / (2 damping_rate) with damping, F0 t^2 / 2 without.
 
     Parameters
     ----------
@@ -141,7 +142,7 @@ def static_answer(F0: FloatArray, omega: FloatArray, decay: FloatArray) -> Float
         Modal forces, kg^1/2 m/s2.
     omega : FloatArray, shape (N,)
         Angular frequencies, rad/s; 0 for rigid-body modes.
-    decay : FloatArray, shape (N,)
+    damping_rate : FloatArray, shape (N,)
         Damping rates, 1/s.
 
     Returns
@@ -152,8 +153,8 @@ def static_answer(F0: FloatArray, omega: FloatArray, decay: FloatArray) -> Float
     answer = np.zeros((F0.size, 3))
     rigid = omega == 0
     answer[~rigid, 0] = F0[~rigid] / omega[~rigid] ** 2
-    dragged = rigid & (decay > 0)
-    answer[dragged, 1] = F0[dragged] / (2 * decay[dragged])
-    free = rigid & (decay == 0)
+    dragged = rigid & (damping_rate > 0)
+    answer[dragged, 1] = F0[dragged] / (2 * damping_rate[dragged])
+    free = rigid & (damping_rate == 0)
     answer[free, 2] = F0[free] / 2
     return answer

@@ -41,7 +41,7 @@ class FlatState(NamedTuple):
 
     omega: FloatArray
     """Natural angular frequencies, rad/s, shape ``(N,)``."""
-    decay: FloatArray
+    damping_rate: FloatArray
     """Damping rates zeta omega, 1/s, shape ``(N,)``."""
     kind: IntArray
     """How each mode moves freely, shape ``(N,)``."""
@@ -181,8 +181,8 @@ def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
         Not to be written to.
     """
     problem, modal = family.problem, modal_state(family, state, count)
-    omega, decay = modal.modes.omega, modal.decay
-    roots = roots_of(omega, decay)
+    omega, damping_rate = modal.modes.omega, modal.damping_rate
+    roots = roots_of(omega, damping_rate)
     kind = kinds_of(roots)
     split = np.flatnonzero(kind == SPLIT)
     mode_of = np.concatenate([np.arange(count), split])
@@ -190,14 +190,14 @@ def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
     first = np.unique(stop_positions(problem), return_index=True)[1]
     return FlatState(
         omega=omega,
-        decay=decay,
+        damping_rate=damping_rate,
         kind=kind,
         mode_of=mode_of,
         root=root,
         inverse=np.divide(1.0, root, out=np.zeros(root.size, dtype=complex), where=root != 0),
         fastest=float(np.abs(root).max(initial=0.0)),
         turn=np.exp(np.outer(tabulated_steps(problem), root)),
-        static=static_answer(modal.force[0], omega, decay),
+        static=static_answer(modal.force[0], omega, damping_rate),
         force=modal.force,
         weight=modal.at_stops[first][:, mode_of],
         residual=modal.residual_at_stops.T[first],
@@ -228,7 +228,7 @@ class UnitTables(NamedTuple):
     tables: Tables
     natural: FloatArray
     """Natural angular frequencies, rad/s, shape ``(S, N)``."""
-    decay: FloatArray
+    damping_rate: FloatArray
     """Damping rates zeta omega, 1/s, shape ``(S, N)``."""
     residual: FloatArray
     """Residual shapes at the stops' positions, the constant one first, m for each unit of load, ``(S, U, 1 + H)``."""
@@ -260,7 +260,8 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
         flat = flat_state(family, state, count_in(state, counts))
         fill(tables, slot, flat)
         n = flat.kind.size
-        unit.natural[slot, :n], unit.decay[slot, :n], unit.residual[slot] = flat.omega, flat.decay, flat.residual
+        unit.natural[slot, :n], unit.damping_rate[slot, :n] = flat.omega, flat.damping_rate
+        unit.residual[slot] = flat.residual
     for state, stop in known.switches:
         other = state.toggled(stop)
         connect(tables, family, counts, stop, (known.states.index(state), state), (known.states.index(other), other))
@@ -419,7 +420,7 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
 
 
 def scale(
-    tables: Tables, slots: slice, natural: FloatArray, decay: FloatArray, residual: FloatArray, sizes: FloatArray
+    tables: Tables, slots: slice, natural: FloatArray, damping_rate: FloatArray, residual: FloatArray, sizes: FloatArray
 ) -> None:
     """Scale slots from unit loads to an excitation, and write the answer to its harmonics.
 
@@ -429,27 +430,27 @@ def scale(
         With the frequencies and phases of the harmonics; changed in place.
     slots : slice
         Of ``S`` slots, without switches unless they are of unit loads too.
-    natural, decay : ndarray, shape (S, N)
+    natural, damping_rate : ndarray, shape (S, N)
         Natural angular frequencies, rad/s, and damping rates zeta omega, 1/s.
     residual : ndarray, shape (S, U, 1 + H)
         Residual shapes at the positions of the stops, m for each unit of load.
     sizes : ndarray, shape (1 + H,)
         Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
     """
-    omega, N = away_from_resonance(natural, decay, tables.omega), natural.shape[1]
+    omega, N = away_from_resonance(natural, damping_rate, tables.omega), natural.shape[1]
     tables.force[slots] *= sizes[:, None]
     tables.carry_residual[slots] *= sizes[:, None]
-    tables.harmonic[slots] = forced_answer(tables.force[slots, 1:], omega, decay, tables.omega)
+    tables.harmonic[slots] = forced_answer(tables.force[slots, 1:], omega, damping_rate, tables.omega)
     moved = tables.weight[slots, :, :N] @ tables.harmonic[slots].transpose(0, 2, 1)
     tables.forced[slots] = moved + residual[:, :, 1:] * sizes[1:]
     if omega is not natural:
         for row, i in np.argwhere(omega != natural):
-            _move(tables, slots.start + int(row), int(i), omega[row, i : i + 1], decay[row, i : i + 1])
+            _move(tables, slots.start + int(row), int(i), omega[row, i : i + 1], damping_rate[row, i : i + 1])
 
 
-def _move(tables: Tables, slot: int, i: int, omega: FloatArray, decay: FloatArray) -> None:
+def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: FloatArray) -> None:
     """Give an undamped mode another frequency, rad/s, shape ``(1,)``, as `away_from_resonance` has it."""
-    root = roots_of(omega, decay)[0, 0]
+    root = roots_of(omega, damping_rate)[0, 0]
     tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
     tables.turn[slot, :, i] = np.exp(tables.step * root)
     tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2

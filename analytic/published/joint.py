@@ -94,8 +94,8 @@ class PublishedJoint(Joint):
         _fill_products(self.cross, self.family, self.counts, self.states, slot)
         self.order = np.array(sorted(range(slot + 1), key=lambda at: self.states[at].closed), dtype=np.int64)
 
-    def _scale(self, first: int, natural: FloatArray, decay: FloatArray, residual: FloatArray) -> None:
-        super()._scale(first, natural, decay, np.zeros_like(residual))
+    def _scale(self, first: int, natural: FloatArray, damping_rate: FloatArray, residual: FloatArray) -> None:
+        super()._scale(first, natural, damping_rate, np.zeros_like(residual))
         self.tables.constant[first:] = 0.0
 
 

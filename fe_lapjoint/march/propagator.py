@@ -256,9 +256,9 @@ class Flow:
         """
         it = self.system
         rest = ~it.oscillating
-        a, square = it.decay[rest, None], it.omega[rest, None] ** 2
+        a, square = it.damping_rate[rest, None], it.omega[rest, None] ** 2
         x, y = (part[rest, None] for part in self.free)
-        C, S = free_response(it.decay[rest], it.omega[rest], t - self.start)
+        C, S = free_response(it.damping_rate[rest], it.omega[rest], t - self.start)
         displacement, velocity = x * C + y * S, -square * x * S + y * (C - 2 * a * S)
         return displacement, velocity, -2 * a * velocity - square * displacement
 
@@ -325,7 +325,7 @@ class Flow:
         """Over T, that of the free motion of the modes that do not oscillate; 0 for the others; ``(n,)``."""
         it, (x, y) = self.system, self.free
         area = np.zeros_like(x)
-        drifting = (it.omega == 0) & (it.decay == 0)
+        drifting = (it.omega == 0) & (it.damping_rate == 0)
         area[drifting] = x[drifting] * T + y[drifting] * T**2 / 2
         creeping = it.bounded[2]
         for rate, part in zip(it.creeping_rates, self._creeping, strict=True):
@@ -333,8 +333,8 @@ class Flow:
             area[creeping] += part * np.where(moving, -np.expm1(-rate * T) / np.where(moving, rate, 1.0), T)
         near = np.flatnonzero(~it.oscillating & np.isin(np.arange(x.size), it.bounded[1]))
         # The equation of motion integrated once: omega^2 int q = -[q'] - 2 a [q].
-        C, S = (part[:, 0] for part in free_response(it.decay[near], it.omega[near], np.array([T])))
-        a, square, x, y = it.decay[near], it.omega[near] ** 2, x[near], y[near]
+        C, S = (part[:, 0] for part in free_response(it.damping_rate[near], it.omega[near], np.array([T])))
+        a, square, x, y = it.damping_rate[near], it.omega[near] ** 2, x[near], y[near]
         velocity = -square * x * S + y * (C - 2 * a * S)
         area[near] = -(velocity - y + 2 * a * (x * C + y * S - x)) / square
         return area
@@ -364,8 +364,8 @@ class Flow:
             slope = value * it.moduli
             return Envelope(self.start, it.fading, it.bounded_shares, value, slope, slope * it.moduli)
         ringing, near, _ = it.bounded
-        amplitude = np.hypot(x, (y + it.decay * x) / np.where(it.oscillating, _frequency(it), np.inf))[ringing]
-        a, omega, p, r = it.decay[near], it.omega[near], x[near], y[near]
+        amplitude = np.hypot(x, (y + it.damping_rate * x) / np.where(it.oscillating, _frequency(it), np.inf))[ringing]
+        a, omega, p, r = it.damping_rate[near], it.omega[near], x[near], y[near]
         motions = [p, r]
         for _ in range(2):
             motions.append(-2 * a * motions[-1] - omega**2 * motions[-2])
@@ -398,7 +398,7 @@ def _powers(
 
 def _frequency(it: System) -> FloatArray:
     """sqrt(omega^2 - a^2) of the modes that oscillate, 1 for the others, rad/s, shape ``(n,)``."""
-    return np.sqrt(np.where(it.oscillating, it.omega**2 - it.decay**2, 1.0))
+    return np.sqrt(np.where(it.oscillating, it.omega**2 - it.damping_rate**2, 1.0))
 
 
 class _ExactDense(DenseOutput):  # type: ignore[misc]

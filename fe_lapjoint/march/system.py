@@ -41,7 +41,7 @@ class System:
     """Natural angular frequencies, rad/s, shape ``(n,)``."""
     vectors: FloatArray
     """Mass-normalised modes as columns over the free degrees of freedom, kg^-1/2, shape ``(n, n)``."""
-    decay: FloatArray
+    damping_rate: FloatArray
     """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
     constant: FloatArray
     """Modal force of the closed stops' gaps and of the step loads, kg^1/2 m/s2, shape ``(n,)``."""
@@ -59,7 +59,7 @@ class System:
     @cached_property
     def oscillating(self) -> npt.NDArray[np.bool_]:
         """Whether each mode is damped below critical, by more than a millionth, shape ``(n,)``."""
-        return np.asarray(self.omega > self.decay * (1 + 1e-6))
+        return np.asarray(self.omega > self.damping_rate * (1 + 1e-6))
 
     @cached_property
     def all_oscillate(self) -> bool:
@@ -69,7 +69,7 @@ class System:
     @cached_property
     def roots(self) -> ComplexArray:
         """-a + i sqrt(omega^2 - a^2) of the oscillating modes, a = zeta omega, 1/s, shape ``(oscillating,)``."""
-        a, omega = self.decay[self.oscillating], self.omega[self.oscillating]
+        a, omega = self.damping_rate[self.oscillating], self.omega[self.oscillating]
         return np.asarray(-a + 1j * np.sqrt(omega**2 - a**2))
 
     @cached_property
@@ -86,7 +86,7 @@ class System:
     @cached_property
     def amplitudes(self) -> ComplexArray:
         """Complex amplitudes P of the forced motion Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
-        a, w, omega = self.decay[:, None], self.driven, self.omega[:, None]
+        a, w, omega = self.damping_rate[:, None], self.driven, self.omega[:, None]
         resonant = (a < _DETUNE * omega) & (np.abs(omega - w) < _DETUNE * omega)
         omega = np.where(resonant, w * (1 + _DETUNE), omega)
         return np.asarray(self.harmonic / (omega**2 - w**2 + 2j * a * w))
@@ -164,10 +164,10 @@ class System:
     @cached_property
     def drift(self) -> tuple[FloatArray, FloatArray] | None:
         """Speed and acceleration of rigid-body modes under constant forces, each ``(n,)``; None without such modes."""
-        rigid, drag = self.omega == 0, self.decay > 0
+        rigid, drag = self.omega == 0, self.damping_rate > 0
         if not rigid.any():
             return None
-        ramp = np.where(rigid & drag, self.constant / np.where(drag, 2 * self.decay, 1.0), 0.0)
+        ramp = np.where(rigid & drag, self.constant / np.where(drag, 2 * self.damping_rate, 1.0), 0.0)
         return ramp, np.where(rigid & ~drag, self.constant, 0.0)
 
     @cached_property
@@ -177,8 +177,8 @@ class System:
         One of a complex pair for the modes that oscillate, then the slow and the fast ones of the others.  Critical
         ones are kept apart a little, and rigid-body modes without drag have none.
         """
-        others = np.flatnonzero(~self.oscillating & (self.decay > 0))
-        a, omega = self.decay[others], self.omega[others]
+        others = np.flatnonzero(~self.oscillating & (self.damping_rate > 0))
+        a, omega = self.damping_rate[others], self.omega[others]
         s = np.maximum(np.sqrt(np.maximum(a**2 - omega**2, 0.0)), _APART * a)
         slow = np.where(omega > 0, np.where(s > _APART * a, omega**2 / (a + s), a - s), 0.0)
         rates = np.concatenate([self.roots, -slow, -(a + s)])
@@ -209,14 +209,14 @@ class System:
         others = modes[count : count + (modes.size - count) // 2]
         slow, fast = np.split(rates[count:, None].real, 2)
         first = (v[others] - fast * q[others]) / (slow - fast)
-        drifting = ~which & (self.decay == 0)
+        drifting = ~which & (self.damping_rate == 0)
         drift = np.stack([self.stops[:, drifting] @ part[drifting] for part in (q, v)], axis=1)
         return np.concatenate([oscillating, first, q[others] - first]), drift
 
     @cached_property
     def bounded(self) -> tuple[IndexArray, IndexArray, IndexArray]:
         """How each damped or oscillating mode is bounded, see `Flow.envelope`: ringing, near critical, creeping."""
-        a, omega = self.decay, self.omega
+        a, omega = self.damping_rate, self.omega
         near = (a > 0) & (np.abs(a**2 - omega**2) < _NEAR * a**2)
         ringing, creeping = self.oscillating & ~near, ~self.oscillating & ~near & (a > 0)
         return np.flatnonzero(ringing), np.flatnonzero(near), np.flatnonzero(creeping)
@@ -224,7 +224,7 @@ class System:
     @cached_property
     def creeping_rates(self) -> tuple[FloatArray, FloatArray]:
         """Rates at which the two parts of each creeping mode fall, slow and fast, 1/s, each ``(creeping,)``."""
-        a, omega = self.decay[self.bounded[2]], self.omega[self.bounded[2]]
+        a, omega = self.damping_rate[self.bounded[2]], self.omega[self.bounded[2]]
         fast = a + np.sqrt(a**2 - omega**2)
         return omega**2 / fast, fast
 
@@ -243,11 +243,11 @@ class System:
     def fading(self) -> FloatArray:
         """Rates at which the bounds of `Flow.envelope` fall, 1/s: those modes, loads, and rigid-body modes."""
         ringing, near, _ = self.bounded
-        a, omega = self.decay[near], self.omega[near]
+        a, omega = self.damping_rate[near], self.omega[near]
         least = a - np.sqrt(np.maximum(a**2 - omega**2, 0.0))
         drift = 0 if self.drift is None else 1
         return np.concatenate(
-            [self.decay[ringing], least / 2, *self.creeping_rates, np.zeros(self.driven.size + drift)]
+            [self.damping_rate[ringing], least / 2, *self.creeping_rates, np.zeros(self.driven.size + drift)]
         )
 
     @cached_property
@@ -319,7 +319,7 @@ class System:
         """
         q, v = y[: self.omega.size], y[self.omega.size :]
         force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
-        return np.concatenate([v, force - 2 * self.decay * v - self.omega**2 * q])
+        return np.concatenate([v, force - 2 * self.damping_rate * v - self.omega**2 * q])
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
         """Derivative of `rates` by y, which is constant.
@@ -340,7 +340,7 @@ class System:
         return np.block(
             [
                 [np.zeros((n, n)), np.eye(n)],
-                [-np.diag(self.omega**2), -2 * np.diag(self.decay)],
+                [-np.diag(self.omega**2), -2 * np.diag(self.damping_rate)],
             ]
         )
 
@@ -382,7 +382,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         state=state,
         omega=omega,
         vectors=vectors,
-        decay=_decay(assembly, omega),
+        damping_rate=_damping_rates(assembly, omega),
         constant=vectors.T @ f0,
         harmonic=vectors.T @ np.array(columns).reshape(len(columns), omega.size).T,
         driven=np.array(driven),
@@ -392,7 +392,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     )
 
 
-def _decay(assembly: Assembly, omega: FloatArray) -> FloatArray:
+def _damping_rates(assembly: Assembly, omega: FloatArray) -> FloatArray:
     """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
     damping = assembly.problem.damping
     if isinstance(damping, ModalDamping):

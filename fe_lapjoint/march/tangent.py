@@ -122,12 +122,12 @@ def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
 def _flow(system: System, s: float, deviations: FloatArray) -> FloatArray:
     """Deviations ``(2 n, m)`` after `s` seconds within one state."""
     if system.all_oscillate:
-        wave, a = np.exp(system.roots * s)[:, None], system.decay[:, None]
+        wave, a = np.exp(system.roots * s)[:, None], system.damping_rate[:, None]
         S = wave.imag / system.roots.imag[:, None]
         C = wave.real + a * S
     else:
-        a = system.decay[:, None]
-        C, S = free_response(system.decay, system.omega, np.array([s]))
+        a = system.damping_rate[:, None]
+        C, S = free_response(system.damping_rate, system.omega, np.array([s]))
     n = system.omega.size
     q, v = deviations[:n], deviations[n:]
     return np.concatenate([C * q + S * v, (C - 2 * a * S) * v - (system.omega**2)[:, None] * (S * q)])

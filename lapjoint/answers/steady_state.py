@@ -38,7 +38,7 @@ class Outcome(Enum):
     NO_CONTACT = "The motion is periodic and touches no stop."
     PERIODIC = "The motion is periodic, with contacts."
     CHATTERING = "The motion is periodic; in each period a stop chatters: contacts ever closer, then a lasting one."
-    QUASIPERIODIC = "The motion is quasi-periodic: it circles an unstable periodic one, and nearby motions keep apart."
+    QUASIPERIODIC = "The motion is quasi-periodic: it winds around an unstable one, and nearby motions keep apart."
     APERIODIC = "The motion is aperiodic: nearby motions part exponentially."
     UNDECIDED = "Within the effort allowed the motion did not settle, and nearby motions did not part for certain."
 

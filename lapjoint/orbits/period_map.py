@@ -49,7 +49,7 @@ class PeriodMap(Protocol):
         """The excitation period T, s."""
 
     @property
-    def slowest_decay(self) -> float:
+    def lowest_damping_rate(self) -> float:
         """Lowest decay rate zeta_i omega_i of the damped modes of the joint without contact, 1/s; 0 without damping."""
 
     def initial(self) -> SectionPoint:

@@ -182,9 +182,9 @@ class Search:
     @property
     def _enough(self) -> int:
         """Number of periods for which a march must not repeat: free vibration has decayed by then."""
-        if not self._map.slowest_decay:
+        if not self._map.lowest_damping_rate:
             return 0
-        return math.ceil(DECAY_TIMES / (self._map.slowest_decay * self._map.period))
+        return math.ceil(DECAY_TIMES / (self._map.lowest_damping_rate * self._map.period))
 
     def _long_enough(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
         """Whether a stretch that shows what the one before it showed was long enough to be believed."""
@@ -413,7 +413,7 @@ class Search:
         exponent = exponent_of(found.growth, self._map.period)
         most = min(self._effort.max_period_multiple, MULTIPLES_AT_A_LOOK)
         breadth, residual = breadth_and_residual(self._half_periods, found.points, most)
-        outcome = shown(exponent, self._map.slowest_decay, breadth, spirals=self._spirals, pushes=self._pushes)
+        outcome = shown(exponent, self._map.lowest_damping_rate, breadth, spirals=self._spirals, pushes=self._pushes)
         if outcome is Outcome.QUASIPERIODIC and nearest_return(self._half_periods, found.points) <= _LOCKED * breadth:
             outcome = Outcome.UNDECIDED
         wandering = Wandering(

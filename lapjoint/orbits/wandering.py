@@ -48,7 +48,7 @@ class Wandering:
         return self.outcome is before.outcome
 
 
-def shown(exponent: Exponent, slowest_decay: float, breadth: float, *, spirals: bool, pushes: int) -> Outcome:
+def shown(exponent: Exponent, lowest_damping_rate: float, breadth: float, *, spirals: bool, pushes: int) -> Outcome:
     """What one measurement establishes of a march.
 
     The exponent says nothing of a march that repeats, nor of one that is so narrow that it may be unable to leave an
@@ -59,7 +59,7 @@ def shown(exponent: Exponent, slowest_decay: float, breadth: float, *, spirals: 
     ----------
     exponent : Exponent
         As measured.
-    slowest_decay : float
+    lowest_damping_rate : float
         Lowest rate at which free vibration decays by damping, 1/s; 0 without damping.
     breadth : float
         How far the march wanders from repeating, over its size.
@@ -77,7 +77,7 @@ def shown(exponent: Exponent, slowest_decay: float, breadth: float, *, spirals: 
         return Outcome.UNDECIDED
     if exponent.positive:
         return Outcome.UNDECIDED if breadth <= NARROW and pushes < PUSHES else Outcome.APERIODIC
-    return Outcome.QUASIPERIODIC if spirals and exponent.vanishes(slowest_decay) else Outcome.UNDECIDED
+    return Outcome.QUASIPERIODIC if spirals and exponent.vanishes(lowest_damping_rate) else Outcome.UNDECIDED
 
 
 def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoint], most: int) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from lapjoint.errors import InputError
 from lapjoint.figures.text import cut_to
 from lapjoint.problem import FloatArray
 from lapjoint.scene.appearance import Colour, Look
-from lapjoint.scene.frames import Job, Plates, Skin, Springs, Word
+from lapjoint.scene.frames import Drawing, Plates, Skin, Springs, Word
 from lapjoint.scene.layout import Layout
 from lapjoint.scene.parts import Part, Values
 from lapjoint.scene.scene import Scene, histories_of, motion_scene
@@ -59,7 +59,7 @@ def job_of(
     size: tuple[int, int],
     pace: float,
     output: Path | None,
-) -> Job:
+) -> Drawing:
     """Everything that is drawn of a motion, for the process that draws.
 
     Parameters
@@ -81,7 +81,7 @@ def job_of(
 
     Returns
     -------
-    Job
+    Drawing
         The contents of all frames.
 
     Raises
@@ -117,7 +117,7 @@ def job_of(
         notes.append(f"only {_three_digits(period / step)} frames a period")
     if output is None:
         notes.append("space: play and pause, q: close")
-    return Job(
+    return Drawing(
         skins=tuple(skins),
         springs=tuple(springs),
         plates=tuple(plates),

@@ -61,7 +61,7 @@ class Word:
 
 
 @dataclass(frozen=True)
-class Job:
+class Drawing:
     """Everything that the drawing process needs for a picture, a film or a window."""
 
     skins: tuple[Skin, ...]

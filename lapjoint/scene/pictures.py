@@ -18,7 +18,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.scene.appearance import Look
 from lapjoint.scene.frame_builder import job_of
 from lapjoint.scene.frame_times import check_frames, common_time
-from lapjoint.scene.frames import Job
+from lapjoint.scene.frames import Drawing
 from lapjoint.scene.render_process import check_can_show, draw
 from lapjoint.scene.scene import histories_of
 from lapjoint.solver import Progress
@@ -184,11 +184,11 @@ def _first_largest(values: FloatArray) -> int:
     return int(np.flatnonzero(values >= (1 - 1e-6) * values.max())[0])
 
 
-def _drawn(job: Job, path: Path, progress: Progress | None) -> Path:
+def _drawn(drawing: Drawing, path: Path, progress: Progress | None) -> Path:
     """Draw into a file that takes the name `path` when it is complete."""
     try:
         with completed(path) as unfinished:
-            draw(replace(job, output=unfinished), progress)
+            draw(replace(drawing, output=unfinished), progress)
     except OSError as error:
         raise unwritable(path, error) from None
     return path

@@ -8,7 +8,7 @@ import numpy as np
 
 from lapjoint.figures.text import cut_to
 from lapjoint.problem import FloatArray
-from lapjoint.scene.frames import Job, Plates, Skin, Springs
+from lapjoint.scene.frames import Drawing, Plates, Skin, Springs
 
 BACKGROUND, INK, PALE, STEEL = "white", "#222222", "#C9CCD1", "#7A828C"
 SILENT, BRIEF, LIT = "#8A929C", "#F3CF80", "#E69F00"
@@ -24,26 +24,26 @@ TURNS, ROUND = 6, 20
 
 
 class Stage:
-    """A job that is set up for drawing.
+    """A drawing with the plotter that draws it.
 
     Parameters
     ----------
-    job : Job
+    drawing : Drawing
         The contents of the picture, film or window.
     off_screen : bool
         Whether to draw without a window.
     """
 
-    def __init__(self, job: Job, off_screen: bool) -> None:
+    def __init__(self, drawing: Drawing, off_screen: bool) -> None:
         import pyvista
 
-        self.job = job
-        self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=list(job.size), border=False)
+        self.drawing = drawing
+        self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=list(drawing.size), border=False)
         self.plotter.set_background(BACKGROUND)
-        self.font = max(8, round(min(job.size[0] / 75, job.size[1] / 26)))
-        self._skins = [self._add_skin(skin, first=i == 0) for i, skin in enumerate(job.skins)]
-        self._coils = [self._add_springs(springs) for springs in job.springs]
-        self._plates = [self._add_plates(plates) for plates in job.plates]
+        self.font = max(8, round(min(drawing.size[0] / 75, drawing.size[1] / 26)))
+        self._skins = [self._add_skin(skin, first=i == 0) for i, skin in enumerate(drawing.skins)]
+        self._coils = [self._add_springs(springs) for springs in drawing.springs]
+        self._plates = [self._add_plates(plates) for plates in drawing.plates]
         self._add_words()
         self._aim()
         self.at(0)
@@ -59,21 +59,21 @@ class Stage:
         frame : int
             Number of the frame, from 0.
         """
-        for skin, (shown, ids) in zip(self.job.skins, self._skins, strict=True):
+        for skin, (shown, ids) in zip(self.drawing.skins, self._skins, strict=True):
             if ids is None:
                 shown.copy_from(_tube(skin, frame))
             else:
                 shown.points = skin.points[frame][ids]
                 shown.point_data["value"] = skin.values[frame][ids]
-        for springs, pieces in zip(self.job.springs, self._coils, strict=True):
+        for springs, pieces in zip(self.drawing.springs, self._coils, strict=True):
             for stop, (coil, actor) in enumerate(pieces):
                 coil.points = _coil(springs.points[frame, stop], springs.radius)
                 actor.prop.color = (SILENT, BRIEF, LIT)[springs.acts[frame, stop]]
-        for plates, shown in zip(self.job.plates, self._plates, strict=True):
+        for plates, shown in zip(self.drawing.plates, self._plates, strict=True):
             shown.points = plates.points[frame]
-        for word, label in zip(self.job.words, self._labels, strict=True):
+        for word, label in zip(self.drawing.words, self._labels, strict=True):
             label.position = word.places[frame]
-        self._caption.input = self._cut(self.job.captions[frame])
+        self._caption.input = self._cut(self.drawing.captions[frame])
 
     def image(self) -> Any:
         """The frame that is shown, as an array of colours (red, green, blue), shape ``(height, width, 3)``."""
@@ -81,7 +81,7 @@ class Stage:
         return self.plotter.screenshot(return_img=True)
 
     def _add_skin(self, skin: Skin, first: bool) -> tuple[Any, Any]:
-        """Add a beam and the colour scale; returns its mesh, and the indices of the job's points that it has."""
+        """Add a beam and the colour scale; returns its mesh, and the indices of the drawing's points that it has."""
         import pyvista
 
         if skin.cells.shape[1] == 2:
@@ -93,22 +93,22 @@ class Stage:
             ids = np.asarray(shown.point_data["id"])
             shown.point_data["value"] = skin.values[0][ids]
         bar = {
-            "title": self.job.label,
+            "title": self.drawing.label,
             "color": INK,
             "title_font_size": self.font,
             "label_font_size": self.font,
             "n_labels": 3,
             "fmt": "%.5g",
             "width": 0.34,
-            "height": 4.2 * self.font / self.job.size[1],
+            "height": 4.2 * self.font / self.drawing.size[1],
             "position_x": 0.33,
-            "position_y": 0.4 * self.font / self.job.size[1],
+            "position_y": 0.4 * self.font / self.drawing.size[1],
         }
         self.plotter.add_mesh(
             shown,
             scalars="value",
             cmap=COLOURS,
-            clim=list(self.job.limits),
+            clim=list(self.drawing.limits),
             scalar_bar_args=bar,
             show_scalar_bar=first,
             ambient=0.35,
@@ -116,14 +116,14 @@ class Stage:
             specular=0.1,
         )
         if first:
-            self.plotter.scalar_bars[self.job.label].GetTitleTextProperty().SetLineOffset(-self.font / 2)
+            self.plotter.scalar_bars[self.drawing.label].GetTitleTextProperty().SetLineOffset(-self.font / 2)
         return shown, ids
 
     def _add_springs(self, springs: Springs) -> list[tuple[Any, Any]]:
         """Add the coils; returns the line of each, and the actor whose colour changes."""
         import pyvista
 
-        pieces, width = [], max(2.0, self.job.size[0] / 300)
+        pieces, width = [], max(2.0, self.drawing.size[0] / 300)
         for ends in springs.points[0]:
             coil = pyvista.lines_from_points(_coil(ends, springs.radius))
             actor = self.plotter.add_mesh(coil, color=SILENT, line_width=width, render_lines_as_tubes=True)
@@ -141,11 +141,11 @@ class Stage:
         """Add the title and notes, a place for the captions of the frames, and the names."""
         import pyvista
 
-        head = [self._cut(self.job.title), *(self._cut(note, 1.9) for note in self.job.notes)]
+        head = [self._cut(self.drawing.title), *(self._cut(note, 1.9) for note in self.drawing.notes)]
         self._corner("\n".join(head), 0.008, "left")
         self._caption = self._corner("", 0.992, "right")
         self._labels = []
-        for word in self.job.words:
+        for word in self.drawing.words:
             label = pyvista.Label(word.text, position=tuple(word.places[0]), size=self.font)
             label.prop.font_size = self.font
             label.prop.color = INK
@@ -157,7 +157,7 @@ class Stage:
 
     def _cut(self, text: str, share: float = 1.0) -> str:
         """Text on one line that takes at most half of the width, or `share` of that half."""
-        most = max(8, int(share * self.job.size[0] / 2 / (GLYPH * self.font)))
+        most = max(8, int(share * self.drawing.size[0] / 2 / (GLYPH * self.font)))
         return cut_to(text, most)
 
     def _corner(self, text: str, x: float, side: str) -> Any:
@@ -170,16 +170,16 @@ class Stage:
 
     def _aim(self) -> None:
         """Place the camera in front, a little above and towards the tip; it stays there while everything moves."""
-        moving: list[Skin | Springs | Plates] = [*self.job.skins, *self.job.springs, *self.job.plates]
+        moving: list[Skin | Springs | Plates] = [*self.drawing.skins, *self.drawing.springs, *self.drawing.plates]
         points = np.concatenate([thing.points.reshape(-1, 3) for thing in moving])
         forward = -VIEWPOINT / np.linalg.norm(VIEWPOINT)
         right = np.cross(forward, [0.0, 0.0, 1.0])
         right /= np.linalg.norm(right)
         above = np.cross(right, forward)
         (left_end, right_end), (low, high) = ((np.min(points @ axis), np.max(points @ axis)) for axis in (right, above))
-        width, height = self.job.size
+        width, height = self.drawing.size
         # Words above and the colour scale below take a part of the height, names a part of the width.
-        head, foot = 1.3 * (len(self.job.notes) + 1.5) * self.font / height, 6.0 * self.font / height
+        head, foot = 1.3 * (len(self.drawing.notes) + 1.5) * self.font / height, 6.0 * self.font / height
         left_names, right_names = self._widths_of_names()
         room = max(1 - left_names - right_names - 0.04, 0.3)
         shown = max((high - low) / max(1 - head - foot, 0.3), (right_end - left_end) / room * height / width)
@@ -197,9 +197,9 @@ class Stage:
 
     def _widths_of_names(self) -> tuple[float, float]:
         """Width that names take on the left and on the right of the joints, as parts of the whole width."""
-        glyph = 1.15 * GLYPH * self.font / self.job.size[0]  # bold
-        left = max((len(word.text) for word in self.job.words if word.side == "right"), default=0)
-        middle = max((len(word.text) / 2 for word in self.job.words if word.side == "center"), default=0)
+        glyph = 1.15 * GLYPH * self.font / self.drawing.size[0]  # bold
+        left = max((len(word.text) for word in self.drawing.words if word.side == "right"), default=0)
+        middle = max((len(word.text) / 2 for word in self.drawing.words if word.side == "center"), default=0)
         return glyph * max(left, middle), glyph * middle
 
 

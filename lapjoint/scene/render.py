@@ -1,6 +1,7 @@
-"""The process that draws, by pyvista: ``python -m lapjoint.scene.render JOB``, where JOB is a pickled `Job`.
+"""The process that draws, by pyvista.
 
-It prints ``frame N`` after each frame, and ends with a message on standard error where it fails.
+``python -m lapjoint.scene.render FILE`` takes the file of a pickled `Drawing`.  It prints ``frame N`` after each frame,
+and ends with a message on standard error where it fails.
 """
 
 from __future__ import annotations
@@ -13,75 +14,75 @@ from typing import Any
 
 import numpy as np
 
-from lapjoint.scene.frames import Job
+from lapjoint.scene.frames import Drawing
 from lapjoint.scene.plotter import BRIEF, INK, LIT, SILENT, Stage
 
 
-def draw_picture(job: Job) -> None:
+def draw_picture(drawing: Drawing) -> None:
     """Draw one frame as PNG.
 
     Parameters
     ----------
-    job : Job
+    drawing : Drawing
         The contents of the picture.
     """
     from PIL import Image
 
-    assert job.output is not None
-    Image.fromarray(Stage(job, off_screen=True).image()).save(job.output, optimize=True)
+    assert drawing.output is not None
+    Image.fromarray(Stage(drawing, off_screen=True).image()).save(drawing.output, optimize=True)
     print("frame 1", flush=True)
 
 
-def draw_film(job: Job) -> None:
+def draw_film(drawing: Drawing) -> None:
     """Draw all frames as GIF or MP4.
 
     Parameters
     ----------
-    job : Job
+    drawing : Drawing
         The contents of the film.
     """
-    assert job.output is not None
-    frames = _frames(job)
-    if job.output.suffix.lower() == ".mp4":
-        _save_mp4(frames, job)
+    assert drawing.output is not None
+    frames = _frames(drawing)
+    if drawing.output.suffix.lower() == ".mp4":
+        _save_mp4(frames, drawing)
     else:
-        _save_gif(frames, job)
+        _save_gif(frames, drawing)
 
 
-def _save_mp4(frames: Any, job: Job) -> None:
+def _save_mp4(frames: Any, drawing: Drawing) -> None:
     import imageio.v3
     import imageio_ffmpeg
 
-    assert job.output is not None
+    assert drawing.output is not None
     images = np.stack(list(frames))
     even = images[:, : images.shape[1] // 2 * 2, : images.shape[2] // 2 * 2]  # the codec wants even sizes
-    imageio.v3.imwrite(job.output, even, extension=".mp4", fps=job.pace, codec="libx264", macro_block_size=1)
+    imageio.v3.imwrite(drawing.output, even, extension=".mp4", fps=drawing.pace, codec="libx264", macro_block_size=1)
     try:  # the encoder does not say when the disk is full
-        written = imageio_ffmpeg.count_frames_and_secs(str(job.output))[0]
+        written = imageio_ffmpeg.count_frames_and_secs(str(drawing.output))[0]
     except RuntimeError:
         written = 0
     if written != len(images):
         raise OSError(errno.ENOSPC, "the film is not complete; is the disk full?")
 
 
-def _frames(job: Job) -> Any:
-    stage = Stage(job, off_screen=True)
-    for frame in range(len(job.captions)):
+def _frames(drawing: Drawing) -> Any:
+    stage = Stage(drawing, off_screen=True)
+    for frame in range(len(drawing.captions)):
         stage.at(frame)
         yield stage.image()
         print(f"frame {frame + 1}", flush=True)
 
 
-def _save_gif(frames: Any, job: Job) -> None:
+def _save_gif(frames: Any, drawing: Drawing) -> None:
     """Write a GIF with one palette for all frames, so that what does not move is stored only once."""
     from PIL import Image
 
-    assert job.output is not None
+    assert drawing.output is not None
     images = [Image.fromarray(frame) for frame in frames]
     palette = _palette(images)
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    duration = 10 * round(100 / job.pace)  # a GIF counts in hundredths of a second
-    flat[0].save(job.output, save_all=True, append_images=flat[1:], duration=duration, loop=0, optimize=False)
+    duration = 10 * round(100 / drawing.pace)  # a GIF counts in hundredths of a second
+    flat[0].save(drawing.output, save_all=True, append_images=flat[1:], duration=duration, loop=0, optimize=False)
 
 
 def _palette(images: list[Any]) -> Any:
@@ -110,7 +111,7 @@ def _palette(images: list[Any]) -> Any:
     return palette
 
 
-def open_window(job: Job) -> None:
+def open_window(drawing: Drawing) -> None:
     """Open a window with a slider for time; the space bar plays and pauses.
 
     The process prints ``frame 0`` when the window is open, because VTK ends without a message where it finds no
@@ -118,11 +119,11 @@ def open_window(job: Job) -> None:
 
     Parameters
     ----------
-    job : Job
+    drawing : Drawing
         The contents of the frames.
     """
-    stage = Stage(job, off_screen=False)
-    milliseconds = 1e3 * job.times
+    stage = Stage(drawing, off_screen=False)
+    milliseconds = 1e3 * drawing.times
     playing = {"now": True, "frame": 0, "open": False}
 
     def show(time: float) -> None:
@@ -149,26 +150,26 @@ def open_window(job: Job) -> None:
             playing["open"] = True
             print("frame 0", flush=True)
         if playing["now"]:
-            frame = (playing["frame"] + 1) % job.times.size
+            frame = (playing["frame"] + 1) % drawing.times.size
             show(milliseconds[frame])
             slider.GetRepresentation().SetValue(milliseconds[frame])
             stage.plotter.render()
 
     stage.plotter.add_key_event("space", toggle)
-    stage.plotter.add_timer_event(max_steps=10**9, duration=round(1000 / job.pace), callback=step)
-    stage.plotter.show(title=job.title)
+    stage.plotter.add_timer_event(max_steps=10**9, duration=round(1000 / drawing.pace), callback=step)
+    stage.plotter.show(title=drawing.title)
 
 
 def main() -> int:
-    """Draw the job in the file that the first argument names; returns the exit status."""
-    job: Job = pickle.loads(Path(sys.argv[1]).read_bytes())
+    """Draw the drawing in the file that the first argument names; returns the exit status."""
+    drawing: Drawing = pickle.loads(Path(sys.argv[1]).read_bytes())
     try:
-        if job.output is None:
-            open_window(job)
-        elif len(job.captions) == 1 and job.pace == 0:
-            draw_picture(job)
+        if drawing.output is None:
+            open_window(drawing)
+        elif len(drawing.captions) == 1 and drawing.pace == 0:
+            draw_picture(drawing)
         else:
-            draw_film(job)
+            draw_film(drawing)
     except Exception as error:
         reason = error.strerror if isinstance(error, OSError) else error
         kind = "OSError" if isinstance(error, OSError) else type(error).__name__

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from lapjoint.errors import InputError, OutputError
-from lapjoint.scene.frames import Job
+from lapjoint.scene.frames import Drawing
 from lapjoint.solver import Progress
 
 COMMAND = (sys.executable, "-m", "lapjoint.scene.render")
@@ -28,12 +28,12 @@ NO_DISPLAY = "output: is missing, and there is no display to open a window on; a
 NO_MP4 = ".mp4: needs the package imageio[ffmpeg]; install lapjoint[film], or choose .gif"
 
 
-def draw(job: Job, progress: Progress | None) -> None:
-    """Draw a job in a process of its own, with graphics hardware if there is some, else by software.
+def draw(drawing: Drawing, progress: Progress | None) -> None:
+    """Draw a drawing in a process of its own, with graphics hardware if there is some, else by software.
 
     Parameters
     ----------
-    job : Job
+    drawing : Drawing
         The contents of the picture, film or window.
     progress : callable or None
         Called with the number of frames done and the number of all.
@@ -41,19 +41,19 @@ def draw(job: Job, progress: Progress | None) -> None:
     Raises
     ------
     OutputError
-        If this machine cannot draw, or cannot draw this job; the message says what it lacks.
+        If this machine cannot draw, or cannot draw this drawing; the message says what it lacks.
     OSError
         If the file cannot be written.
     """
     with tempfile.TemporaryDirectory(prefix="lapjoint-") as folder:
-        file = Path(folder) / "job.pickle"
-        file.write_bytes(pickle.dumps(job))
-        if job.output is None:
+        file = Path(folder) / "drawing.pickle"
+        file.write_bytes(pickle.dumps(drawing))
+        if drawing.output is None:
             _draw_window(file)
             return
         status, said = 0, ""
         for way in ({}, SOFTWARE):
-            status, said, _ = _run(file, way, len(job.captions), progress)
+            status, said, _ = _run(file, way, len(drawing.captions), progress)
             if status == 0:
                 return
             if status > 0:  # Python said why: another way would say the same

@@ -77,7 +77,7 @@ def test_the_monodromy_shrinks_volume_by_the_damping_and_the_truncation(damping:
     expected = 0.0
     segments = motion.segments
     for now, after in zip(segments, (*segments[1:], None), strict=True):
-        expected -= 2 * joint.modal(now.state).decay.sum() * (now.end - now.start)
+        expected -= 2 * joint.modal(now.state).damping_rate.sum() * (now.end - now.start)
         if after is not None:
             # A saltation matrix has the determinant of the map itself times h' after over h' before, which is 1
             # but for the velocity that 20 modes lose: 1e-5 a switch.

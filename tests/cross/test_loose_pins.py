@@ -72,7 +72,7 @@ def test_chaos_that_dies_by_chance_is_named_for_what_it_does(askew: bool) -> Non
     problem = bar(375.0).replace(initial=ASKEW if askew else AtRest())
     solver = analytic.Solver()
     steady, period_map = solver.steady_state(problem), solver.period_map(problem)
-    judgement = testify(period_map, steady, 1 / period_map.slowest_decay)
+    judgement = testify(period_map, steady, 1 / period_map.lowest_damping_rate)
     assert judgement.verdict != "false", judgement.why
     if steady.period_multiple:
         assert steady.period_multiple == 1

@@ -109,7 +109,7 @@ class BarMap:
         return 2 * math.pi / self.omega
 
     @property
-    def slowest_decay(self) -> float:
+    def lowest_damping_rate(self) -> float:
         """Decay of free vibration without contact, 1/s."""
         m, c, _, _ = self.constants(ContactState())
         return c / (2 * m)

@@ -115,15 +115,15 @@ FE = (
         "fe_lapjoint.march.model",
         "The map from one contact state to another is kept for the way back, too.",
         old=(
-            "if (old, new) not in self._maps:\n"
-            "            self._maps[old, new] = self.system(new).vectors.T @ self.weighted(old)\n"
-            "        return self._maps[old, new]"
+            "matrix = self._maps.get((old, new))\n"
+            "        if matrix is None:\n"
+            "            matrix = self._maps[old, new] = "
         ),
         new=(
             "key = (min(old, new), max(old, new))\n"
-            "        if key not in self._maps:\n"
-            "            self._maps[key] = self.system(new).vectors.T @ self.weighted(old)\n"
-            "        return self._maps[key]"
+            "        matrix = self._maps.get(key)\n"
+            "        if matrix is None:\n"
+            "            matrix = self._maps[key] = "
         ),
     ),
     Fault(
@@ -139,8 +139,8 @@ FE = (
         "an event dropped",
         "fe_lapjoint.march.events",
         "A contact between two samples of the motion is not seen.",
-        old="h[:, 1:]) + straying",
-        new="h[:, 1:]) + 0.0 * straying",
+        old="gaps.curvature[:, None] * (-(width**2) / 8)",
+        new="gaps.curvature[:, None] * 0.0",
     ),
     Fault(
         "fe-contact-counted-twice",

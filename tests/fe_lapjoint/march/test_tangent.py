@@ -26,7 +26,7 @@ def test_volume_shrinks_as_the_damping_says(damping: ModalDamping | ViscousDampi
     model, point = period_map.model, steady.section_point
     motion = march(model, point.state, period_map.modal(point), 0.0, PERIOD)
     assert steady.history.contacts
-    trace = sum(2 * float(np.sum(model.system(p.state).decay)) * (p.end - p.start) for p in motion.pieces)
+    trace = sum(2 * float(np.sum(model.system(p.state).damping_rate)) * (p.end - p.start) for p in motion.pieces)
     assert np.linalg.slogdet(monodromy(model, motion))[1] == pytest.approx(-trace, rel=1e-6)
 
 

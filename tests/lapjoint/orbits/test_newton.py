@@ -78,7 +78,7 @@ def test_the_product_of_the_multipliers_is_set_by_the_damping(damping: ModalDamp
     times = np.concatenate([[0.0], history.switch_times, [history.end]])
     assert history.contacts
     for width, state in zip(np.diff(times), history.states, strict=True):
-        trace += 2 * float(np.sum(model.system(state).decay)) * width
+        trace += 2 * float(np.sum(model.system(state).damping_rate)) * width
     logs = np.log(np.abs(orbit.multipliers.astype(complex)))
     assert logs.sum() == pytest.approx(-trace, rel=1e-5)
 

@@ -52,7 +52,7 @@ def marched_on(map_: PeriodMap, steady: SteadyState) -> tuple[np.ndarray, float]
     """
     assert steady.acceptance is not None
     multiple = max(steady.period_multiple, 1)
-    periods = 3 / map_.slowest_decay / map_.period
+    periods = 3 / map_.lowest_damping_rate / map_.period
     if steady.multipliers.size:
         periods = max(periods, multiple * math.log(1e-9) / math.log(abs(steady.multipliers[0])))
     point = map_.march(steady.acceptance.point, 2 * multiple * math.ceil(periods / multiple)).end

@@ -18,7 +18,7 @@ from lapjoint.answers import Contact
 from lapjoint.errors import OutputError
 from lapjoint.problem.beam import Beam
 from lapjoint.scene import Look, check_can_show, pictures, render_process, save_film, save_picture, show_window
-from lapjoint.scene.frames import Job
+from lapjoint.scene.frames import Drawing
 
 LIT = np.array([0xE6, 0x9F, 0x00])
 
@@ -33,38 +33,38 @@ def solid(history: History) -> History:
 
 
 @pytest.fixture
-def jobs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Job]:
+def jobs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Drawing]:
     """What would be drawn; nothing is."""
-    kept: list[Job] = []
+    kept: list[Drawing] = []
 
-    def keep(job: Job, progress: Any) -> None:
-        kept.append(job)
-        assert job.output is not None
-        job.output.touch()
+    def keep(drawing: Drawing, progress: Any) -> None:
+        kept.append(drawing)
+        assert drawing.output is not None
+        drawing.output.touch()
 
     monkeypatch.setattr(pictures, "draw", keep)
     monkeypatch.chdir(tmp_path)
     return kept
 
 
-def test_the_scale_is_one_two_or_five_times_a_power_of_ten_and_stated(solid: History, jobs: list[Job]) -> None:
+def test_the_scale_is_one_two_or_five_times_a_power_of_ten_and_stated(solid: History, jobs: list[Drawing]) -> None:
     save_picture(solid, "x.png", at=0.25)
     # 0.12 m over 3 mm is 40, and 0.6 of the spring's 1/15 m over 2 mm is 20.
     assert any(note == "displacements and gaps ×20, beam at true scale" for note in jobs[0].notes)
     save_picture(solid, "x.png", at=0.25, look=Look(scale=1.0, frame="absolute"))
     assert "true scale" in jobs[1].notes
-    moved = [job.skins[0].points[0, -1, 2] - 0.01 for job in jobs]
+    moved = [drawing.skins[0].points[0, -1, 2] - 0.01 for drawing in jobs]
     np.testing.assert_allclose(moved, [20 * 3e-3, 3e-3], rtol=1e-12)
 
 
-def test_a_picture_of_a_moving_base_says_where_one_stands(jobs: list[Job]) -> None:
+def test_a_picture_of_a_moving_base_says_where_one_stands(jobs: list[Drawing]) -> None:
     motion = analytic.Solver(n_modes=2).simulate(paper_joint(), 1e-3)
     for frame, words in (("relative", "seen from the base"), ("absolute", "seen from outside")):
         save_picture(motion, "x.png", look=Look(frame=frame))  # type: ignore[arg-type]
         assert jobs[-1].notes[-1].endswith(words)
 
 
-def test_colours_are_the_values_in_the_unit_of_their_label(solid: History, jobs: list[Job]) -> None:
+def test_colours_are_the_values_in_the_unit_of_their_label(solid: History, jobs: list[Drawing]) -> None:
     for colour in ("stress", "velocity", "moment", "displacement"):
         save_picture(solid, "x.png", at=0.2, look=Look(colour))
     stress, velocity, moment, displacement = jobs
@@ -76,13 +76,13 @@ def test_colours_are_the_values_in_the_unit_of_their_label(solid: History, jobs:
     assert velocity.skins[0].values[0, -1] == solid.velocity(1.0, 0.2)[0, 0]
     assert moment.skins[0].values[0, root] == solid.moment(0.0, 0.2)[0, 0]
     assert displacement.skins[0].values[0, -1] == pytest.approx(1e3 * solid.displacement(1.0, 0.2)[0, 0], rel=1e-15)
-    for job in jobs:
-        assert job.limits[1] == -job.limits[0] >= np.abs(job.skins[0].values).max()
+    for drawing in jobs:
+        assert drawing.limits[1] == -drawing.limits[0] >= np.abs(drawing.skins[0].values).max()
 
 
 @pytest.mark.parametrize(("start", "frame"), [(0.26, 3), (0.97, 9)])
 def test_a_stop_that_acts_between_two_frames_lights_up_faintly_in_the_nearer_one(
-    history: History, jobs: list[Job], start: float, frame: int
+    history: History, jobs: list[Drawing], start: float, frame: int
 ) -> None:
     tap = {"contacts": (Contact(0, start, start + 1e-4, 1.0, 1.0),), "switch_times": np.zeros(0), "states": (FREE,)}
     save_film(History(**{**history.__dict__, **tap}), "x.gif", frames=10)
@@ -90,26 +90,26 @@ def test_a_stop_that_acts_between_two_frames_lights_up_faintly_in_the_nearer_one
     assert [", above in between" in caption for caption in jobs[0].captions] == [i == frame for i in range(10)]
 
 
-def test_a_stop_that_is_closed_in_a_frame_is_lit_as_the_caption_says(history: History, jobs: list[Job]) -> None:
+def test_a_stop_that_is_closed_in_a_frame_is_lit_as_the_caption_says(history: History, jobs: list[Drawing]) -> None:
     save_film(history, "x.gif", frames=4)
     assert (jobs[0].springs[0].acts == 2).tolist() == [[False, False], [True, False], [False, False], [False, True]]
     assert [caption.split(", ")[1] for caption in jobs[0].captions[1::2]] == ["state above", "state below"]
 
 
-def test_a_gif_says_the_pace_that_it_has(history: History, jobs: list[Job]) -> None:
+def test_a_gif_says_the_pace_that_it_has(history: History, jobs: list[Drawing]) -> None:
     save_film(history, "x.gif", frames=10, pace=30.0)  # three hundredths of a second each: 33.3 a second, of 0.1 s each
     assert jobs[0].notes[-1].endswith("sped up 3.33×")
     save_film(history, "x.mp4", frames=10, pace=30.0)
     assert jobs[1].notes[-1].endswith("sped up 3×")
 
 
-def test_too_few_frames_a_period_are_said(jobs: list[Job]) -> None:
+def test_too_few_frames_a_period_are_said(jobs: list[Drawing]) -> None:
     motion = analytic.Solver(n_modes=2).simulate(paper_joint(), 0.1)
     save_film(motion, "x.gif", frames=20)
     assert jobs[0].notes[-1] == "only 2.44 frames a period"
 
 
-def test_names_go_with_what_they_name(jobs: list[Job]) -> None:
+def test_names_go_with_what_they_name(jobs: list[Drawing]) -> None:
     motion = analytic.Solver(n_modes=2).simulate(paper_joint(), 0.01)
     save_film({"analytic": motion, "fe": motion}, "x.gif", frames=20, look=Look(frame="absolute", scale=1.0))
     base = 0.06 * np.sin(515.0 * jobs[0].times)
@@ -118,7 +118,7 @@ def test_names_go_with_what_they_name(jobs: list[Job]) -> None:
     assert [word.text for word in jobs[0].words if word.side == "right"] == ["analytic", "fe"]
 
 
-def test_stops_at_one_place_stand_side_by_side(history: History, jobs: list[Job]) -> None:
+def test_stops_at_one_place_stand_side_by_side(history: History, jobs: list[Drawing]) -> None:
     twin = history.problem.stops[0].model_copy(update={"name": "hard"})
     problem = history.problem.replace(stops=(*history.problem.stops, twin))
     save_picture(History(**{**history.__dict__, "problem": problem}), "x.png", at=0.0)
@@ -136,7 +136,7 @@ def test_a_display_that_does_not_answer_is_said(history: History, monkeypatch: p
 
 
 def test_a_film_that_is_not_complete_is_not_called_one(
-    history: History, jobs: list[Job], monkeypatch: pytest.MonkeyPatch
+    history: History, jobs: list[Drawing], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import imageio_ffmpeg
 
@@ -148,7 +148,7 @@ def test_a_film_that_is_not_complete_is_not_called_one(
         render._save_mp4([np.zeros((20, 20, 3), dtype=np.uint8)] * 2, jobs[0])
 
 
-def test_a_film_leaves_out_the_end_which_is_the_beginning(history: History, jobs: list[Job]) -> None:
+def test_a_film_leaves_out_the_end_which_is_the_beginning(history: History, jobs: list[Drawing]) -> None:
     save_film(history, "x.gif", frames=4, pace=2.0)
     assert [caption.split(", ")[0] for caption in jobs[0].captions] == [
         "t = 0.000 ms", "t = 250.000 ms", "t = 500.000 ms", "t = 750.000 ms"
@@ -156,12 +156,12 @@ def test_a_film_leaves_out_the_end_which_is_the_beginning(history: History, jobs
     assert jobs[0].notes[-1].endswith("slowed 2×")
 
 
-def test_a_picture_is_taken_when_the_stops_push_hardest(history: History, jobs: list[Job]) -> None:
+def test_a_picture_is_taken_when_the_stops_push_hardest(history: History, jobs: list[Drawing]) -> None:
     save_picture(history, "x.png")
     assert jobs[0].captions == ("t = 250.000 ms, state above",)
 
 
-def test_a_beam_without_a_section_is_a_tube_coloured_by_its_moment(history: History, jobs: list[Job]) -> None:
+def test_a_beam_without_a_section_is_a_tube_coloured_by_its_moment(history: History, jobs: list[Drawing]) -> None:
     save_picture(history, "x.png")
     assert jobs[0].label == "bending moment [N m]"
     assert jobs[0].skins[0].cells.shape[1] == 2
