@@ -110,23 +110,6 @@ FE = (
         new="self.gap = np.array([1.001 * stop.gap for",
     ),
     Fault(
-        "fe-way-back",
-        "a stale cache",
-        "fe_lapjoint.march.model",
-        "The map from one contact state to another is kept for the way back, too.",
-        old=(
-            "matrix = self._maps.get((old, new))\n"
-            "        if matrix is None:\n"
-            "            matrix = self._maps[old, new] = "
-        ),
-        new=(
-            "key = (min(old, new), max(old, new))\n"
-            "        matrix = self._maps.get(key)\n"
-            "        if matrix is None:\n"
-            "            matrix = self._maps[key] = "
-        ),
-    ),
-    Fault(
         "fe-initial-slope",
         "an input ignored",
         "fe_lapjoint.march.initial",

@@ -27,9 +27,9 @@ level, cheapest first, until a comparison disagrees. A fault counts as caught on
 not count. No fault names the case that is to catch it. The control, an edit that changes nothing, must not be caught;
 and without a fault nothing may disagree.
 
-The last complete run caught {caught} of {count}. Times are those of one processor, for all cases up to the one that
-disagreed. It took {cases} cases, which come to {whole:.0f} s without a fault; the others run where these leave a fault
-uncaught.
+When each was last tried, {caught} of {count} were caught. Times are those of one processor, for all cases up to the
+one that disagreed. It took {cases} cases, which come to {whole:.0f} s without a fault; the others run where these leave
+a fault uncaught.
 """
 
 
