@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
+from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 
@@ -196,6 +197,10 @@ class PeriodMap(Protocol):
         """
 
 
+MOST_PIECES = 10_000_000
+"""Largest number of periods of a march whose motion is kept: more would take hours, and all the memory there is."""
+
+
 def period_pieces(period: float, duration: float) -> list[float]:
     """The pieces in which a march of any duration goes on, as the search does: whole periods, and what is left.
 
@@ -210,7 +215,16 @@ def period_pieces(period: float, duration: float) -> list[float]:
     -------
     list of float
         Durations of the pieces, s.
+
+    Raises
+    ------
+    InputError
+        If these are more than `MOST_PIECES`.
     """
+    if duration / period > MOST_PIECES:
+        raise InputError(
+            f"duration = {duration:g}: at most {MOST_PIECES:g} periods of the excitation, {MOST_PIECES * period:g} s"
+        )
     whole = int(duration / period * (1 + 1e-12))
     left = duration - whole * period
     return [period] * whole + [left] * (left > 1e-12 * duration)

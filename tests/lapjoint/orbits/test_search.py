@@ -15,9 +15,11 @@ import fe_lapjoint
 from lapjoint import Outcome, Problem, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.answers.steady_state import Exponent
+from lapjoint.errors import InputError
 from lapjoint.orbits import Effort, Passage, PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import Orbit, find_orbit
+from lapjoint.orbits.period_map import period_pieces
 from lapjoint.orbits.search import STRETCH, TRANSIENT, Found, Search
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
 from lapjoint.problem import FloatArray
@@ -322,3 +324,9 @@ def test_what_was_found_is_an_orbit_or_a_wandering() -> None:
     found = Search(map_, Effort()).run(map_.initial())
     assert isinstance(found, Found)
     assert isinstance(found.motion, Orbit)
+
+
+def test_a_march_of_more_periods_than_can_be_kept_is_refused_by_name() -> None:
+    with pytest.raises(InputError, match=r"duration = 1e\+300: at most 1e\+07 periods"):
+        period_pieces(0.01, 1e300)
+    assert period_pieces(0.5, 1.25) == [0.5, 0.5, 0.25]
