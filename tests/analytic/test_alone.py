@@ -3,31 +3,19 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from threading import Barrier
 
 import numpy as np
 import pytest
+from alone import assert_the_same_in_threads_that_know_nothing, forget
 
-from analytic.march import Coordinates, Joint, known_states, march, modal_state, tables
+from analytic.march import Coordinates, Joint, known_states, march, tables
 from analytic.march.initial_state import started
-from analytic.modes import mode_count, normal_modes
-from analytic.published import joint as published
 from lapjoint import Problem, paper_joint
 from lapjoint.solver import make_solver
 
 FREQUENCIES = (181.0, 515.0, 820.0, 1400.0, 2060.0, 2600.0, 3300.0, 4100.0)  # they meet states in different orders
 PARTS = 12
-
-
-def forget() -> None:
-    """What a fresh process does not know."""
-    ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
-    ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, published._products)
-    for known in (*ours, normal_modes._exact_modes, mode_count._parts):
-        known.cache_clear()
 
 
 def problem(omega: float) -> Problem:
@@ -81,25 +69,7 @@ def test_eight_threads_that_know_nothing(solver: str) -> None:
         z = history.displacement(np.array([1.25, 2.5]), np.linspace(0, history.end, 20))
         return contacts.tobytes(), history.switch_times.tobytes(), z.tobytes()
 
-    def by_itself(omega: float) -> tuple[bytes, ...]:
-        forget()
-        return answer(omega)
-
-    expected = [by_itself(omega) for omega in FREQUENCIES]
-    forget()
-    together = Barrier(len(FREQUENCIES))
-
-    def in_a_thread(omega: float) -> tuple[bytes, ...]:
-        together.wait()
-        return answer(omega)
-
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    try:
-        with ThreadPoolExecutor(len(FREQUENCIES)) as threads:
-            assert list(threads.map(in_a_thread, FREQUENCIES)) == expected
-    finally:
-        sys.setswitchinterval(interval)
+    assert_the_same_in_threads_that_know_nothing(answer, FREQUENCIES)
 
 
 def test_what_is_kept_cannot_be_written_to() -> None:

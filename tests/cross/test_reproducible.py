@@ -6,16 +6,12 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from alone import forget, restless_threads
 
 import fe_lapjoint
-from analytic.march import known_states, modal_state, tables
-from analytic.modes.normal_modes import _exact_modes
-from analytic.published import joint
-from fe_lapjoint.modes.eigenmodes import _eigenmodes
 from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.solver import Solver, make_solver
@@ -28,14 +24,6 @@ SOLVERS = {
     "as published": make_solver("analytic-published"),
     "finite elements": fe_lapjoint.Solver(elements=4),
 }
-
-
-def forget() -> None:
-    """What a fresh process does not know."""
-    ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
-    ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, joint._products, _exact_modes)
-    for known in (*ours, _eigenmodes):
-        known.cache_clear()
 
 
 def answers(solver: Solver, omegas: Iterable[float]) -> dict[float, list[object]]:
@@ -92,11 +80,6 @@ def test_workers_with_several_threads_find_the_same_bits_as_one(solver: str) -> 
     options = {"elements": 40} if solver == "fe" else {}
     alone = sweep(paper_joint(), axes, solver=solver, options=options)
     forget()
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-5)
-    try:
-        with ThreadPoolExecutor(4) as threads:
-            together = sweep(paper_joint(), axes, solver=solver, options=options, workers=threads.map)
-    finally:
-        sys.setswitchinterval(interval)
+    with restless_threads(4, interval=1e-5) as threads:
+        together = sweep(paper_joint(), axes, solver=solver, options=options, workers=threads.map)
     assert together.identical(alone)

@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from threading import Barrier
 
 import numpy as np
 import pytest
+from alone import assert_the_same_in_threads_that_know_nothing, forget, restless_threads
 
 import fe_lapjoint
 from fe_lapjoint.modes.assembly import unit_element
-from fe_lapjoint.modes.eigenmodes import _eigenmodes, eigenmodes
+from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint import ContactState, Problem, paper_joint
 
 SOLVER = fe_lapjoint.Solver(elements=8)
 FREQUENCIES = (181.0, 515.0, 820.0, 1400.0, 2060.0, 2600.0, 3300.0, 4100.0)  # they meet states in different orders
 PARTS = 4
-
-
-def forget() -> None:
-    """What a fresh process does not know."""
-    _eigenmodes.cache_clear()
-    unit_element.cache_clear()
 
 
 def problem(omega: float) -> Problem:
@@ -63,25 +55,7 @@ def test_eight_threads_that_know_nothing() -> None:
         z = history.displacement(np.array([1.25, 2.5]), np.linspace(0, history.end, 20))
         return *steps(omega), z.tobytes()
 
-    def by_itself(omega: float) -> tuple[bytes, ...]:
-        forget()
-        return answer(omega)
-
-    expected = [by_itself(omega) for omega in FREQUENCIES]
-    forget()
-    together = Barrier(len(FREQUENCIES))
-
-    def in_a_thread(omega: float) -> tuple[bytes, ...]:
-        together.wait()
-        return answer(omega)
-
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    try:
-        with ThreadPoolExecutor(len(FREQUENCIES)) as threads:
-            assert list(threads.map(in_a_thread, FREQUENCIES)) == expected
-    finally:
-        sys.setswitchinterval(interval)
+    assert_the_same_in_threads_that_know_nothing(answer, FREQUENCIES)
 
 
 def test_threads_may_share_one_period_map() -> None:
@@ -94,13 +68,8 @@ def test_threads_may_share_one_period_map() -> None:
     expected = marched(SOLVER.period_map(problem(515.0)))
     forget()
     shared = SOLVER.period_map(problem(515.0))
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    try:
-        with ThreadPoolExecutor(8) as threads:
-            assert set(threads.map(marched, [shared] * 8)) == {expected}
-    finally:
-        sys.setswitchinterval(interval)
+    with restless_threads(8) as threads:
+        assert set(threads.map(marched, [shared] * 8)) == {expected}
 
 
 def test_what_is_kept_cannot_be_written_to() -> None:

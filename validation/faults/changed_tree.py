@@ -37,6 +37,24 @@ def module_file(tree: Path, module: str) -> Path:
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
+def source_of(tree: Path, module: str) -> str:
+    """The source of a module.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the packages.
+    module : str
+        Its full name.
+
+    Returns
+    -------
+    str
+        Its text.
+    """
+    return module_file(tree, module).read_text()
+
+
 def installed_tree() -> Path:
     """The folder that holds the packages as they are installed."""
     spec = find_spec("lapjoint")

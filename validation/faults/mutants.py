@@ -20,7 +20,7 @@ from pathlib import Path
 from rich.console import Console
 
 from lapjoint.output_files import write_file
-from validation.faults.changed_tree import module_file
+from validation.faults.changed_tree import source_of
 from validation.faults.mutation import Mutant, drawn
 from validation.faults.record import recorded
 from validation.faults.run import LEVEL, seen_line, sound, sound_tree
@@ -117,7 +117,7 @@ def judged(
             return []
         by_name = {identity(mutant): mutant for mutant in mutants}
         changes = (
-            Changed(name, mutant.module, mutant.put_into(module_file(tree, mutant.module).read_text()))
+            Changed(name, mutant.module, mutant.put_into(source_of(tree, mutant.module)))
             for name, mutant in by_name.items()
         )
         order = Order({case: seen.seconds for case, seen in baseline.items()})

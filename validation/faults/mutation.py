@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from validation.faults.changed_tree import module_file
+from validation.faults.changed_tree import source_of
 
 ROOMS = ("analytic", "fe_lapjoint", "lapjoint/problem", "lapjoint/answers", "lapjoint/orbits", "lapjoint/campaigns")
 LEFT_OUT = (
@@ -105,7 +105,7 @@ def everywhere(tree: Path) -> tuple[Mutant, ...]:
     tuple of Mutant
         Module by module.
     """
-    return tuple(one for name in modules(tree) for one in possible(name, module_file(tree, name).read_text()))
+    return tuple(one for name in modules(tree) for one in possible(name, source_of(tree, name)))
 
 
 def modules(tree: Path) -> list[str]:

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 from lapjoint.errors import InputError
 from validation.case import Level
 from validation.faults.catalogue import CONTROL, FAULTS
-from validation.faults.changed_tree import copied_tree, installed_tree
+from validation.faults.changed_tree import copied_tree, installed_tree, source_of
 from validation.faults.fault import Fault
 from validation.faults.record import recorded, write_record
-from validation.faults.running import Changed, Kept, Order, Trials, source_of
+from validation.faults.running import Changed, Kept, Order, Trials
 from validation.faults.table import Judged, answer
 from validation.faults.trial import Result, Seen
 from validation.verdict import Verdict

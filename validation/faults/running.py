@@ -20,7 +20,7 @@ from typing import Any
 
 from lapjoint.processes import interrupts_held
 from validation.case import Level
-from validation.faults.changed_tree import PACKAGES, change, copied_tree, module_file
+from validation.faults.changed_tree import PACKAGES, change, copied_tree
 from validation.faults.trial import Result, Seen, try_tree
 
 ALLOWANCE, TIMES = 20.0, 10.0
@@ -353,21 +353,3 @@ def _received(connection: Connection, trial: _Trial) -> Seen | None:
         return None
     trial.process.join()
     return seen_from(message)
-
-
-def source_of(tree: Path, module: str) -> str:
-    """The source of a module.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-    module : str
-        Its full name.
-
-    Returns
-    -------
-    str
-        Its text.
-    """
-    return module_file(tree, module).read_text()

@@ -8,10 +8,10 @@ import pytest
 
 from lapjoint.cli.main import main
 from validation.faults.catalogue import CONTROL, FAULTS
-from validation.faults.changed_tree import change, changed_names, installed_tree
+from validation.faults.changed_tree import change, changed_names, installed_tree, source_of
 from validation.faults.fault import PLACES, Fault
 from validation.faults.record import PAGE, page, recorded
-from validation.faults.running import Changed, Kept, Order, Trials, plain, source_of
+from validation.faults.running import Changed, Kept, Order, Trials, plain
 from validation.faults.trial import Result, Seen
 
 TREE = installed_tree()

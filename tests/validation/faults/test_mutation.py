@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from validation.faults.changed_tree import installed_tree
+from validation.faults.changed_tree import installed_tree, source_of
 from validation.faults.mutants import identity, reasons
 from validation.faults.mutation import KINDS, drawn, everywhere, modules, possible
-from validation.faults.running import source_of
 
 TREE = installed_tree()
 SOURCE = '''

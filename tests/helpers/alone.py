@@ -1,0 +1,59 @@
+"""What a process that computes one thing alone would give, to compare with what it gives beside others."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from threading import Barrier
+from typing import TypeVar
+
+from analytic.march import known_states, modal_state, tables
+from analytic.modes import mode_count, normal_modes
+from analytic.published import joint as published
+from fe_lapjoint.modes.assembly import unit_element
+from fe_lapjoint.modes.eigenmodes import _eigenmodes
+
+T = TypeVar("T")
+
+OFTEN = 1e-6
+"""Time after which Python gives another thread its turn, s: as often as it can, so that threads meet in mid-work."""
+
+
+def forget() -> None:
+    """What a fresh process does not know, of either solver."""
+    ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
+    ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, published._products)
+    ours += (normal_modes._exact_modes, mode_count._parts)
+    for known in (*ours, _eigenmodes, unit_element):
+        known.cache_clear()
+
+
+@contextmanager
+def restless_threads(count: int, interval: float = OFTEN) -> Iterator[ThreadPoolExecutor]:
+    """Threads that take turns after every `interval`, s."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(interval)
+    try:
+        with ThreadPoolExecutor(count) as threads:
+            yield threads
+    finally:
+        sys.setswitchinterval(before)
+
+
+def assert_the_same_in_threads_that_know_nothing(answer: Callable[[float], T], questions: Sequence[float]) -> None:
+    """Each question in a thread of its own, all begun at once with cold caches, as each alone with cold caches."""
+    expected = []
+    for question in questions:
+        forget()
+        expected.append(answer(question))
+    forget()
+    together = Barrier(len(questions))
+
+    def in_a_thread(question: float) -> T:
+        together.wait()
+        return answer(question)
+
+    with restless_threads(len(questions)) as threads:
+        assert list(threads.map(in_a_thread, questions)) == expected
