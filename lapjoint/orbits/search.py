@@ -284,16 +284,15 @@ class Search:
             if forecast.bound and self._as_linearised(orbit, deviation):
                 return True
             wait = math.ceil(forecast.fails * orbit.half_periods / 2)
-            if wait > self._enough and self._is_at(orbit):
+            if wait > self._enough and self._within(_AT, orbit, deviation):
                 return self._stays(orbit)
             wait = multiple * math.ceil(max(wait, self._marched // 8, 1) / multiple)
             if self._marched + wait > self._effort.max_periods or not self._on_course(orbit, deviation, wait):
                 return False
 
-    def _is_at(self, orbit: Orbit) -> bool:
-        """Whether the march is at the orbit, as far as rounding lets one tell."""
-        distance = self._map.norm(self._map.difference(self._point, orbit.point))
-        return distance <= max(_AT, 10 * orbit.residual) * self._map.size(orbit.point)
+    def _within(self, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
+        """Whether a deviation is within a share of the orbit's size, or some residuals of one that does not close."""
+        return self._half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
     def _stays(self, orbit: Orbit) -> bool:
         """March on until free vibration has decayed; whether the march is still at the orbit where it was at first.
@@ -306,7 +305,7 @@ class Search:
         if self._marched + wait > self._effort.max_periods:
             return False
         self._advance(wait)
-        return self._is_at(orbit)
+        return self._within(_AT, orbit, self._map.difference(self._point, orbit.point))
 
     def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
         """Whether the next step of the march to the orbit is that of the linearised map, well enough.
@@ -315,13 +314,12 @@ class Search:
         what it misses is small against the step (I - M) e, which is that of no other fixed point, and against what the
         slowest multiplier takes off the distance, or a motion of many more periods around the orbit would pass.
         """
-        half_periods, map_ = self._half_periods, self._map
-        size = map_.norm(deviation)
-        if not orbit.watch.switches.time.size or size <= max(_THERE, 10 * orbit.residual) * map_.size(orbit.point):
+        if not orbit.watch.switches.time.size or self._within(_THERE, orbit, deviation):
             return True
+        half_periods, map_ = self._half_periods, self._map
         after = map_.difference(half_periods.marched(self._point, orbit.half_periods), orbit.point)
         mapped = orbit.last.matrix @ deviation
-        slower = _SLOWER * (1 - abs(orbit.leading)) * size
+        slower = _SLOWER * (1 - abs(orbit.leading)) * map_.norm(deviation)
         return map_.norm(after - mapped) <= min(_COURSE * map_.norm(deviation - mapped), slower)
 
     def _on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
@@ -394,10 +392,9 @@ class Search:
         """
         if now.outcome is not Outcome.APERIODIC or self._stable_known:
             return self._stable_known and now.outcome is Outcome.APERIODIC
-        last, map_ = points[-_WATCHED:], self._map
-        sizes = [max(map_.size(point), float(np.finfo(float).tiny)) for point in last]
+        last, apart = points[-_WATCHED:], self._half_periods.apart
         nearly = [
-            (map_.norm(map_.difference(last[i + multiple], last[i])) / sizes[i], i, multiple)
+            (apart(last[i + multiple], last[i]), i, multiple)
             for multiple in range(1, _FEW + 1)
             for i in range(0, len(last) - multiple, multiple)
         ]
