@@ -99,12 +99,18 @@ MESH: dict[str, Any] = {"analytic": {}, "FE": {"elements": 26}}
 
 
 def fourteen(solver: str) -> SteadyState:
-    """The motion of 14 periods: transient chaos leads there from rest or from one of a few other starts."""
-    for k in range(8):
+    """The motion of 14 periods, which a solver that looks for no longer one finds from a point of it.
+
+    Transient chaos leads to it, or to stable motions of 2 and 28 periods beside it.  Which one hangs on rounding, so
+    that many starts are tried, of which about two in five lead there.
+    """
+    for k in range(32):
         start = CANTILEVER.replace(initial=PolynomialShape(displacement=(0.0, 0.0, 1e-5 * k)))
-        found = SOLVERS[solver](max_period_multiple=14, **MESH[solver]).steady_state(start)
+        found = SOLVERS[solver](**MESH[solver]).steady_state(start, sensitivity=False, errors=False)
         if found.period_multiple == 14:
-            return found
+            return SOLVERS[solver](max_period_multiple=14, **MESH[solver]).steady_state(
+                CANTILEVER, start=found.section_point
+            )
     raise AssertionError("no start leads to 14 periods")
 
 
@@ -115,7 +121,7 @@ def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_expone
     The exponent measured where 14 periods are beyond `max_period_multiple` is that of the orbit's multiplier.
     """
     long = fourteen(solver)
-    assert long.outcome is Outcome.PERIODIC
+    assert (long.outcome, long.period_multiple) == (Outcome.PERIODIC, 14)
     brief = SOLVERS[solver](max_period_multiple=8, **MESH[solver])
     short = brief.steady_state(CANTILEVER, start=long.section_point)
     assert short.outcome is Outcome.UNDECIDED
