@@ -310,7 +310,7 @@ def run(level: Level, say: Say) -> CaseResult:
         "as-given",
         "The ground: problems as given",
         "Both solvers share what is solved and what an answer is, so neither can tell when that is wrong. Every value "
-        "of a problem file is compared with what `tomllib` reads, both presets with the tables that they are from, and "
+        "of a problem file is compared with what tomllib reads, both presets with the tables that they are from, and "
         "sections, initial shapes, forces, moments, impulses per period and exponents with plain arithmetic.",
         checks=checks,
         criteria=tuple(item for item in items if isinstance(item, Criterion)),
