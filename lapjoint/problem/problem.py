@@ -13,7 +13,8 @@ from pydantic import model_validator
 from lapjoint.errors import InputError
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
-from lapjoint.problem.excitation import BaseMotion, PointLoad, SineLoad
+from lapjoint.problem.excitation import BaseMotion, PointLoad
+from lapjoint.problem.forces import Forces, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.messages import shown
 from lapjoint.problem.schema import Part
@@ -48,6 +49,11 @@ class Problem(Part):
     def stop_names(self) -> tuple[str, ...]:
         """Names of the stops, in order; those without a name are called ``stop 1``, ``stop 2`` ..."""
         return tuple(stop.name or f"stop {i + 1}" for i, stop in enumerate(self.stops))
+
+    @cached_property
+    def forces(self) -> Forces:
+        """What drives the beam, whatever its kind: all that a solver has to know of it."""
+        return forces_of(self.beam.m, self.base_motion, self.point_loads)
 
     @cached_property
     def excitation_frequency(self) -> float | None:
@@ -125,13 +131,9 @@ class Problem(Part):
 
 def _angular_frequencies(problem: Problem) -> dict[str, float]:
     """Angular frequencies, rad/s, of base motion and sine loads that are not zero, by their paths."""
-    found = {}
-    if problem.base_motion is not None and problem.base_motion.amplitude > 0:
-        found["base_motion"] = problem.base_motion.angular_frequency
-    for i, load in enumerate(problem.point_loads):
-        if isinstance(load, SineLoad) and load.force:
-            found[f"point_loads[{i}]"] = load.angular_frequency
-    return found
+    waves = {} if problem.base_motion is None else {"base_motion": problem.base_motion.waves}
+    waves |= {f"point_loads[{i}]": load.waves for i, load in enumerate(problem.point_loads)}
+    return {path: wave.angular_frequency for path, of in waves.items() for wave in of if wave.amplitude}
 
 
 def _outside_the_beam(problem: Problem) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lapjoint.problem import Problem, StepLoad
+from lapjoint.problem import Problem
 
 
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
@@ -21,9 +21,7 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     tuple of int, or None
         For each stop the index of its twin, as indices into ``problem.stops``.
     """
-    if problem.excitation_frequency is None:
-        return None
-    if any(isinstance(load, StepLoad) and load.force for load in problem.point_loads):
+    if problem.excitation_frequency is None or problem.forces.constant:
         return None
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(problem.stops):
