@@ -39,7 +39,7 @@ from analytic.march.loads import harmonics_of
 from analytic.march.modal_state import Family, family_of
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState
-from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, StepLoad, Stop
+from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop
 
 LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
@@ -139,8 +139,9 @@ def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
     """omega_c^2 of a contact's own, (rad/s)^2."""
     c, base = _IMPACTS, problem.base_motion
     opposite = [other.gap for other in problem.stops if other.x == stop.x and other.side != stop.side]
-    if opposite and base is not None and base.amplitude > 0 and not problem.point_loads:
-        c = min(c, 2 * math.sqrt((stop.gap + min(opposite)) / 2 / base.amplitude))
+    waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
+    if opposite and len(waves) == 1 and not problem.point_loads:
+        c = min(c, 2 * math.sqrt((stop.gap + min(opposite)) / 2 / waves[0]))
     return 4 * c * ringing * stop.stiffness / (problem.beam.m * problem.beam.length)
 
 
@@ -201,11 +202,10 @@ def _steps(problem: Problem, modes: NormalModes) -> FloatArray:
     """The largest share of left-out modes in the compliance at a step load, of one state, shape ``(modes - 1,)``."""
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     errors = [np.zeros(omega.size - 1)]
-    for load in problem.point_loads:
-        if isinstance(load, StepLoad):
-            compliance = modes.shapes(np.array([load.x]))[:, 0] ** 2 / omega**2
-            tail = compliance[::-1].cumsum()[::-1]
-            errors.append(tail[1:] / (tail[0] + np.finfo(float).tiny))
+    for load in problem.forces.constant:
+        compliance = modes.shapes(np.array([load.x]))[:, 0] ** 2 / omega**2
+        tail = compliance[::-1].cumsum()[::-1]
+        errors.append(tail[1:] / (tail[0] + np.finfo(float).tiny))
     return np.asarray(np.max(errors, axis=0))
 
 

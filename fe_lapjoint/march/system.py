@@ -18,7 +18,7 @@ import numpy.typing as npt
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
 
 ComplexArray = npt.NDArray[np.complex128]
 IndexArray = npt.NDArray[np.intp]
@@ -351,22 +351,15 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     """
     problem = assembly.problem
     omega, vectors = eigenmodes(assembly, state)
-    sines = [load for load in problem.point_loads if isinstance(load, SineLoad)]
-    steps = [load for load in problem.point_loads if isinstance(load, StepLoad)]
-    base = problem.base_motion
+    loads = problem.forces.harmonic
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
-    for step in steps:
+    for step in problem.forces.constant:
         f0 += step.force * assembly.reading(step.x)
-    columns = [load.force * assembly.reading(load.x) for load in sines]
-    driven, phase = ([load.angular_frequency for load in sines], [load.phase for load in sines])
-    if base is not None:
-        acceleration = base.amplitude * base.angular_frequency**2
-        columns.append(problem.beam.m * acceleration * assembly.uniform_load)
-        driven.append(base.angular_frequency)
-        phase.append(base.phase)
+    shapes = [assembly.uniform_load if load.x is None else assembly.reading(load.x) for load in loads]
+    columns = [load.amplitude * shape for load, shape in zip(loads, shapes, strict=True)]
     return System(
         state=state,
         omega=omega,
@@ -374,8 +367,8 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         damping_rate=_damping_rates(assembly, omega),
         constant=vectors.T @ f0,
         harmonic=vectors.T @ np.array(columns).reshape(len(columns), omega.size).T,
-        driven=np.array(driven),
-        phase=np.array(phase),
+        driven=np.array([load.angular_frequency for load in loads]),
+        phase=np.array([load.phase for load in loads]),
         stops=assembly.stop_rows @ vectors,
         positions=np.array([assembly.place(stop.x) for stop in problem.stops], dtype=float),
     )
