@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import fe_lapjoint
+from fe_lapjoint.march import crowding
 from fe_lapjoint.march.gaps import FlowGaps
 from lapjoint import (
     BaseMotion,
@@ -19,6 +20,7 @@ from lapjoint import (
     NoDamping,
     Problem,
     SineLoad,
+    SolverError,
     StepLoad,
     Stop,
     Support,
@@ -27,12 +29,11 @@ from lapjoint import (
 from lapjoint.problem import Damping
 
 
-def random_problem(seed: int) -> tuple[Problem, float]:
+def random_problem(seed: int, stiffest: float) -> tuple[Problem, float]:
     """A problem with stops, and a duration: at most a fiftieth of a period of slow bending; stiff stops chatter in it.
 
-    Lengths are 1e-3 to 1e3 m, stiffnesses of supports 1e-6 to 1e12 EI / L^3, those of stops up to 1e8 (on stiffer ones
-    a pressed beam without damping chatters, with a hundred thousand contacts in so short a time); gaps zero, tiny or of
-    the size of the motion, damping ratios 0 to 5; supports of every kind, and none.
+    Lengths are 1e-3 to 1e3 m, stiffnesses of supports 1e-6 to 1e12 EI / L^3, those of stops up to 10**`stiffest`; gaps
+    zero, tiny or of the size of the motion, damping ratios 0 to 5; supports of every kind, and none.
     """
     rng = np.random.default_rng((11, seed))
 
@@ -53,7 +54,7 @@ def random_problem(seed: int) -> tuple[Problem, float]:
             x=float(rng.choice([L, rng.uniform(0, L)])),
             side="top" if rng.random() < 0.5 else "bottom",
             gap=float(rng.choice([0.0, size * decades(-3, 1), size * decades(-9, -6)])),
-            stiffness=unit * decades(-6, 8),
+            stiffness=unit * decades(-6, stiffest),
         )
         for _ in range(int(rng.integers(1, 5)))
     )
@@ -93,8 +94,8 @@ def check_contacts(history: History) -> None:
         assert np.all(depth[~closed] <= allowed)
 
 
-def check(seed: int, monkeypatch: pytest.MonkeyPatch) -> str:
-    problem, duration = random_problem(seed)
+def check(seed: int, monkeypatch: pytest.MonkeyPatch, stiffest: float = 8.0) -> str:
+    problem, duration = random_problem(seed, stiffest)
     asked: Counter[str] = Counter()
     plain = FlowGaps.at
 
@@ -107,6 +108,8 @@ def check(seed: int, monkeypatch: pytest.MonkeyPatch) -> str:
         history = fe_lapjoint.Solver(elements=8).simulate(problem, duration)
     except InputError:
         return "refused"
+    except SolverError as error:
+        return "too stiff" if "times as many elements, or a stiffness of at most" in str(error) else str(error)
     finally:
         monkeypatch.undo()
     check_contacts(history)
@@ -117,10 +120,20 @@ def check(seed: int, monkeypatch: pytest.MonkeyPatch) -> str:
 
 def test_random_extremes(monkeypatch: pytest.MonkeyPatch) -> None:
     outcomes = Counter(check(seed, monkeypatch) for seed in range(30))
+    assert set(outcomes) <= {"solved", "refused"}
     assert outcomes["solved"] >= 25
 
 
 @pytest.mark.slow
 def test_many_random_extremes(monkeypatch: pytest.MonkeyPatch) -> None:
     outcomes = Counter(check(seed, monkeypatch) for seed in range(30, 330))
+    assert set(outcomes) <= {"solved", "refused"}
     assert outcomes["solved"] >= 250
+
+
+@pytest.mark.slow
+def test_many_random_extremes_with_stops_that_no_mesh_follows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crowding, "MOST_BOUNCES", 500)
+    outcomes = Counter(check(seed, monkeypatch, stiffest=13.0) for seed in range(330, 530))
+    assert set(outcomes) == {"solved", "refused", "too stiff"}
+    assert outcomes["solved"] >= 150

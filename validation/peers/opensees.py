@@ -164,4 +164,4 @@ def check_problem(problem: Problem) -> None:
         raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
     phases = [force.phase for force in problem.forces.harmonic if force.phase]
     if phases:
-        raise InputError(f"base_motion: phase = {phases[0]:g}: must be 0, as OpenSees starts without acceleration")
+        raise InputError(f"base_motion.phase = {phases[0]:g}: must be 0, as OpenSees starts without acceleration")
