@@ -28,7 +28,7 @@ from dataclasses import replace
 import numpy as np
 
 from lapjoint.answers import History, SteadyState
-from lapjoint.problem import FloatArray, ModalDamping, Problem, SineLoad, StepLoad, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from validation.verdict import Criterion
 
 _GAUSS = np.polynomial.legendre.leggauss(12)  # points and weights on each panel
@@ -101,26 +101,18 @@ def power(history: History, t: FloatArray) -> FloatArray:
         Power, W.
     """
     problem, (x, w) = history.problem, _space(history)
-    beam, velocity = problem.beam, history.evaluate(x, t, dt=1)
+    velocity = history.evaluate(x, t, dt=1)
     total = np.zeros(t.size)
-    if problem.base_motion is not None:
-        base = problem.base_motion
-        force = beam.m * base.amplitude * base.angular_frequency**2 * np.sin(base.angular_frequency * t + base.phase)
-        total += force * (w @ velocity)
-    for load in problem.point_loads:
-        speed = history.velocity(load.x, t)[0]
-        if isinstance(load, StepLoad):
-            total += load.force * speed
-        elif isinstance(load, SineLoad):
-            total += load.force * np.sin(load.angular_frequency * t + load.phase) * speed
+    for force in problem.forces.every:
+        total += force.at(t) * (w @ velocity if force.x is None else history.velocity(force.x, t)[0])
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
     return total
 
 
 def _first_panel(history: History) -> float:
-    whole, driven = history.end - history.start, history.problem.excitation_frequency
-    return (whole if driven is None else min(whole, 2 * math.pi / driven)) / 16
+    whole, fastest = history.end - history.start, history.problem.forces.fastest
+    return (min(whole, 2 * math.pi / fastest) if fastest else whole) / 16
 
 
 def _time_integral(
@@ -209,18 +201,8 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
 
         def force(t: FloatArray, arm: Callable[[FloatArray], FloatArray] = arm, slope: float = slope) -> FloatArray:
             total = np.zeros(t.size)
-            if problem.base_motion is not None:
-                base = problem.base_motion
-                total += (
-                    m
-                    * base.amplitude
-                    * base.angular_frequency**2
-                    * float(w @ arm(x))
-                    * np.sin(base.angular_frequency * t + base.phase)
-                )
-            for load in problem.point_loads:
-                wave = np.sin(load.angular_frequency * t + load.phase) if isinstance(load, SineLoad) else 1.0
-                total += load.force * float(arm(np.asarray(load.x))) * wave
+            for one in problem.forces.every:
+                total += one.at(t) * float(w @ arm(x) if one.x is None else arm(np.asarray(one.x)))
             for support in problem.supports:
                 total -= (
                     support.translational * float(arm(np.asarray(support.x))) * history.displacement(support.x, t)[0]

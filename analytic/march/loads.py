@@ -8,7 +8,10 @@ import numpy as np
 
 from analytic.modes.static_residual import Loads
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import BaseMotion, FloatArray, Problem, SineLoad, StepLoad
+from lapjoint.problem import FloatArray, Problem
+
+Places = tuple[float | None, ...]
+"""Where each harmonic load acts: a position, m, or None for a load that is uniform along the beam."""
 
 
 @dataclass(frozen=True)
@@ -19,6 +22,22 @@ class Harmonics:
     """Angular frequencies, rad/s, shape ``(H,)``."""
     phase: FloatArray
     """Phases, rad, shape ``(H,)``."""
+
+    @staticmethod
+    def of_unit_frequency(count: int) -> Harmonics:
+        """Some harmonics of 1 rad/s and without phase, in whose place others will be.
+
+        Parameters
+        ----------
+        count : int
+            How many, ``H``.
+
+        Returns
+        -------
+        Harmonics
+            ``H`` harmonics.
+        """
+        return Harmonics(np.ones(count), np.zeros(count))
 
     def theta(self, t: float) -> FloatArray:
         """Phase angles at a time.
@@ -37,7 +56,7 @@ class Harmonics:
 
 
 def harmonics_of(problem: Problem) -> Harmonics:
-    """The harmonic loads: the base motion first (if any), then the sine loads.
+    """The harmonic loads of a problem, in the order of its forces.
 
     Parameters
     ----------
@@ -49,9 +68,8 @@ def harmonics_of(problem: Problem) -> Harmonics:
     Harmonics
         Frequencies and phases of ``H`` loads.
     """
-    parts: list[BaseMotion | SineLoad] = [] if problem.base_motion is None else [problem.base_motion]
-    parts += [load for load in problem.point_loads if isinstance(load, SineLoad)]
-    return Harmonics(np.array([part.angular_frequency for part in parts]), np.array([part.phase for part in parts]))
+    forces = problem.forces.harmonic
+    return Harmonics(np.array([force.angular_frequency for force in forces]), np.array([it.phase for it in forces]))
 
 
 def load_sizes(problem: Problem) -> FloatArray:
@@ -65,23 +83,23 @@ def load_sizes(problem: Problem) -> FloatArray:
     Returns
     -------
     FloatArray, shape (1 + H,)
-        Without unit; then N/m for the base motion, N for sine loads.
+        Without unit; then N/m for uniform loads, N for loads at points.
     """
-    base = problem.base_motion
-    inertia = [] if base is None else [problem.beam.m * base.amplitude * base.angular_frequency**2]
-    return np.array([1.0, *inertia, *(load.force for load in problem.point_loads if isinstance(load, SineLoad))])
+    return np.array([1.0, *(force.amplitude for force in problem.forces.harmonic)])
 
 
-def unit_loads(problem: Problem, state: ContactState, nodes: FloatArray) -> Loads:
+def unit_loads(problem: Problem, places: Places, state: ContactState, nodes: FloatArray) -> Loads:
     """The loads in a contact state, the harmonic ones with unit amplitude.
 
-    Load 0 is constant: the forces k gap of the closed stops, and the step loads.  Loads 1 ... H are those of the
+    Load 0 is constant: the forces k gap of the closed stops, and the constant forces.  Loads 1 ... H are those of the
     harmonics, with an amplitude of 1 N/m or 1 N.
 
     Parameters
     ----------
     problem : Problem
-        What is solved.
+        The problem with its constant forces; others that it has are not looked at.
+    places : tuple of float or None
+        Where each harmonic load acts, m, or None for a uniform one.
     state : ContactState
         The stops that are closed.
     nodes : FloatArray, shape (nodes,)
@@ -92,9 +110,7 @@ def unit_loads(problem: Problem, state: ContactState, nodes: FloatArray) -> Load
     Loads
         1 + H loads.
     """
-    sines = [load for load in problem.point_loads if isinstance(load, SineLoad)]
-    uniform = [0.0] + ([] if problem.base_motion is None else [1.0])
-    forces = np.zeros((len(uniform) + len(sines), nodes.size))
+    forces = np.zeros((1 + len(places), nodes.size))
 
     def node(x: float) -> int:
         return int(np.argmin(np.abs(nodes - x)))  # nodes are (x / L) L: a rounding from x, on either side
@@ -102,9 +118,9 @@ def unit_loads(problem: Problem, state: ContactState, nodes: FloatArray) -> Load
     for i in state.closed:
         stop = problem.stops[i]
         forces[0, node(stop.x)] += stop.sign * stop.stiffness * stop.gap
-    for load in problem.point_loads:
-        if isinstance(load, StepLoad):
-            forces[0, node(load.x)] += load.force
-    for row, sine in enumerate(sines, start=len(uniform)):
-        forces[row, node(sine.x)] += 1.0
-    return Loads(np.array(uniform + [0.0] * len(sines)), forces)
+    for load in problem.forces.constant:
+        forces[0, node(load.x)] += load.force
+    for row, x in enumerate(places, start=1):
+        if x is not None:
+            forces[row, node(x)] += 1.0
+    return Loads(np.array([0.0, *(float(x is None) for x in places)]), forces)

@@ -28,13 +28,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.march.loads import unit_loads
+from analytic.march.loads import Places, unit_loads
 from analytic.march.oscillator import damping_rates
 from analytic.modes.beam_functions import gram, integral
 from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
 from analytic.modes.static_residual import Residual, residual
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import AtRest, BaseMotion, FloatArray, Problem, SineLoad
+from lapjoint.problem import FloatArray, Problem, StepLoad
 
 _FAMILIES = 16  # families kept: a campaign seldom alternates between more
 _STATES = 256  # contact states kept, enough for 16 families of the paper's nine; each takes about 100 kB
@@ -46,10 +46,12 @@ class Family:
     """All problems that differ in the size, the frequency and the phase of the excitation only."""
 
     problem: Problem
-    """The one with unit loads."""
+    """The one with nothing but the constant part of its loads, which is zero for some."""
+    places: Places
+    """Where the ``H`` harmonic loads act."""
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _family, (self.problem,)
+        return _family, (self.problem, self.places)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,21 +129,16 @@ def family_of(problem: Problem) -> Family:
     Family
         The same object for all problems of the family, as long as it is kept.
     """
-    sines = tuple(
-        load.model_copy(update={"force": 1.0, "angular_frequency": 1.0, "phase": 0.0})
-        if isinstance(load, SineLoad)
-        else load
-        for load in problem.point_loads
-    )
-    base = None if problem.base_motion is None else BaseMotion(amplitude=1.0, angular_frequency=1.0)
-    unit = {"title": "", "base_motion": base, "point_loads": sines, "initial": AtRest()}
-    return _family(problem.model_copy(update=unit))
+    steps = tuple(StepLoad(x=load.x, force=load.constant) for load in problem.point_loads)
+    parts = {name: getattr(problem, name) for name in ("beam", "supports", "stops", "damping")}
+    still = Problem.model_construct(**parts, point_loads=steps)  # of parts that fit together: they were validated
+    return _family(still, tuple(force.x for force in problem.forces.harmonic))
 
 
 @lru_cache(maxsize=_FAMILIES)
-def _family(problem: Problem) -> Family:
-    """The family of a problem whose loads are of unit size already."""
-    return Family(problem)
+def _family(problem: Problem, places: Places) -> Family:
+    """The family of a problem without harmonic loads, and of places where such loads act."""
+    return Family(problem, places)
 
 
 def modal_state(family: Family, state: ContactState, count: int) -> ModalState:
@@ -169,7 +166,7 @@ def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
     """A contact state with a number of modes that `pool_size` gives."""
     problem = family.problem
     modes = exact_modes(problem, state, count)
-    loads = unit_loads(problem, state, modes.shapes.nodes)
+    loads = unit_loads(problem, family.places, state, modes.shapes.nodes)
     at_nodes = modes.shapes(modes.shapes.nodes)
     force = loads.concentrated @ at_nodes.T + loads.uniform[:, None] * integral(modes.shapes)  # (27)
     shapes = residual(problem, state, modes, loads, force)

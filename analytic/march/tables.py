@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analytic.march.known_states import KnownStates
-from analytic.march.loads import Harmonics, harmonics_of
+from analytic.march.loads import Harmonics
 from analytic.march.modal_state import Family, modal_state, passage
 from analytic.march.oscillator import SPLIT, away_from_resonance, forced_answer, kinds_of, roots_of, static_answer
 from analytic.modes.beam_functions import ComplexArray
@@ -253,7 +253,7 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
         Not to be written to.
     """
     problem, size, S = family.problem, max(counts), len(known.states)
-    tables = empty_tables(problem, harmonics_of(problem), size, S)
+    tables = empty_tables(problem, Harmonics.of_unit_frequency(len(family.places)), size, S)
     U, loads = tables.constant.shape[1], tables.force.shape[1]
     unit = UnitTables(tables, np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
     for slot, state in enumerate(known.states):

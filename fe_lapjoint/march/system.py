@@ -18,7 +18,7 @@ import numpy.typing as npt
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, ModalDamping, SineLoad, StepLoad, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
 
 ComplexArray = npt.NDArray[np.complex128]
 IndexArray = npt.NDArray[np.intp]
@@ -65,6 +65,11 @@ class System:
     def all_oscillate(self) -> bool:
         """Whether every mode does."""
         return bool(self.oscillating.all())
+
+    @cached_property
+    def which(self) -> IndexArray:
+        """Those modes, shape ``(oscillating,)``."""
+        return np.flatnonzero(self.oscillating)
 
     @cached_property
     def roots(self) -> ComplexArray:
@@ -122,34 +127,18 @@ class System:
         return np.ascontiguousarray(np.concatenate([modes, -1j * self.place_amplitudes, constant], axis=1))
 
     @cached_property
-    def moduli_of_shares(self) -> FloatArray:
-        """Moduli of `shares`, and then of all modes at the places, shape ``(p, terms + n)``."""
-        return np.concatenate([np.abs(self.shares), np.abs(self.places)], axis=1)
+    def shares_and_moduli(self) -> tuple[ComplexArray, FloatArray]:
+        """The `shares`, and their moduli and then those of all modes at the places, shape ``(p, terms + n)``."""
+        return self.shares, np.concatenate([np.abs(self.shares), np.abs(self.places)], axis=1)
 
     @cached_property
-    def _motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
+    def motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
         """The forced motion by real and imaginary part of each load, ``(2 n, 2 H)``, and that without, ``(2 n,)``."""
         sine, cosine = self.amplitudes.real, self.amplitudes.imag
         q, v = np.stack([cosine, sine], axis=2), np.stack([sine, -cosine], axis=2) * self.driven[:, None]
         both = np.concatenate([q, v]).reshape(2 * self.omega.size, -1)
         ramp = np.zeros_like(self.equilibrium) if self.drift is None else self.drift[0]
         return both, np.concatenate([self.equilibrium, ramp])
-
-    def forced(self, loads: ComplexArray) -> FloatArray:
-        """(q, q') of the forced motion, for rigid-body modes at the start.
-
-        Parameters
-        ----------
-        loads : ComplexArray, shape (H,)
-            exp(i angle) of each load.
-
-        Returns
-        -------
-        FloatArray, shape (2 n,)
-            kg^1/2 m and kg^1/2 m/s.
-        """
-        by_loads, rest = self._motion_by_loads
-        return np.asarray(by_loads @ loads.view(float) + rest)
 
     @cached_property
     def rates_of_terms(self) -> ComplexArray:
@@ -362,22 +351,15 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     """
     problem = assembly.problem
     omega, vectors = eigenmodes(assembly, state)
-    sines = [load for load in problem.point_loads if isinstance(load, SineLoad)]
-    steps = [load for load in problem.point_loads if isinstance(load, StepLoad)]
-    base = problem.base_motion
+    loads = problem.forces.harmonic
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
-    for step in steps:
+    for step in problem.forces.constant:
         f0 += step.force * assembly.reading(step.x)
-    columns = [load.force * assembly.reading(load.x) for load in sines]
-    driven, phase = ([load.angular_frequency for load in sines], [load.phase for load in sines])
-    if base is not None:
-        acceleration = base.amplitude * base.angular_frequency**2
-        columns.append(problem.beam.m * acceleration * assembly.uniform_load)
-        driven.append(base.angular_frequency)
-        phase.append(base.phase)
+    shapes = [assembly.uniform_load if load.x is None else assembly.reading(load.x) for load in loads]
+    columns = [load.amplitude * shape for load, shape in zip(loads, shapes, strict=True)]
     return System(
         state=state,
         omega=omega,
@@ -385,8 +367,8 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         damping_rate=_damping_rates(assembly, omega),
         constant=vectors.T @ f0,
         harmonic=vectors.T @ np.array(columns).reshape(len(columns), omega.size).T,
-        driven=np.array(driven),
-        phase=np.array(phase),
+        driven=np.array([load.angular_frequency for load in loads]),
+        phase=np.array([load.phase for load in loads]),
         stops=assembly.stop_rows @ vectors,
         positions=np.array([assembly.place(stop.x) for stop in problem.stops], dtype=float),
     )

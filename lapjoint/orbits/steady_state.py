@@ -15,7 +15,6 @@ from lapjoint.orbits.orbit_errors import FinerMap, orbit_errors
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, MULTIPLES_AT_A_LOOK, Effort, Found, Search
 from lapjoint.orbits.wandering import Wandering
-from lapjoint.problem import StepLoad
 from lapjoint.solver import Progress
 
 
@@ -120,5 +119,4 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
 
 def _mirrors_itself(history: History) -> bool:
     """Whether a motion of one period must mirror itself: it answers harmonic loads alone, and touches nothing."""
-    steps = any(isinstance(load, StepLoad) and load.force for load in history.problem.point_loads)
-    return not history.contacts and not steps
+    return not history.contacts and history.problem.forces.change_sign

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from lapjoint.problem import Problem, StepLoad
+from lapjoint.problem import Problem
 
 
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     """The twin of each stop on the other side, if the problem is its own mirror image; else None.
 
-    It is if no constant force acts, all its excitation changes sign in half a period, and the stops
-    of both sides agree in position, gap and stiffness.
+    It is if all forces change sign in half a period, so that none is constant and none repeats after an even part of
+    the period, and if the stops of both sides agree in position, gap and stiffness.
 
     Parameters
     ----------
@@ -21,9 +21,7 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     tuple of int, or None
         For each stop the index of its twin, as indices into ``problem.stops``.
     """
-    if problem.excitation_frequency is None:
-        return None
-    if any(isinstance(load, StepLoad) and load.force for load in problem.point_loads):
+    if not problem.forces.change_sign:
         return None
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(problem.stops):

@@ -137,6 +137,4 @@ def _base(problem: Problem, times: FloatArray) -> FloatArray:
     motion = problem.base_motion
     if motion is None:
         return np.zeros((2, times.size))
-    Y, omega = motion.amplitude, motion.angular_frequency
-    angle = omega * times + motion.phase
-    return np.array([Y * np.sin(angle), Y * omega * np.cos(angle)])
+    return np.array([motion.at(times), motion.at(times, 1)])

@@ -146,12 +146,10 @@ class Model:
         ops, problem, beam = self.ops, self.problem, self.problem.beam
         if isinstance(problem.damping, ViscousDamping):
             ops.rayleigh(problem.damping.coefficient / beam.m, 0.0, 0.0, 0.0)
-        if problem.base_motion is not None:
-            omega = problem.base_motion.angular_frequency
-            ops.timeSeries("Trig", 1, 0.0, 1e9, 2 * math.pi / omega)
-            ops.pattern("Plain", 1, 1)
-            load = beam.m * problem.base_motion.amplitude * omega**2
-            ops.eleLoad("-ele", *range(self.nodes.size - 1), "-type", "-beamUniform", load)
+        for tag, force in enumerate(problem.forces.harmonic, start=1):
+            ops.timeSeries("Trig", tag, 0.0, 1e9, 2 * math.pi / force.angular_frequency)
+            ops.pattern("Plain", tag, tag)
+            ops.eleLoad("-ele", *range(self.nodes.size - 1), "-type", "-beamUniform", force.amplitude)
         for command, *options in _ANALYSIS:
             getattr(ops, command)(*options)
 
@@ -263,7 +261,7 @@ def settled(
     Parameters
     ----------
     problem : Problem
-        The joint; its excitation has one frequency.
+        The joint; its excitation has a period.
     elements : int
         About how many.
     dt : float

@@ -1,0 +1,166 @@
+"""What drives the beam, as one flat list of forces: all that a solver has to know of the kinds of excitation."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.problem.excitation import MOST_MULTIPLE, AnyBaseMotion, PointLoad
+from lapjoint.problem.schema import FloatArray
+
+_WHOLE = 1e-12
+"""Relative: so much may the quotient of two frequencies miss a whole number, by the rounding of both."""
+
+
+@dataclass(frozen=True)
+class ConstantForce:
+    """A force at a point, from t = 0 on."""
+
+    x: float
+    """Position, m."""
+    force: float
+    """N, positive upwards."""
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """The force at given times.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            N.
+        """
+        return np.full(np.shape(t), self.force)
+
+
+@dataclass(frozen=True)
+class HarmonicForce:
+    """A force amplitude sin(angular_frequency t + phase), at a point or uniform along the beam."""
+
+    x: float | None
+    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    amplitude: float
+    """N at a point, N/m along the beam; positive upwards."""
+    angular_frequency: float
+    """rad/s."""
+    phase: float
+    """rad."""
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """The force at given times.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            N at a point, N/m along the beam.
+        """
+        return np.asarray(self.amplitude * np.sin(self.angular_frequency * t + self.phase))
+
+
+@dataclass(frozen=True)
+class Forces:
+    """All forces of a problem but those of its supports and stops."""
+
+    constant: tuple[ConstantForce, ...]
+    harmonic: tuple[HarmonicForce, ...]
+    """Those of the base first, then those of the point loads; some may have no size."""
+    fundamental: float | None
+    """Angular frequency of which all harmonic ones that have a size are whole multiples, rad/s; None without one."""
+
+    @property
+    def every(self) -> tuple[ConstantForce | HarmonicForce, ...]:
+        """The constant ones, then the harmonic ones."""
+        return (*self.constant, *self.harmonic)
+
+    @property
+    def fastest(self) -> float:
+        """The highest angular frequency of a harmonic force that has a size, rad/s; 0 where there is none."""
+        return max((force.angular_frequency for force in self.harmonic if force.amplitude), default=0.0)
+
+    @property
+    def change_sign(self) -> bool:
+        """Whether all are the opposite half a period later: no constant ones, and no even multiples."""
+        omega = self.fundamental
+        if omega is None or self.constant:
+            return False
+        return all(round(force.angular_frequency / omega) % 2 == 1 for force in self.harmonic if force.amplitude)
+
+
+def common_fundamental(stated: Collection[float]) -> float | None:
+    """The lowest of some angular frequencies, if all are whole multiples of it, up to `MOST_MULTIPLE`.
+
+    Parameters
+    ----------
+    stated : collection of float
+        Angular frequencies, rad/s.
+
+    Returns
+    -------
+    float or None
+        rad/s; None where there is no frequency, or one that is no such multiple.
+    """
+    lowest = min(stated, default=None)
+    return lowest if lowest is not None and all(multiple_of(lowest, omega) for omega in stated) else None
+
+
+def multiple_of(fundamental: float, omega: float) -> int:
+    """Which whole multiple of one angular frequency another is.
+
+    Parameters
+    ----------
+    fundamental, omega : float
+        Both, rad/s.
+
+    Returns
+    -------
+    int
+        From 1 to `MOST_MULTIPLE`; 0 if it is none.
+    """
+    quotient = omega / fundamental
+    if not 0.5 < quotient < MOST_MULTIPLE + 0.5:
+        return 0
+    nearest = round(quotient)
+    return nearest if abs(quotient - nearest) <= _WHOLE * nearest else 0
+
+
+def forces_of(
+    mass_per_length: float, base: AnyBaseMotion | None, loads: Iterable[PointLoad], fundamental: float | None
+) -> Forces:
+    """The forces by which a moving base and point loads drive the beam.
+
+    Parameters
+    ----------
+    mass_per_length : float
+        m of the beam, kg/m: relative to a base y(t) every part of it feels the force -m y''.
+    base : BaseMotion, HarmonicsBaseMotion or None
+        The motion of the base.
+    loads : iterable of PointLoad
+        The point loads.
+    fundamental : float or None
+        Angular frequency of which all periodic parts are whole multiples, rad/s.
+
+    Returns
+    -------
+    Forces
+        Each wave of the base, and each constant and each wave of a point load.
+    """
+    constant, harmonic = [], []
+    for wave in () if base is None else base.waves:
+        inertia = mass_per_length * wave.amplitude * wave.angular_frequency**2
+        harmonic.append(HarmonicForce(None, inertia, wave.angular_frequency, wave.phase))
+    for load in loads:
+        if load.constant:
+            constant.append(ConstantForce(load.x, load.constant))
+        harmonic += [HarmonicForce(load.x, w.amplitude, w.angular_frequency, w.phase) for w in load.waves]
+    return Forces(tuple(constant), tuple(harmonic), fundamental)
