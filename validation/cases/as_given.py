@@ -76,6 +76,11 @@ x = 0.45
 force = 23.0
 angular_frequency = 143.0
 phase = -1.21
+[[point_loads]]
+kind = "harmonics"
+x = 1.6
+angular_frequency = 71.5
+harmonics = [{multiple = 1, force = 5.0, phase = 0.8}, {multiple = 3, force = -7.0, phase = -0.3}]
 [initial]
 kind = "polynomial"
 displacement = [0.0, 0.0, 1.9e-4, -3.1e-5]
@@ -146,7 +151,8 @@ def meanings(problem: Problem) -> Iterator[Check]:
     for stop, sign in zip(problem.stops, (-1, 1), strict=True):
         yield same(f"side of {stop.name}", stop.sign, sign, "1")
     assert problem.excitation_frequency is not None
-    yield same("common excitation frequency", problem.excitation_frequency, 143.0, "rad/s")
+    yield same("common excitation frequency", problem.excitation_frequency, 71.5, "rad/s")
+    yield from driving(problem)
     for text, (area, second) in SECTIONS.items():
         body = (
             f"[beam]\nlength = 1.0\nmaterial = {{youngs_modulus = 2.05e11, density = 7890.0}}\n[beam.section]\n{text}"
@@ -154,6 +160,21 @@ def meanings(problem: Problem) -> Iterator[Check]:
         beam, shape = from_toml(body).beam, text.split('"')[1]
         yield same(f"mass per length of a {shape}", beam.m, 7890.0 * area, "kg/m", ROUNDING)
         yield same(f"bending stiffness of a {shape}", beam.EI, 2.05e11 * second, "N m2", 10 * ROUNDING)
+
+
+def driving(problem: Problem) -> Iterator[Check]:
+    """What drives the beam of `FILE` at a moment, by arithmetic."""
+    t, m = 0.0217, 2713.0 * math.pi * (0.061**2 - 0.047**2) / 4
+    by_place = {
+        None: m * 2.7e-3 * 143.0**2 * math.sin(143.0 * t + 0.37),
+        1.1: -17.0,
+        0.45: 23.0 * math.sin(143.0 * t - 1.21),
+        1.6: 5.0 * math.sin(71.5 * t + 0.8) - 7.0 * math.sin(214.5 * t - 0.3),
+    }
+    for x, force in by_place.items():
+        found = sum(float(one.at(np.array([t]))[0]) for one in problem.forces.every if one.x == x)
+        name, unit = ("force along the beam", "N/m") if x is None else (f"force at {x:g} m", "N")
+        yield same(f"{name} at {t:g} s", found, force, unit, 100 * ROUNDING)
 
 
 def presets() -> Iterator[Check]:

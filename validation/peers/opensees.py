@@ -162,6 +162,8 @@ def check_problem(problem: Problem) -> None:
         raise InputError("point_loads: the OpenSees solver knows base motion only")
     if not isinstance(problem.initial, AtRest):
         raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
-    phases = [force.phase for force in problem.forces.harmonic if force.phase]
-    if phases:
-        raise InputError(f"base_motion.phase = {phases[0]:g}: must be 0, as OpenSees starts without acceleration")
+    base = problem.base_motion
+    for i, wave in enumerate(() if base is None else base.waves):
+        if base is not None and wave.phase:
+            path = "base_motion" if base.kind == "sine" else f"base_motion.harmonics[{i}]"
+            raise InputError(f"{path}.phase = {wave.phase:g}: must be 0, as OpenSees starts without acceleration")
