@@ -13,9 +13,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import analytic
 import fe_lapjoint
+from fe_lapjoint import ExactPropagator
+from fe_lapjoint.march.system import build_system
+from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes, refined_nodes
 from lapjoint import FREE, ContactState, History, Problem, paper_joint, paper_state_number, sdnl104
 from lapjoint.answers import Contact
@@ -30,6 +34,7 @@ from validation.references.reading import Printed, group
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 ROUNDING = 1e-14  # relative, of a few operations
+PHASES = 1e-10  # of the displacement at the start: rounding of phases of some hundred turns
 SHORT_STRETCH = 1e-3  # m: so near to another stop it is that elements between them need not be cut again
 STEP = 0.1  # m: 25 of them come to more than 2.5 m, by rounding
 EIGENVALUES = 1e-5  # relative: 16 elements give the first frequency so well
@@ -333,6 +338,24 @@ def frequencies(problem: Problem) -> Iterator[Check]:
         yield same(f"first frequency of the paper's beam: {solver.name}", found, omega, "rad/s", u)
 
 
+def propagator() -> Iterator[Check]:
+    """The exact flow as a method of `solve_ivp`, in several steps from a time that is not 0, against a closed form."""
+    steps, begin, end = 3, 0.4, 1.9
+    problem = paper_joint().replace(stops=(), base_motion=None)
+    system = build_system(Assembly(problem, mesh_nodes(problem, 1, None)), FREE)
+    a, w = system.damping_rate, system.omega
+    rng = np.random.default_rng(3)
+    q, v = rng.standard_normal(w.size), w * rng.standard_normal(w.size)
+    options = {"method": ExactPropagator, "system": system, "max_step": (end - begin) / steps}
+    found = solve_ivp(system.rates, (begin, end), np.concatenate([q, v]), **options).y[:, -1]
+    wave, t = np.sqrt(w**2 - a**2), end - begin
+    exact = np.exp(-a * t) * (q * np.cos(wave * t) + (v + a * q) / wave * np.sin(wave * t))
+    for i in range(w.size):
+        one = Estimate(float(found[i]), PHASES * abs(float(q[i])), "ExactPropagator")
+        other = Estimate(float(exact[i]), 0.0, "free vibration", Kind.ANALYTICAL)
+        yield Check(f"mode {i + 1} by solve_ivp", "kg^1/2 m", one, other)
+
+
 def meshes() -> Iterator[Check]:
     """How many elements each stretch of a finer mesh gets, by which errors are judged; a short one stays as it is."""
     joint = paper_joint()
@@ -363,6 +386,7 @@ def run(level: Level, say: Say) -> CaseResult:
         *statistics(),
         *frequencies(problem),
         *meshes(),
+        *propagator(),
     ]
     checks = tuple(item for item in items if isinstance(item, Check))
     rows = [(c.name, c.unit, c.b.value, c.a.value, c.b.how) for c in checks]
