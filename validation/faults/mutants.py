@@ -36,13 +36,15 @@ EQUIVALENT = "equivalent.toml"
 RECORD, PAGE = "mutants.json", "mutants.md"
 """File beside this module that keeps the run which the documents show, and their page."""
 KEPT = "mutants.jsonl"
+BESIDES = ("as_published", "slow_modes")
+"""Cases that mutants go through besides those that it takes to catch all faults."""
 _HEAD = """# Mutants
 
 <!-- Written by `python -m validation.faults.mutants --page docs/mutants.md`; not to be edited. -->
 
 Changes drawn at random from the source of both solvers and of the ground: a sign, a factor of 1.001, a term dropped, an
-index off by one. Each goes through the cases that it takes to catch all [faults](faults.md), at the quick level, the
-cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not caught needs
+index off by one. Each goes through the cases that it takes to catch all [faults](faults.md) and two more, at the quick
+level, the cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not caught needs
 a check, or a reason why it changes no answer; those with a reason are called equivalent.
 
 These are the first {count} that the seed {seed} draws: {found}.
@@ -202,7 +204,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given.output.mkdir(parents=True, exist_ok=True)
     with sound_tree() as tree:
         mutants = drawn(tree, given.seed, given.count, [it.mutant.identity for it in recorded_outcomes()])
-    cases = modules_of(tuple(given.case)) if given.case else tuple(recorded()[1]) or modules_of(())
+    usual = tuple(dict.fromkeys((*recorded()[1], *BESIDES))) if recorded()[1] else modules_of(())
+    cases = modules_of(tuple(given.case)) if given.case else usual
     outcomes = judged(mutants, cases, given.output, Console(), given.workers)
     write_file(given.output / RECORD, written(outcomes))
     write_file(given.output / PAGE, table(outcomes, given.seed))
