@@ -44,8 +44,8 @@ _HEAD = """# Mutants
 
 Changes drawn at random from the source of both solvers and of the ground: a sign, a factor of 1.001, a term dropped, an
 index off by one. Each goes through the cases that it takes to catch all [faults](faults.md) and two more, at the quick
-level, the cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not caught needs
-a check, or a reason why it changes no answer; those with a reason are called equivalent.
+level, the cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not
+caught needs a check, or a reason why it changes no answer; those with a reason are called equivalent.
 
 These are the first {count} that the seed {seed} draws: {found}.
 
