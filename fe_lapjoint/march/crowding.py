@@ -1,7 +1,7 @@
-r"""Switches that crowd: a stop so stiff that its contacts are bounces of one node of the mesh.
+r"""Switches that crowd, so that a march would take minutes: by which stop, why, and what to change.
 
-A stop of stiffness k acts on what the mesh has at its position x: after an impulse there, the deflection of the mesh
-without contact, with its modes phi_i, begins as
+**A stop that is too stiff for the mesh** makes one node of it bounce.  A stop of stiffness k acts on what the mesh has
+at its position x: after an impulse there, the deflection of the mesh without contact, with its modes phi_i, begins as
 
     z(t) = sum phi_i(x)^2 sin(omega_i t) / omega_i,   z'(0) = sum phi_i^2 = 1 / m_x,   -z'''(0) = sum phi_i^2 omega_i^2,
 
@@ -10,6 +10,10 @@ phi_i^2.  Against the stop it bounces with sqrt(k / m_x).  If that is the faster
 again before the rest of the mesh has followed: where the beam is pressed and little damped, thousands of contacts take
 the place of one.  A beam has no such mass.  On a mesh r times as fine m_x is r times smaller and omega_x r^2 times
 larger, so the ratio of the two frequencies falls with r^1.5.
+
+**Modal damping** damps the modes of the present contact state, so its force jumps at each switch.  Where it drives the
+stop's gap function up in both states, the motion slides along the gap, in contacts that grow shorter and shorter.  That
+belongs to the problem, not to the mesh; it takes large ratios, or fast modes that a stiff stop has thrown.
 """
 
 from __future__ import annotations
@@ -22,11 +26,11 @@ import numpy as np
 from fe_lapjoint.march.model import Model
 from lapjoint.answers.contact_state import FREE
 from lapjoint.errors import SolverError
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, ModalDamping
 
-MOST_BOUNCES = 3000
-"""Most switches, in the time of one window, of a stop whose contacts the mesh does not follow: some ten seconds of
-computing.  Where a vibrating beam is thrown against such a stop, 40 elements make up to two thousand."""
+MOST_SWITCHES = 3000
+"""Most switches of a stop in the time of one window, if one of these causes holds: some ten seconds of computing.
+Where a vibrating beam is thrown against a stop that is too stiff for it, 40 elements make up to two thousand."""
 
 
 def bounce_ratio(model: Model) -> FloatArray:
@@ -50,7 +54,7 @@ def bounce_ratio(model: Model) -> FloatArray:
 
 @dataclass
 class Crowd:
-    """The switches, in the time of one window, of stops whose contacts the mesh does not follow."""
+    """The switches of each stop in the time of one window."""
 
     model: Model
     window: float
@@ -72,25 +76,33 @@ class Crowd:
         Raises
         ------
         SolverError
-            If they are too many, and the mesh does not follow the contacts of this stop.
+            If they are too many, for a cause that is known.
         """
         if t - self._start > self.window:
             self._start, self._switches = t, {}
         number = self._switches[stop] = self._switches.get(stop, 0) + 1
-        if number <= MOST_BOUNCES:
+        if number <= MOST_SWITCHES:
             return
         if self._ratio is None:
             self._ratio = bounce_ratio(self.model)
-        ratio = float(self._ratio[stop])
-        if ratio > 1:
-            raise SolverError(self._message(stop, t, ratio))
+        cause = self._cause(stop, float(self._ratio[stop]))
+        if cause:
+            name = self.model.problem.stop_names[stop]
+            when = f"between t = {self._start:.6g} and {t:.6g} s"
+            raise SolverError(f"{name}: more than {MOST_SWITCHES} switches {when}: {cause}")
 
-    def _message(self, stop: int, t: float, ratio: float) -> str:
-        """What crowds where, and what to change."""
-        stiffness = float(self.model.stiffness[stop])
-        return (
-            f"{self.model.problem.stop_names[stop]}: more than {MOST_BOUNCES} switches between t = {self._start:.6g} "
-            f"and {t:.6g} s: its stiffness of {stiffness:.3g} N/m makes one node of the mesh bounce {ratio:.2g} times "
-            f"as fast as the rest can follow; take {math.ceil(ratio ** (2 / 3) * 10) / 10:g} times as many elements, "
-            f"or a stiffness of at most {stiffness / ratio**2:.3g} N/m"
-        )
+    def _cause(self, stop: int, ratio: float) -> str:
+        """Why the switches of a stop crowd, and what to change; empty if neither cause holds."""
+        stiffness, damping = float(self.model.stiffness[stop]), self.model.problem.damping
+        if ratio > 1:
+            return (
+                f"its stiffness of {stiffness:.3g} N/m makes one node of the mesh bounce {ratio:.2g} times as fast as "
+                f"the rest can follow; take {math.ceil(ratio ** (2 / 3) * 10) / 10:g} times as many elements, or a "
+                f"stiffness of at most {stiffness / ratio**2:.3g} N/m"
+            )
+        if isinstance(damping, ModalDamping):
+            return (
+                "the force of modal damping jumps where the stop opens or closes, and holds the beam at the gap; take "
+                "a smaller damping ratio, or viscous damping"
+            )
+        return ""
