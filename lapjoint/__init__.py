@@ -18,6 +18,8 @@ if TYPE_CHECKING:
         SteadyState,
         contact_states,
         paper_state_number,
+        time_series,
+        write_series,
     )
     from lapjoint.campaigns import FREQUENCY, Axis, sweep
     from lapjoint.errors import InputError, SolverError
@@ -85,7 +87,9 @@ __all__ = [
     "sdnl104",
     "solver_names",
     "sweep",
+    "time_series",
     "write_problem",
+    "write_series",
 ]
 _HOMES = ("lapjoint.errors", "lapjoint.answers", "lapjoint.problem", "lapjoint.solver", "lapjoint.campaigns")
 """Where the names above are defined, in the order in which they are looked for."""

@@ -125,4 +125,5 @@ def history_of(name: str, motion: March, field: Field | None = None) -> History:
         states=(segments[0].state, *(segments[i + 1].state for i in switched)),
         contacts=contacts_of(motion),
         field=field or ModalField(motion.joint, segments),
+        highest_mode=max(float(motion.joint.modal(state).modes.omega[-1]) for state in {s.state for s in segments}),
     )

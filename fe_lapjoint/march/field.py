@@ -79,6 +79,7 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float)
         states=tuple(states),
         contacts=_joined(motions, period),
         field=ElementField(model, tuple(pieces)),
+        highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
 
 

@@ -1,12 +1,14 @@
 """What an answer is: contact states, modes, motions with their contacts, and steady states, whichever solver gave them.
 
-Only types live here, and how contacts are written to files.  How displacement is evaluated, where events lie and
-what an impulse comes to is each solver's own work, so that a shared mistake cannot hide from the comparison.
+Only types live here, time series of them, and how contacts and series are written to files.  How displacement is
+evaluated, where events lie and what an impulse comes to is each solver's own work, so that a shared mistake cannot hide
+from the comparison.
 """
 
 from lapjoint.answers.contact_state import FREE, ContactState, contact_states, paper_state_number
 from lapjoint.answers.history import Contact, Field, History
 from lapjoint.answers.modes import Modes, ModeShapes
+from lapjoint.answers.series import time_series, write_series
 from lapjoint.answers.steady_state import Exponent, Outcome, SectionPoint, SteadyState
 
 __all__ = [
@@ -23,4 +25,6 @@ __all__ = [
     "SteadyState",
     "contact_states",
     "paper_state_number",
+    "time_series",
+    "write_series",
 ]

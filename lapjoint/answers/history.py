@@ -92,6 +92,8 @@ class History:
     """z(x, t), m, and its derivatives."""
     error_source: str = NO_ERRORS
     """How the errors of the contacts were estimated, or why there are none."""
+    highest_mode: float | None = None
+    """Angular frequency of the fastest mode of which the solver made the motion, rad/s; None where it does not say."""
 
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """z(x, t), the displacement relative to the base.
@@ -127,6 +129,42 @@ class History:
         """
         return self.evaluate(x, t, dt=1)
 
+    def acceleration(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
+        """z_tt(x, t), the acceleration relative to the base.
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            z_tt, m/s2; n = 1 or m = 1 for a single number.
+        """
+        return self.evaluate(x, t, dt=2)
+
+    def base(self, t: FloatArray | float, dt: int = 0) -> FloatArray:
+        """y(t), the displacement of the base, or a derivative of it.
+
+        Parameters
+        ----------
+        t : float or FloatArray, shape (m,)
+            Times, s.
+        dt : int
+            Order of the t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            m s^-dt; zero where the base does not move.
+        """
+        t_ = np.atleast_1d(np.asarray(t, dtype=float))
+        motion = self.problem.base_motion
+        return np.zeros(t_.size) if motion is None else motion.at(t_, dt)
+
     def slope(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """z_x(x, t), the slope.
 
@@ -160,6 +198,29 @@ class History:
             EI z_xx, N m; n = 1 or m = 1 for a single number.
         """
         return self.problem.beam.EI * self.evaluate(x, t, dx=2)
+
+    def bending_stress(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
+        """-E c z_xx, the bending stress at the top of the section, c above its axis; at its bottom it is the opposite.
+
+        Parameters
+        ----------
+        x : float or FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            Pa, tension positive; n = 1 or m = 1 for a single number.
+
+        Raises
+        ------
+        InputError
+            If the beam has no section.
+        """
+        material, section = self.problem.beam.require_section("stress")
+        return -material.youngs_modulus * section.depth / 2 * self.evaluate(x, t, dx=2)
 
     def shear(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """EI z_xxx, the shear force (14b).

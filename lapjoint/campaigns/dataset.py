@@ -9,10 +9,7 @@ from __future__ import annotations
 
 import io
 import json
-import re
-import secrets
 from collections.abc import Mapping
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +21,7 @@ from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.errors import InputError
 from lapjoint.input_files import read_file
-from lapjoint.output_files import write_file
+from lapjoint.netcdf_files import is_whole, write_netcdf
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,10 +32,6 @@ more than the numerical error of an impulse, and less than different motions dif
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF-4 file, which is an HDF5 file."""
-_SEAL = b"sha256 of the file, with zeros for these digits: "
-_ZEROS = 64 * b"0"
-_SEALED = re.compile(re.escape(_SEAL) + b"([0-9a-f]{64})")
-"""The attribute ``checksum`` as the bytes of the file hold it."""
 _DAMAGED = "is damaged: its content does not fit its checksum; the sweep that made it, with --force, computes it again"
 
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
@@ -228,8 +221,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset as NetCDF; an older file of that name stays until the new one is complete.
 
-    The file has an attribute more, ``checksum``: the digest of all its bytes, those of the digest itself taken for
-    zeros.
+    The file has an attribute more, ``checksum``: see `lapjoint.netcdf_files`.
 
     Parameters
     ----------
@@ -243,25 +235,7 @@ def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
     OutputError
         If the file cannot be written.
     """
-    content, room = io.BytesIO(), secrets.token_hex(len(_ZEROS) // 2)
-    encoding = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind != "O"}
-    sealed = dataset.assign_attrs(checksum=f"{_SEAL.decode()}{room}")
-    sealed.to_netcdf(content, engine="h5netcdf", encoding=encoding)
-    before, after = content.getvalue().split(room.encode())
-    write_file(path, before + _digest(before, after) + after)
-
-
-def _digest(before: bytes, after: bytes) -> bytes:
-    """The digest of a file that has these bytes before and after it."""
-    found = sha256(before)
-    found.update(_ZEROS)
-    found.update(after)
-    return found.hexdigest().encode()
-
-
-def _is_whole(raw: bytes) -> bool:
-    """Whether the bytes of a file hold their own digest."""
-    return any(_digest(raw[: at.start(1)], raw[at.end(1) :]) == at[1] for at in _SEALED.finditer(raw))
+    write_netcdf(dataset, path)
 
 
 def read_curve(path: str | Path) -> xr.Dataset:
@@ -286,7 +260,7 @@ def read_curve(path: str | Path) -> xr.Dataset:
     import xarray as xr
 
     raw = read_file(path)
-    if not _is_whole(raw):
+    if not is_whole(raw):
         raise InputError(f"{path}: {_reason_for(raw)}")
     found = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")
     if "fingerprint" not in found.attrs:

@@ -12,6 +12,7 @@ import numpy as np
 
 from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_state_number, sdnl104
 from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
+from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.options import large_allowed
 from lapjoint.errors import InputError, OutputError
@@ -194,6 +195,33 @@ def refuse(reason: str, **given: object) -> None:
     for name, value in given.items():
         if value is not None and value is not False:
             raise InputError(f"--{name.replace('_', '-')}: {reason}; leave it out")
+
+
+def places_from(text: str) -> list[float]:
+    """The places of ``--at x=2.5,1.25``, m."""
+    name, _, numbers = text.partition("=")
+    try:
+        if name.strip() == "x":
+            return [float(number) for number in numbers.split(",")]
+    except ValueError:
+        pass
+    raise InputError(f"--at {text}: must be x= and numbers with commas between them, in m, as in x=2.5,1.25")
+
+
+def series_from(
+    problem: Problem, path: str | None, at: str | None, quantity: str | None, rate: float | None, duration: float | None
+) -> dict[str, Any]:
+    """What `time_series` is to take, refused before any work is done where it could not be written after it."""
+    if path is None:
+        refuse("no series is written without --series FILE", at=at, quantity=quantity, rate=rate)
+        return {}
+    wanted: dict[str, Any] = {
+        "at": None if at is None else places_from(at),
+        "quantities": None if quantity is None else [name.strip() for name in quantity.split(",")],
+        "rate": rate,
+    }
+    check_series(problem, **wanted, duration=duration)
+    return wanted
 
 
 def check_duration(duration: float) -> None:

@@ -96,6 +96,21 @@ figure_options = together(
 )
 """--figure, and --draw to say what it shows."""
 
+series_options = together(
+    click.option("--rate", type=float, metavar="HZ", help="Samples a second of --series.  [default: by its modes]"),
+    click.option(
+        "--quantity",
+        "quantity",
+        metavar="NAME,NAME,..",
+        help="What --series holds: displacement, velocity, acceleration (relative to the base), absolute_displacement, "
+        "absolute_velocity, absolute_acceleration, moment, shear, stress, force (of each stop).  "
+        "[default: displacement and force]",
+    ),
+    click.option("--at", metavar="x=X,X,..", help="Places of --series, m.  [default: the stops and the free ends]"),
+    click.option("--series", "series_path", metavar="FILE", help="Write time series to FILE: .nc or .csv."),
+)
+"""--series, and what it holds."""
+
 errors_option = click.option(
     "--errors/--no-errors",
     default=True,

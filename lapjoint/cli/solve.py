@@ -7,12 +7,21 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from lapjoint.cli.motions import find_motion, find_steady_state
-from lapjoint.cli.options import DRAWINGS, FIGURES, errors_option, figure_options, problem_options, solver_options
+from lapjoint.cli.options import (
+    DRAWINGS,
+    FIGURES,
+    errors_option,
+    figure_options,
+    problem_options,
+    series_options,
+    solver_options,
+)
 
 if TYPE_CHECKING:
     from lapjoint import History
 
 CONTACTS = (".csv", ".json")
+SERIES = (".nc", ".csv")
 
 
 @click.command()
@@ -56,6 +65,7 @@ def modes(
 @solver_options
 @click.option("--duration", type=float, required=True, help="Time to simulate from the initial state, s.")
 @click.option("--contacts", "contacts_path", metavar="FILE", help="Write all contacts to FILE: .csv or .json.")
+@series_options
 @errors_option
 @figure_options
 def simulate(
@@ -64,6 +74,10 @@ def simulate(
     duration: float,
     errors: bool,
     contacts_path: str | None,
+    series_path: str | None,
+    at: str | None,
+    quantity: str | None,
+    rate: float | None,
     figure: str | None,
     draw: str | None,
     **solver: Any,
@@ -72,19 +86,22 @@ def simulate(
     from lapjoint.cli import arguments, printing
 
     arguments.check_file("--contacts", contacts_path, *CONTACTS)
+    arguments.check_file("--series", series_path, *SERIES)
     arguments.check_file("--figure", figure, *FIGURES)
     arguments.check_duration(duration)
     this = arguments.problem_from(problem, overrides)
     arguments.check_drawing(this, figure, draw)
+    wanted = arguments.series_from(this, series_path, at, quantity, rate, duration)
     history = find_motion(this, arguments.solver_from(**solver), duration, errors)
     printing.print_history(history)
-    write_results(history, contacts_path, figure, draw)
+    write_results(history, contacts_path, series_path, wanted, figure, draw)
 
 
 @click.command()
 @problem_options
 @solver_options
 @click.option("--contacts", "contacts_path", metavar="FILE", help="Write the contacts to FILE: .csv or .json.")
+@series_options
 @errors_option
 @figure_options
 @click.option("--json", "json_path", metavar="FILE", help="Write the impulses to FILE as JSON.")
@@ -93,6 +110,10 @@ def steady(
     overrides: tuple[str, ...],
     errors: bool,
     contacts_path: str | None,
+    series_path: str | None,
+    at: str | None,
+    quantity: str | None,
+    rate: float | None,
     figure: str | None,
     draw: str | None,
     json_path: str | None,
@@ -103,24 +124,37 @@ def steady(
     from lapjoint.cli import arguments, printing
 
     arguments.check_file("--contacts", contacts_path, *CONTACTS)
+    arguments.check_file("--series", series_path, *SERIES)
     arguments.check_file("--figure", figure, *FIGURES)
     arguments.check_file("--json", json_path)
     this = arguments.problem_from(problem, overrides)
     arguments.check_drawing(this, figure, draw)
+    wanted = arguments.series_from(this, series_path, at, quantity, rate, None)
     found = find_steady_state(this, arguments.solver_from(**solver), errors)
     printing.print_steady_state(found)
-    write_results(found.history, contacts_path, figure, draw)
+    write_results(found.history, contacts_path, series_path, wanted, figure, draw)
     if json_path:
         printing.write_json(json_path, printing.steady_state_summary(found))
     click.get_current_context().exit(1 if found.outcome is Outcome.UNDECIDED else 0)
 
 
-def write_results(history: History, contacts_path: str | None, figure: str | None, draw: str | None) -> None:
-    """Write the files asked for."""
+def write_results(
+    history: History,
+    contacts_path: str | None,
+    series_path: str | None,
+    wanted: dict[str, Any],
+    figure: str | None,
+    draw: str | None,
+) -> None:
+    """Write the files asked for; `wanted` is what `time_series` takes."""
     if contacts_path:
         from lapjoint.answers.contact_files import write_contacts
 
         write_contacts(history, contacts_path)
+    if series_path:
+        from lapjoint.answers.series import time_series, write_series
+
+        write_series(time_series(history, **wanted), series_path)
     if figure:
         from lapjoint import figures
 

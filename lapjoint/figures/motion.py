@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.errors import InputError
-from lapjoint.figures.sampling import checked_position, heading, in_contact, line_width, times_drawn
+from lapjoint.figures.sampling import heading, in_contact, line_width, times_drawn
 from lapjoint.figures.style import (
     COLOURS,
     GREY,
@@ -97,7 +97,7 @@ def _positions(problem: Problem, x: float | Sequence[float] | None) -> list[floa
     places = np.atleast_1d(np.asarray(x, dtype=float))
     if not places.size:
         raise InputError("x = []: names no position; one or more are needed, or None for those of the stops")
-    return [checked_position(problem, float(place)) for place in places]
+    return [problem.require_position(float(place)) for place in places]
 
 
 def _colour(i: int) -> str:

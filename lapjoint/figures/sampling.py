@@ -23,31 +23,6 @@ MANY = 100
 """Number of contacts above which the curves are drawn thin."""
 
 
-def checked_position(problem: Problem, x: float) -> float:
-    """Check that a position lies on the beam.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem whose beam it is.
-    x : float
-        Position from the root, m.
-
-    Returns
-    -------
-    float
-        The position, m.
-
-    Raises
-    ------
-    InputError
-        If it is outside the beam.
-    """
-    if not 0.0 <= x <= problem.beam.length:
-        raise InputError(f"x = {x:g}: lies outside the beam; allowed are 0 to {problem.beam.length:g} m")
-    return float(x)
-
-
 def one_position(problem: Problem, x: float | None) -> float:
     """The position asked for; by default the position of the stop farthest from the root, or the tip without stops.
 
@@ -69,7 +44,7 @@ def one_position(problem: Problem, x: float | None) -> float:
         If `x` is outside the beam.
     """
     if x is not None:
-        return checked_position(problem, x)
+        return problem.require_position(x)
     return max((stop.x for stop in problem.stops), default=problem.beam.length)
 
 

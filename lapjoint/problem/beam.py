@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from lapjoint.errors import InputError
 from lapjoint.problem.schema import Part, Positive
 
 LEAST, MOST = 1e-100, 1e100
@@ -168,6 +169,30 @@ class Beam(Part):
             assert self.mass_per_length is not None
             return self.mass_per_length
         return self.material.density * self.section.area
+
+    def require_section(self, purpose: str) -> tuple[Material, Section]:
+        """The material and the cross-section, for what cannot be done without.
+
+        Parameters
+        ----------
+        purpose : str
+            What needs them; the message begins with it.
+
+        Returns
+        -------
+        Material
+            The material.
+        Section
+            The cross-section.
+
+        Raises
+        ------
+        InputError
+            If the beam has none.
+        """
+        if self.material is None or self.section is None:
+            raise InputError(f"{purpose}: the beam has no section; it needs beam.material and beam.section")
+        return self.material, self.section
 
 
 def _power(value: float, exponent: int) -> float:

@@ -113,6 +113,28 @@ class Problem(Part):
         """
         return 2 * math.pi / self.require_excitation_frequency(purpose)
 
+    def require_position(self, x: float) -> float:
+        """A position that must lie on the beam.
+
+        Parameters
+        ----------
+        x : float
+            Position from the root, m.
+
+        Returns
+        -------
+        float
+            The position, m.
+
+        Raises
+        ------
+        InputError
+            If it is outside the beam.
+        """
+        if not 0.0 <= x <= self.beam.length:
+            raise InputError(f"x = {x:g}: lies outside the beam; allowed are 0 to {self.beam.length:g} m")
+        return float(x)
+
     def replace(self, **changes: Any) -> Problem:
         """A validated copy with some of the top-level parts changed.
 

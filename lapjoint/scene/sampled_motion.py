@@ -103,7 +103,8 @@ class Motion:
         if is_paper_joint(history.problem):
             whole["contact_state"] = np.array([paper_state_number(history.problem, state) for state in states])
         force = history.contact_force(times).T
-        return Sample(times, beam, _base(history.problem, times), faces, force, closed, whole)
+        base = np.array([history.base(times), history.base(times, 1)])
+        return Sample(times, beam, base, faces, force, closed, whole)
 
 
 @dataclass(frozen=True)
@@ -130,11 +131,3 @@ def _closed_stops(closed: IntArray) -> dict[str, FloatArray | IntArray]:
     """A number with bit i set where stop i is closed, shape ``(m,)``; none where there are more stops than bits."""
     stops = closed.shape[1]
     return {"closed_stops": closed @ (1 << np.arange(stops))} if 0 < stops < 63 else {}
-
-
-def _base(problem: Problem, times: FloatArray) -> FloatArray:
-    """Displacement and velocity of the base, m and m/s, shape ``(2, m)``."""
-    motion = problem.base_motion
-    if motion is None:
-        return np.zeros((2, times.size))
-    return np.array([motion.at(times), motion.at(times, 1)])

@@ -13,10 +13,11 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
+import xarray as xr
 from click.testing import CliRunner, Result
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Outcome, Problem, SteadyState, Stop, paper_joint, read_problem
+from lapjoint import FREE, ContactState, Outcome, Problem, SteadyState, Stop, paper_joint, read_problem, time_series
 from lapjoint.answers import Exponent
 from lapjoint.cli.main import main
 from lapjoint.cli.options import DRAWINGS
@@ -76,6 +77,25 @@ def test_a_state_is_chosen_by_number_or_by_names(state: str, tmp_path: Path) -> 
     printed = run_well("modes", PAPER, "--state", state, "--count", "2", "--figure", figure)
     assert printed.splitlines()[1].startswith("6  P2 + P3")
     assert figure.exists()
+
+
+def test_simulate_and_steady_write_time_series(tmp_path: Path) -> None:
+    path, table = tmp_path / "a.nc", tmp_path / "a.csv"
+    wanted = ("--at", "x=2.5,1.25", "--quantity", "moment, absolute_velocity,force", "--rate", "1000")
+    command = ("simulate", PAPER, "--duration", "0.02", "--no-errors", *FEW)
+    run_well(*command, "--series", path, *wanted)
+    run_well(*command, "--series", table, *wanted)
+    history = Solver(n_modes=8).simulate(paper_joint(), 0.02)
+    expected = time_series(history, at=[2.5, 1.25], quantities=["moment", "absolute_velocity", "force"], rate=1000.0)
+    with xr.open_dataset(path, engine="h5netcdf") as found:
+        xr.testing.assert_equal(found.load(), expected)
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["moment at x = 2.5 m [N m]"]) for row in rows] == expected.moment.values[0].tolist()
+    run_well("steady", PAPER, "--no-errors", *FEW, "--series", path)
+    with xr.open_dataset(path, engine="h5netcdf") as found:
+        assert set(found.data_vars) == {"displacement", "force"}
+        assert "of a mode of the solver" in found.attrs["rate_source"]
 
 
 def test_simulate_prints_and_writes_the_contacts(tmp_path: Path) -> None:
@@ -287,6 +307,7 @@ def assert_refused(result: Result, message: str) -> None:
 
 
 SIMULATE = ("simulate", PAPER, "--duration", "0.01")
+SERIES = (*SIMULATE, "--series", "a.csv")
 NOWHERE = ("sweep", PAPER, "--modes", "4")
 BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("no such file", ("modes", "missing.toml"), "missing.toml: cannot be read: No such file"),
@@ -324,6 +345,14 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("option of the other solver", (*SIMULATE, "--elements", "8"), "has no option 'elements'"),
     ("option without a value", (*SIMULATE, "--option", "n_modes"), "must be key=value"),
     ("option of a wrong kind", (*SIMULATE, "--option", "tolerance=tight"), "tolerance = 'tight'"),
+    ("series without a file", (*SIMULATE, "--rate", "9"), "--rate: no series is written without --series FILE"),
+    ("series as what?", (*SIMULATE, "--series", "a.txt"), "--series a.txt: the name must end in .nc, .csv"),
+    ("places without x", (*SERIES, "--at", "2.5"), "--at 2.5: must be x= and numbers"),
+    ("places as text", (*SERIES, "--at", "x=tip"), "--at x=tip: must be x= and numbers"),
+    ("place off the beam", (*SERIES, "--at", "x=1,99"), "x = 99: lies outside the beam; allowed are 0 to "),
+    ("unknown quantity", (*SERIES, "--quantity", "force,slope"), "quantity 'slope': is unknown; allowed: displacement"),
+    ("too many samples", (*SERIES, "--rate", "1e12"), "samples of each of"),
+    ("no rate", (*SERIES, "--rate", "0"), "rate = 0: must be positive and finite, in Hz"),
     ("negative duration", ("simulate", PAPER, "--duration", "-1"), "--duration -1: must be positive"),
     ("no duration", ("simulate", PAPER, "--duration", "0"), "--duration 0: must be positive"),
     ("NaN duration", ("simulate", PAPER, "--duration", "nan"), "--duration nan: must be positive and finite"),

@@ -1,0 +1,276 @@
+"""Time series of a motion: chosen quantities at chosen places, at equidistant times, in memory and in files.
+
+The default rate has `PER_PERIOD` samples in a period of the fastest frequency that the answer holds: that of its
+fastest mode or of its fastest force, whichever is higher.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lapjoint.answers.history import History
+from lapjoint.errors import InputError
+from lapjoint.netcdf_files import write_netcdf
+from lapjoint.output_files import write_file
+from lapjoint.plain_text import no_formula
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.files import to_toml
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FORMAT_VERSION = 1
+"""Version of the NetCDF files; it is raised whenever a reader of the version before would misread a file."""
+MOST_VALUES = 10_000_000
+"""Largest number of values of all series together, 80 MB."""
+PER_PERIOD = 2.56
+"""Samples in a period of the fastest frequency by default: a sine needs more than two, and this is what analysers of
+vibration take."""
+FORCE = "force"
+"""The one quantity that belongs to stops, not to places."""
+_ROUNDING = 1e-9
+"""Samples.  A last sample that lies beyond the end of the motion by less than this belongs to it."""
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    units: str
+    text: str
+    of: Callable[[History, FloatArray, FloatArray], FloatArray]
+    """Takes a history, positions, m, shape ``(n,)``, and times, s, shape ``(m,)``; gives values of shape ``(n, m)``."""
+
+
+_QUANTITIES = {
+    "displacement": _Quantity("m", "displacement relative to the base", History.displacement),
+    "velocity": _Quantity("m s-1", "velocity relative to the base", History.velocity),
+    "acceleration": _Quantity("m s-2", "acceleration relative to the base", History.acceleration),
+    "absolute_displacement": _Quantity(
+        "m", "displacement, that of the base added", lambda h, x, t: h.displacement(x, t) + h.base(t)
+    ),
+    "absolute_velocity": _Quantity(
+        "m s-1", "velocity, that of the base added", lambda h, x, t: h.velocity(x, t) + h.base(t, 1)
+    ),
+    "absolute_acceleration": _Quantity(
+        "m s-2", "acceleration, that of the base added", lambda h, x, t: h.acceleration(x, t) + h.base(t, 2)
+    ),
+    "moment": _Quantity("N m", "bending moment, EI z_xx", History.moment),
+    "shear": _Quantity("N", "shear force, EI z_xxx; where it jumps, the value to the left", History.shear),
+    "stress": _Quantity("Pa", "bending stress at the top of the section, tension positive", History.bending_stress),
+    FORCE: _Quantity("N", "force of the stop on the beam, positive upwards", lambda h, x, t: h.contact_force(t)),
+}
+QUANTITIES = tuple(_QUANTITIES)
+"""Names of the quantities."""
+
+
+def time_series(
+    history: History,
+    *,
+    at: Sequence[float] | None = None,
+    quantities: Sequence[str] | None = None,
+    rate: float | None = None,
+) -> xr.Dataset:
+    """Time series of quantities at places along the beam, and of the forces of the stops.
+
+    Parameters
+    ----------
+    history : History
+        The motion; for a steady state, its ``history``.
+    at : sequence of float, optional
+        Positions, m; by default those of the stops and of the ends that no support fixes.
+    quantities : sequence of str, optional
+        Of `QUANTITIES`; by default the displacement, and the force where there are stops.
+    rate : float, optional
+        Samples a second, Hz; by default enough for the fastest frequency that the answer holds.
+
+    Returns
+    -------
+    xarray.Dataset
+        A variable for each quantity, over ``x`` and ``time``, and the force over ``stop`` and ``time``, with units; the
+        attributes tell the title, the problem, the solver, the rate, and where the rate is from.
+
+    Raises
+    ------
+    InputError
+        If a place is off the beam, a quantity is unknown or needs what the problem has not, the rate is not positive,
+        or there would be more than `MOST_VALUES` values.
+    """
+    import xarray as xr
+
+    problem = history.problem
+    places, chosen = _places(problem, at), _chosen(problem, quantities)
+    rate, source = _default_rate(history) if rate is None else (rate, "as asked for")
+    count = _count(problem, places, chosen, rate, history.end - history.start)
+    t = np.minimum(history.start + np.arange(count) / rate, history.end)
+    x = np.array(places)
+    variables: dict[str, Any] = {}
+    for name in chosen:
+        quantity = _QUANTITIES[name]
+        dimension = "stop" if name == FORCE else "x"
+        values = quantity.of(history, x, t)
+        variables[name] = (dimension, "time"), values, {"units": quantity.units, "long_name": quantity.text}
+    coordinates: dict[str, Any] = {
+        "time": ("time", t, {"units": "s", "long_name": "time"}),
+        "x": ("x", x, {"units": "m", "long_name": "position from the root"}),
+    }
+    if FORCE in chosen:
+        names = np.array(problem.stop_names, dtype=object)
+        coordinates["stop_name"] = "stop", names, {"long_name": "name of the stop"}
+    attributes = {
+        "Conventions": "CF-1.11",
+        "format_version": FORMAT_VERSION,
+        "title": f"Time series of: {problem.title or 'a joint'}",
+        "problem": to_toml(problem),
+        "solver": history.solver,
+        "rate": float(rate),
+        "rate_units": "Hz",
+        "rate_source": source,
+    }
+    return xr.Dataset(variables, coords=coordinates, attrs=attributes)
+
+
+def check_series(
+    problem: Problem,
+    *,
+    at: Sequence[float] | None = None,
+    quantities: Sequence[str] | None = None,
+    rate: float | None = None,
+    duration: float | None = None,
+) -> None:
+    """Refuse, before a motion is found, what `time_series` would refuse after it.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    at, quantities, rate : optional
+        As `time_series` takes them.
+    duration : float, optional
+        Length of the motion, s, where it is known.
+
+    Raises
+    ------
+    InputError
+        As `time_series` says.
+    """
+    places, chosen = _places(problem, at), _chosen(problem, quantities)
+    if rate is not None:
+        _count(problem, places, chosen, rate, duration or 0.0)
+
+
+def write_series(series: xr.Dataset, path: str | Path) -> None:
+    """Write time series as NetCDF or CSV, by the ending of `path`.
+
+    In CSV there is one row a time and one column a series, whose header names quantity, place or stop, and unit; a name
+    that a spreadsheet would take for a formula is made harmless.  Only NetCDF holds the attributes.
+
+    Parameters
+    ----------
+    series : xarray.Dataset
+        From `time_series`.
+    path : path
+        The file, ``.nc`` or ``.csv``.
+
+    Raises
+    ------
+    InputError
+        If the ending is another one.
+    OutputError
+        If no file can be written there, or the disk is full.
+    """
+    ending = Path(path).suffix.lower()
+    if ending == ".nc":
+        write_netcdf(series, path)
+    elif ending == ".csv":
+        columns = _columns(series)
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow([no_formula(name) for name in columns])
+        writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+        write_file(path, out.getvalue())
+    else:
+        raise InputError(f"{path}: series are written as .nc or .csv, not {ending or 'without an ending'}")
+
+
+def _columns(series: xr.Dataset) -> dict[str, FloatArray]:
+    """The columns of a table by their headings, the times first, each of shape ``(m,)``."""
+    columns = {"time [s]": series["time"].values}
+    for name, variable in series.data_vars.items():
+        units = _plain(variable.attrs["units"])
+        of_stops = variable.dims[0] == "stop"
+        wheres = [f"of {stop}" for stop in series["stop_name"].values] if of_stops else _headings(series["x"].values)
+        for where, values in zip(wheres, variable.values, strict=True):
+            columns[f"{name} {where} [{units}]"] = values
+    return columns
+
+
+def _headings(x: FloatArray) -> list[str]:
+    return [f"at x = {float(place)!r} m" for place in x]
+
+
+def _plain(units: str) -> str:
+    """Units of the CF conventions as people write them: m s-2 as m/s2."""
+    return units.replace(" s-2", "/s2").replace(" s-1", "/s")
+
+
+def _places(problem: Problem, at: Sequence[float] | None) -> list[float]:
+    """The places asked for, or those of the stops and of the ends that no support fixes, m, each once."""
+    if at is None:
+        L = problem.beam.length
+        fixed = {support.x for support in problem.supports if math.isinf(support.translational)}
+        free = [end for end in (0.0, L) if end not in fixed]
+        return sorted({*free, *(stop.x for stop in problem.stops)}) or [L / 2]
+    if not len(at):
+        raise InputError("at: names no place; one or more are needed")
+    return list(dict.fromkeys(problem.require_position(x) for x in at))
+
+
+def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
+    """The quantities asked for, or the displacement and the force of stops where there are some, each once."""
+    if quantities is None:
+        return ["displacement", FORCE] if problem.stops else ["displacement"]
+    chosen = list(dict.fromkeys(quantities))
+    unknown = [name for name in chosen if name not in _QUANTITIES]
+    if unknown or not chosen:
+        what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
+        raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
+    if "stress" in chosen:
+        problem.beam.require_section("quantity 'stress'")
+    if FORCE in chosen and not problem.stops:
+        raise InputError(f"quantity {FORCE!r}: there are no stops")
+    return chosen
+
+
+def _default_rate(history: History) -> tuple[float, str]:
+    """The rate, Hz, that is enough for the fastest frequency of the answer, and a sentence that says so."""
+    if history.highest_mode is None:
+        raise InputError(f"rate: {history.solver} does not say how fast its fastest mode is; give a rate, in Hz")
+    fastest = max(history.highest_mode, history.problem.forces.fastest)
+    if not fastest:
+        raise InputError("rate: nothing vibrates in this motion; give a rate, in Hz")
+    whose = "mode of the solver" if fastest == history.highest_mode else "force"
+    text = (
+        f"{PER_PERIOD:g} samples in a period of the fastest frequency of the answer, {fastest:.6g} rad/s of a {whose}"
+    )
+    return PER_PERIOD * fastest / (2 * math.pi), text
+
+
+def _count(problem: Problem, places: list[float], chosen: list[str], rate: float, duration: float) -> int:
+    """The number of times, if it and the rate are allowed."""
+    if not 0 < rate < math.inf:
+        raise InputError(f"rate = {rate:g}: must be positive and finite, in Hz")
+    series = sum(len(problem.stops) if name == FORCE else len(places) for name in chosen)
+    times = rate * duration + _ROUNDING
+    if (times + 1) * series > MOST_VALUES:
+        raise InputError(
+            f"rate = {rate:g} Hz: over {duration:g} s it gives {times:.3g} samples of each of {series} series; "
+            f"allowed are {MOST_VALUES:g} samples in all"
+        )
+    return math.floor(times) + 1
