@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from lapjoint.problem.excitation import BaseMotion, PointLoad
 from lapjoint.problem.schema import FloatArray
+
+_EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,89 @@ class HarmonicForce:
         return np.asarray(self.amplitude * np.sin(self.angular_frequency * t + self.phase))
 
 
+@dataclass(frozen=True, eq=False)
+class SampledForce:
+    """A force that is linear between knots, at a point or uniform along the beam."""
+
+    x: float | None
+    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    knots: FloatArray
+    """Times, s, ascending from 0, shape ``(K,)``."""
+    values: FloatArray
+    """The force there, N at a point, N/m along the beam, shape ``(K,)``; positive upwards."""
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """The force at given times.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s, from 0 to the last knot.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            N at a point, N/m along the beam.
+        """
+        return np.asarray(np.interp(t, self.knots, self.values))
+
+
+@dataclass(frozen=True, eq=False)
+class Ramps:
+    """Several forces that are linear between common knots."""
+
+    time: FloatArray
+    """The knots, s, ascending, shape ``(K,)``."""
+    force: FloatArray
+    """The forces there, N or N/m, shape ``(K, R)``."""
+
+    @cached_property
+    def slope(self) -> FloatArray:
+        """How fast each force changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
+        return np.diff(self.force, axis=0) / np.diff(self.time)[:, None]
+
+    @cached_property
+    def spacing(self) -> float:
+        """The time between knots, s, where that is the same for most of them; else 0."""
+        between = np.diff(self.time)
+        middle = float(np.median(between))
+        even = np.abs(between - middle) <= _EVEN * (middle + np.abs(self.time[1:]) * np.finfo(float).eps / _EVEN)
+        return (float(self.time[-1] - self.time[0]) / between.size if even.all() else middle) if even.any() else 0.0
+
+    def until(self, t: float) -> float:
+        """The first knot after a time.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        float
+            s; infinite after the last one.
+        """
+        return (
+            float(self.time[i]) if (i := int(np.searchsorted(self.time, t, side="right"))) < self.time.size else np.inf
+        )
+
+    def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The forces, and how fast they change, at given times; at a knot after it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s; before the first knot and after the last one the nearest ramp goes on.
+
+        Returns
+        -------
+        FloatArray, FloatArray, each of shape (m, R)
+            N or N/m; N/s or N/(m s).
+        """
+        j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
+        return self.force[j] + self.slope[j] * (t - self.time[j])[:, None], self.slope[j]
+
+
 @dataclass(frozen=True)
 class Forces:
     """All forces of a problem but those of its supports and stops."""
@@ -72,11 +158,26 @@ class Forces:
     constant: tuple[ConstantForce, ...]
     harmonic: tuple[HarmonicForce, ...]
     """Those of the base first, then those of the point loads; some may have no size."""
+    sampled: tuple[SampledForce, ...] = ()
+    """Those of the base first, then those of the point loads."""
 
     @property
-    def every(self) -> tuple[ConstantForce | HarmonicForce, ...]:
-        """The constant ones, then the harmonic ones."""
-        return (*self.constant, *self.harmonic)
+    def every(self) -> tuple[ConstantForce | HarmonicForce | SampledForce, ...]:
+        """The constant ones, the harmonic ones, and the sampled ones."""
+        return (*self.constant, *self.harmonic, *self.sampled)
+
+    @cached_property
+    def ramps(self) -> Ramps | None:
+        """The sampled forces with the knots of all, up to where the first of them ends; None without any."""
+        if not self.sampled:
+            return None
+        end = min(force.knots[-1] for force in self.sampled)
+        time = np.unique(np.concatenate([force.knots[force.knots <= end] for force in self.sampled]))
+        close = np.append(
+            False, np.diff(time) <= _EVEN * end / time.size
+        )  # knots of two records that differ by rounding
+        time = time[~close]
+        return Ramps(time, np.stack([force.at(time) for force in self.sampled], axis=1))
 
     @property
     def fastest(self) -> float:
