@@ -217,7 +217,7 @@ class Solver:
         Parameters
         ----------
         problem : Problem
-            What is solved; its excitation has one frequency.
+            What is solved; its excitation has a period.
         start : SectionPoint, optional
             Where to begin instead of at the initial state: a section point of this solver.  Modes that it lacks are at
             rest, and those that it has too many are left out; a stop is closed at first where it is pressed.
@@ -237,7 +237,7 @@ class Solver:
         Raises
         ------
         InputError
-            If the excitation has no single frequency, or `start` is no such section point.
+            If the excitation has no period, or `start` is no such section point.
         SolverError
             If the march cannot go on.
         """
@@ -305,7 +305,7 @@ class Solver:
         Raises
         ------
         InputError
-            If the excitation has no single frequency.
+            If the excitation has no period.
         """
         problem.require_excitation_frequency("steady state")
         from analytic.march import Joint

@@ -92,7 +92,7 @@ def simulate(
 
 
 def period_map(solver: Solver, problem: Problem) -> PeriodMap:
-    """The period map of a problem whose excitation has one frequency.
+    """The period map of a problem whose excitation has a period.
 
     Parameters
     ----------

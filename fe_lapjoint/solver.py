@@ -183,7 +183,7 @@ class Solver:
         Parameters
         ----------
         problem : Problem
-            What is solved; its excitation has one frequency.
+            What is solved; its excitation has a period.
         start : SectionPoint, optional
             Where to begin instead of at the initial state: a section point of a finite element solver for a beam of
             the same length.  Frequency, amplitude, gaps, stiffnesses, damping and mesh may differ; a stop is closed at
@@ -204,7 +204,7 @@ class Solver:
         Raises
         ------
         InputError
-            If the excitation has no single frequency, `method` is not "exact", or `start` is no such section point.
+            If the excitation has no period, `method` is not "exact", or `start` is no such section point.
         SolverError
             If the march cannot go on.
         """
@@ -267,7 +267,7 @@ class Solver:
         Raises
         ------
         InputError
-            If the excitation has no single frequency, or `method` is not "exact".
+            If the excitation has no period, or `method` is not "exact".
         """
         problem.require_excitation_frequency("steady state")
         if self.method != "exact":

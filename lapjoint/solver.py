@@ -94,7 +94,7 @@ class Solver(Protocol):
         Parameters
         ----------
         problem : Problem
-            The joint; its excitation has one frequency.
+            The joint; its excitation has a period.
         start : SectionPoint, optional
             Where the march begins instead of at the problem's initial state: the section point of a steady state of
             this or a neighbouring problem, found by the same solver.
@@ -115,7 +115,7 @@ class Solver(Protocol):
         Raises
         ------
         InputError
-            If the problem has not one excitation frequency, or `start` is no section point of such a problem.
+            If the excitation has no period, or `start` is no section point of such a problem.
         SolverError
             If the march cannot go on.
         """

@@ -111,8 +111,8 @@ def power(history: History, t: FloatArray) -> FloatArray:
 
 
 def _first_panel(history: History) -> float:
-    whole, driven = history.end - history.start, history.problem.excitation_frequency
-    return (whole if driven is None else min(whole, 2 * math.pi / driven)) / 16
+    whole, fastest = history.end - history.start, history.problem.forces.fastest
+    return (min(whole, 2 * math.pi / fastest) if fastest else whole) / 16
 
 
 def _time_integral(

@@ -198,7 +198,7 @@ class PublishedScheme:
         Parameters
         ----------
         problem : Problem
-            What is solved; its excitation has one frequency.
+            What is solved; its excitation has a period.
         start : SectionPoint, optional
             Where to begin instead of at the initial state: a section point of this scheme with the same numbers of
             modes.
@@ -217,7 +217,7 @@ class PublishedScheme:
         Raises
         ------
         InputError
-            If the excitation has no single frequency.
+            If the excitation has no period.
         SolverError
             If the march cannot go on.
         """

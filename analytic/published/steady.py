@@ -137,7 +137,7 @@ def steady_state(
     Parameters
     ----------
     problem : Problem
-        What is solved; its excitation has one frequency.
+        What is solved; its excitation has a period.
     name : str
         Name and options of the scheme.
     counts : tuple of int

@@ -18,12 +18,13 @@ from typing import Any
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.problem import Problem
+from lapjoint.problem import Problem, StepLoad
 from lapjoint.problem.files import problem_from_tables, problem_tables
+from lapjoint.problem.forces import multiple_of
 from lapjoint.problem.override import assign, path_keys
 
 FREQUENCY = "base_motion.angular_frequency"
-"""Path of the excitation frequency, which sets that of the base motion and of every sine load."""
+"""Path of the excitation frequency: that of the base motion; those of periodic loads keep their ratio to it."""
 MOST_POINTS = 10_000_000
 """Largest number of points of a grid, for its dataset to fit into memory."""
 CHECKED_POINTS = 5000
@@ -64,7 +65,7 @@ class Axis:
     ----------
     path : str
         Path of the number in the problem, as ``--set`` takes it: ``stops.*.gap``, ``damping.ratio``; `FREQUENCY` sets
-        the frequency of all periodic excitation.
+        the frequency of all periodic excitation: parts at a whole multiple of another's frequency stay at it.
     values : iterable of float
         The values, in the SI unit of the number, each once, in any sequence.
 
@@ -203,23 +204,31 @@ class Grid:
         values = self.values_at(point)
         tables = copy.deepcopy(self._tables)
         for axis, value in zip(self.axes, values, strict=True):
-            for path in self._paths(axis):
-                assign(tables, path, value, f"axis {axis.path}")
+            for path, number in self._numbers(axis, value):
+                assign(tables, path, number, f"axis {axis.path}")
         return problem_from_tables(tables, _described(self.axes, values))
 
     @cached_property
     def _tables(self) -> dict[str, Any]:
         return problem_tables(self.problem)
 
-    def _paths(self, axis: Axis) -> list[str]:
+    def _numbers(self, axis: Axis, value: float) -> list[tuple[str, float]]:
+        """The paths that a value of an axis sets, and the number at each."""
         if axis.path != FREQUENCY:
-            return [axis.path]
-        loads = [i for i, load in enumerate(self.problem.point_loads) if load.kind == "sine"]
-        paths = [FREQUENCY] if self.problem.base_motion is not None else []
-        paths += [f"point_loads.{i}.angular_frequency" for i in loads]
-        if not paths:
-            raise InputError(f"axis {FREQUENCY}: nothing excites this problem; give it a base_motion or a sine load")
-        return paths
+            return [(axis.path, value)]
+        if not self._frequencies:
+            message = "nothing excites this problem; give it a base_motion or a periodic load"
+            raise InputError(f"axis {FREQUENCY}: {message}")
+        own = self._frequencies.get(FREQUENCY, self.problem.excitation_frequency)
+        return [(path, value * _ratio(omega, own)) for path, omega in self._frequencies.items()]
+
+    @cached_property
+    def _frequencies(self) -> dict[str, float]:
+        """The angular frequencies of all periodic parts, rad/s, by their paths."""
+        base, loads = self.problem.base_motion, self.problem.point_loads
+        found = {} if base is None else {FREQUENCY: base.angular_frequency}
+        periodic = {i: load.angular_frequency for i, load in enumerate(loads) if not isinstance(load, StepLoad)}
+        return found | {f"point_loads.{i}.angular_frequency": omega for i, omega in periodic.items()}
 
     def check(self) -> None:
         """Validate the problems of the grid, or those at its corners where it is large.
@@ -227,12 +236,20 @@ class Grid:
         Raises
         ------
         InputError
-            If one is not valid, or is not excited at one frequency; the message names the point.
+            If one is not valid, or its excitation has no period; the message names the point.
         """
         ends = [sorted({0, n - 1}) for n in self.shape]
         corners = [int(np.ravel_multi_index(corner, self.shape)) for corner in product(*ends)]
         for point in range(self.size) if self.size <= CHECKED_POINTS else corners:
             self.problem_at(point).require_excitation_frequency(self.describe(point))
+
+
+def _ratio(omega: float, own: float | None) -> float:
+    """The whole number, or one over it, by which an angular frequency multiplies another; 1 where there is none."""
+    if own is None:
+        return 1.0
+    above, below = multiple_of(own, omega), multiple_of(omega, own)
+    return float(above) if above else 1 / below if below else 1.0
 
 
 def _described(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:

@@ -28,7 +28,7 @@ def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> S
     Parameters
     ----------
     problem : Problem
-        The joint, excited at one frequency.
+        The joint; its excitation has a period.
     solver : Solver
         The solver that gives the modes.
     seed : tuple of int

@@ -120,7 +120,7 @@ def plot_poincare_section(
     Raises
     ------
     InputError
-        If the excitation has not one frequency, the history holds no section point, or the position is outside the
+        If the excitation has no period, the history holds no section point, or the position is outside the
         beam.
     """
     place = one_position(history.problem, x)
@@ -156,7 +156,7 @@ def section_times(history: History, phase: float = 0.0) -> FloatArray:
     Raises
     ------
     InputError
-        If the excitation has not one frequency, the phase is not finite, or the history holds no such time.
+        If the excitation has no period, the phase is not finite, or the history holds no such time.
     """
     omega = history.problem.require_excitation_frequency("a Poincare section")
     if not math.isfinite(phase):

@@ -11,7 +11,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 LEAST_SAMPLES = 100
-"""Least number of times in an excitation period: a coarser curve shows a motion that is not there."""
+"""Least number of times in a period of the fastest excitation: a coarser curve shows a motion that is not there."""
 
 SMOOTH = 0.002
 """Largest distance of an orbit from the chord that is drawn for it, as a part of the orbit's size: about a pixel."""
@@ -76,7 +76,8 @@ def one_position(problem: Problem, x: float | None) -> float:
 def times_drawn(history: History, samples: int) -> FloatArray:
     """Equidistant times at which a motion is drawn, with the switches among them.
 
-    There are `samples` equidistant times, or more if an excitation period would have fewer than `LEAST_SAMPLES`.  The
+    There are `samples` equidistant times, or more if a period of the fastest excitation would have fewer than
+    `LEAST_SAMPLES`.  The
     switches are added, and the middle between each two of them, so that no flight and no contact is left out.
 
     Parameters
@@ -98,8 +99,7 @@ def times_drawn(history: History, samples: int) -> FloatArray:
     """
     if samples < 2:
         raise InputError(f"samples = {samples}: must be 2 or more")
-    omega = history.problem.excitation_frequency or 0.0
-    needed = math.ceil(LEAST_SAMPLES * omega * (history.end - history.start) / (2 * math.pi))
+    needed = math.ceil(LEAST_SAMPLES * history.problem.forces.fastest * (history.end - history.start) / (2 * math.pi))
     even = np.linspace(history.start, history.end, max(samples, needed))
     switches = np.asarray(history.switch_times)
     return np.unique(np.concatenate([even, switches, (switches[1:] + switches[:-1]) / 2]))

@@ -21,7 +21,7 @@ from lapjoint.answers import History
 from lapjoint.errors import InputError
 from lapjoint.figures.sampling import heading, one_position
 from lapjoint.figures.style import COLOURS, GREY, THIN, entitle, new_axes, style
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,6 +33,8 @@ REPEATS = 1e-3
 DECADES = 6.5
 """Number of decades below the largest amplitude at which the axis ends: short of `TOLERANCE`."""
 _EXCITATION = "excitation"
+_HARMONICS = 20
+"""Least number of multiples of the excitation frequency that are drawn where no number is asked for."""
 _FEWEST, _MOST = 2**10, 2**18
 """Number of samples of the transform: the first trial, and the number after which no doubling follows."""
 
@@ -58,7 +60,7 @@ def plot_spectrum(
     axes: Axes | None = None,
     *,
     x: float | None = None,
-    harmonics: int = 20,
+    harmonics: int | None = None,
     label: str | None = None,
 ) -> Axes:
     """Draw the amplitude spectrum of the displacement at one position, computed as the module's head says.
@@ -74,9 +76,9 @@ def plot_spectrum(
         Where to draw; by default on a new figure.
     x : float, optional
         Position, m; by default the tip.
-    harmonics : int
-        Largest multiple of the excitation frequency to be drawn; where the excitation has not one frequency, largest
-        multiple of the frequency with the largest amplitude.
+    harmonics : int, optional
+        Largest multiple of the excitation frequency to be drawn; where the excitation has no period, largest
+        multiple of the frequency with the largest amplitude.  By default 20, or twice the excitation's own largest.
     label : str, optional
         Name of the spectrum in the legend; by default the position.
 
@@ -91,7 +93,7 @@ def plot_spectrum(
         If the position is outside the beam, `harmonics` less than 1, or the history has no duration.
     """
     place = one_position(history.problem, history.problem.beam.length if x is None else x)
-    found = spectrum(history, place, harmonics)
+    found = spectrum(history, place, _default_harmonics(history.problem) if harmonics is None else harmonics)
     axes = new_axes(height=2.6) if axes is None else axes
     omega, amplitude = found.angular_frequencies, 1e3 * found.amplitudes
     floor = float(np.max(amplitude)) * 10.0**-DECADES
@@ -110,6 +112,12 @@ def plot_spectrum(
     axes.set_ylabel("amplitude of z [mm]")
     entitle(axes, f"{heading(history)}\n{_how(history, found)}" if label is None else "")
     return axes
+
+
+def _default_harmonics(problem: Problem) -> int:
+    """The largest multiple of the excitation frequency that is drawn."""
+    omega = problem.excitation_frequency
+    return _HARMONICS if omega is None else max(_HARMONICS, 2 * round(problem.forces.fastest / omega))
 
 
 def _scale(axes: Axes, amplitude: FloatArray, floor: float) -> None:

@@ -43,7 +43,7 @@ class PeriodMap(Protocol):
 
     @property
     def problem(self) -> Problem:
-        """The problem; its excitation has one frequency."""
+        """The problem; its excitation has a period."""
 
     @property
     def period(self) -> float:

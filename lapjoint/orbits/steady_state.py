@@ -119,4 +119,4 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
 
 def _mirrors_itself(history: History) -> bool:
     """Whether a motion of one period must mirror itself: it answers harmonic loads alone, and touches nothing."""
-    return not history.contacts and not history.problem.forces.constant
+    return not history.contacts and history.problem.forces.change_sign

@@ -33,7 +33,7 @@ from lapjoint.orbits.period_map import Segment
 from lapjoint.problem import FloatArray, Problem
 
 _PER_HALF_PERIOD = 16
-"""Least number of intervals of equal width in half a period, to begin with."""
+"""Least number of intervals of equal width in half a period of the fastest excitation, to begin with."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class SegmentWatch:
     """
 
     def __init__(self, problem: Problem, segments: tuple[Segment, ...], twins: tuple[int, ...] | None) -> None:
-        assert problem.excitation_frequency is not None
+        assert problem.forces.fastest > 0
         _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
         motion, length = _stacked(segments, first), segments[-1].end
         stops = Stops(
@@ -137,7 +137,7 @@ class SegmentWatch:
         time = np.array([segments[i].end for i in self._switching])
         rate, curvature = slopes_at_switches(motion, stops, self._switching, stop)
         self.switches = Switches(time, stop, rate, curvature, spacings(time, stop, stops.beyond, length))
-        points = first_points(motion.duration, math.pi / problem.excitation_frequency / _PER_HALF_PERIOD)
+        points = first_points(motion.duration, math.pi / problem.forces.fastest / _PER_HALF_PERIOD)
         self._segment, self._tau, distance = refined(motion, stops, *points)
         self.intervals = self._intervals(motion, stops, distance, length)
         self._set_up_deviations(segments, first, motion)

@@ -1,9 +1,9 @@
 """What is solved: an immutable, validated description of a beam, its supports, its stops and its excitation.
 
 The beam lies along x, from the root (x = 0) to the tip (x = L).  z(x, t) is the displacement relative to the
-moving base, positive upwards; y(t) = Y sin(omega t + phase) is the base.  With E I = EI and rho A = m::
+moving base, positive upwards; y(t) is the base, a sine or a sum of harmonics.  With E I = EI and rho A = m::
 
-    EI z'''' + damping + m z_tt = m Y omega^2 sin(omega t + phase) + supports + stops + point loads
+    EI z'''' + damping + m z_tt = -m y_tt + supports + stops + point loads
 
 A closed stop pushes with ``-k (|z| - gap) sign(z)``.  SI units throughout, angles in radians, angular
 frequencies in rad/s.  Nothing numerical (modes, elements, tolerances) belongs here.
@@ -11,7 +11,17 @@ frequencies in rad/s.  Nothing numerical (modes, elements, tolerances) belongs h
 
 from lapjoint.problem.beam import Beam, Circle, Material, Rectangle, Section, Tube
 from lapjoint.problem.damping import Damping, ModalDamping, NoDamping, ViscousDamping
-from lapjoint.problem.excitation import BaseMotion, PointLoad, SineLoad, StepLoad
+from lapjoint.problem.excitation import (
+    AnyBaseMotion,
+    BaseHarmonic,
+    BaseMotion,
+    HarmonicsBaseMotion,
+    HarmonicsLoad,
+    LoadHarmonic,
+    PointLoad,
+    SineLoad,
+    StepLoad,
+)
 from lapjoint.problem.files import read_problem, write_problem
 from lapjoint.problem.initial import (
     AtRest,
@@ -27,14 +37,19 @@ from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Posit
 from lapjoint.problem.supports_and_stops import Side, Stop, Support
 
 __all__ = [
+    "AnyBaseMotion",
     "AtRest",
+    "BaseHarmonic",
     "BaseMotion",
     "Beam",
     "Circle",
     "Damping",
     "Finite",
     "FloatArray",
+    "HarmonicsBaseMotion",
+    "HarmonicsLoad",
     "InitialState",
+    "LoadHarmonic",
     "Material",
     "ModalDamping",
     "NoDamping",

@@ -65,12 +65,22 @@ kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2)
 ratio = 0.08                  # of every mode of the current contact state, >= 0; or a list, one per mode
 
 [base_motion]                 # y(t) = amplitude sin(angular_frequency t + phase); leave out for a base at rest
+kind = "sine"                 # or "harmonics", see below; "sine" where none is given
 amplitude = 0.06              # m, >= 0
 angular_frequency = 515.0     # rad/s, > 0
 phase = 0.0                   # rad
 
+# [base_motion]               # y(t) = sum of amplitude sin(multiple angular_frequency t + phase)
+# kind = "harmonics"
+# angular_frequency = 60.0    # rad/s, of the fundamental
+# harmonics = [               # whole multiples of it, each once
+#     {multiple = 1, amplitude = 2e-3},
+#     {multiple = 3, amplitude = 1e-4, phase = 0.7},
+# ]
+
 # [[point_loads]]             # transverse forces from t = 0 on; any number
-# kind = "sine"               # "step" (x, force) or "sine" (x, force, angular_frequency, phase)
+# kind = "sine"               # "step" (x, force), "sine" (x, force, angular_frequency, phase) or "harmonics"
+                              # (x, angular_frequency, harmonics = [{multiple = 1, force = 100.0, phase = 0.0}, ...])
 # x = 2.5                     # m, within the beam
 # force = 100.0               # N, positive upwards
 # angular_frequency = 515.0   # rad/s

@@ -1,17 +1,22 @@
-"""The kinds of excitation: harmonic motion of the base, and constant or harmonic loads at points.
+"""The kinds of excitation: periodic motion of the base, and constant or periodic loads at points.
 
 Each says of which waves it consists; `lapjoint.problem.forces` makes one list of all of them, which solvers read.
 """
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive
+from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, Whole
+
+MOST_MULTIPLE = 10_000
+"""Largest multiple of a fundamental: the march over one period takes as many steps at least."""
 
 
 @dataclass(frozen=True)
@@ -26,9 +31,52 @@ class Wave:
     """rad."""
 
 
+Multiple = Annotated[Whole, Field(ge=1, le=MOST_MULTIPLE)]
+
+
+class BaseHarmonic(Part):
+    """One harmonic of the base, amplitude sin(multiple angular_frequency t + phase)."""
+
+    multiple: Multiple
+    """Whole number of times the fundamental."""
+    amplitude: NonNegative
+    """Amplitude, m."""
+    phase: Finite = 0.0
+    """Phase, rad."""
+
+
+class LoadHarmonic(Part):
+    """One harmonic of a load, force sin(multiple angular_frequency t + phase)."""
+
+    multiple: Multiple
+    """Whole number of times the fundamental."""
+    force: Finite
+    """Amplitude, N, positive upwards."""
+    phase: Finite = 0.0
+    """Phase, rad."""
+
+
+Harmonic = TypeVar("Harmonic", BaseHarmonic, LoadHarmonic)
+
+
+def _each_multiple_once(harmonics: tuple[Harmonic, ...]) -> tuple[Harmonic, ...]:
+    if not harmonics:
+        raise ValueError("must have at least one harmonic")
+    given = Counter(one.multiple for one in harmonics)
+    repeated = [f"multiple {multiple} is given {count} times" for multiple, count in given.items() if count > 1]
+    if repeated:
+        raise ValueError(f"{', '.join(repeated)}; each must be there once")
+    return harmonics
+
+
+_AtLeastOne = Field(json_schema_extra={"minItems": 1})  # a min_length would count those that are in order only
+_EachOnce = AfterValidator(_each_multiple_once)
+
+
 class BaseMotion(Part):
     """Harmonic motion of the base, y(t) = amplitude sin(angular_frequency t + phase)."""
 
+    kind: Literal["sine"] = "sine"
     amplitude: NonNegative
     """Y, m."""
     angular_frequency: Positive
@@ -40,6 +88,38 @@ class BaseMotion(Part):
     def waves(self) -> tuple[Wave, ...]:
         """The waves of which y(t) consists."""
         return (Wave(self.amplitude, self.angular_frequency, self.phase),)
+
+    def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
+        """y(t), or a derivative of it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s.
+        derivative : int
+            Which t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            m, m/s or m/s2.
+        """
+        return _sum_of(self.waves, t, derivative)
+
+
+class HarmonicsBaseMotion(Part):
+    """Periodic motion of the base, y(t) = sum of amplitude sin(multiple angular_frequency t + phase)."""
+
+    kind: Literal["harmonics"] = "harmonics"
+    angular_frequency: Positive
+    """omega of the fundamental, rad/s: the motion repeats after 2 pi / omega."""
+    harmonics: Annotated[tuple[BaseHarmonic, ...], _AtLeastOne, _EachOnce]
+    """Tables of multiple, amplitude and phase, each multiple once."""
+
+    @property
+    def waves(self) -> tuple[Wave, ...]:
+        """The waves of which y(t) consists."""
+        return tuple(Wave(one.amplitude, one.multiple * self.angular_frequency, one.phase) for one in self.harmonics)
 
     def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
         """y(t), or a derivative of it.
@@ -103,7 +183,38 @@ class SineLoad(Part):
         return (Wave(self.force, self.angular_frequency, self.phase),)
 
 
-PointLoad = Annotated[StepLoad | SineLoad, Field(discriminator="kind")]
+class HarmonicsLoad(Part):
+    """A transverse force at a point, sum of force sin(multiple angular_frequency t + phase), from t = 0 on."""
+
+    kind: Literal["harmonics"] = "harmonics"
+    x: NonNegative
+    """Position, m, within the beam."""
+    angular_frequency: Positive
+    """omega of the fundamental, rad/s: the force repeats after 2 pi / omega."""
+    harmonics: Annotated[tuple[LoadHarmonic, ...], _AtLeastOne, _EachOnce]
+    """Tables of multiple, force and phase, each multiple once."""
+
+    @property
+    def constant(self) -> float:
+        """The part that is constant, N: none."""
+        return 0.0
+
+    @property
+    def waves(self) -> tuple[Wave, ...]:
+        """The waves of which the rest consists."""
+        return tuple(Wave(one.force, one.multiple * self.angular_frequency, one.phase) for one in self.harmonics)
+
+
+def _sine_by_default(part: Any) -> Any:
+    """A part as a file has it, with its kind: one without is a sine."""
+    return {"kind": "sine", **part} if isinstance(part, Mapping) and "kind" not in part else part
+
+
+_Kinds = Field(discriminator="kind")
+AnyBaseMotion = Annotated[BaseMotion | HarmonicsBaseMotion, _Kinds, BeforeValidator(_sine_by_default)]
+"""A base motion of any kind."""
+PointLoad = Annotated[StepLoad | SineLoad | HarmonicsLoad, _Kinds, BeforeValidator(_sine_by_default)]
+"""A point load of any kind."""
 
 
 def _sum_of(waves: tuple[Wave, ...], t: FloatArray, derivative: int) -> FloatArray:

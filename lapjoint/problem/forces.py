@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from lapjoint.problem.excitation import BaseMotion, PointLoad
+from lapjoint.problem.excitation import MOST_MULTIPLE, AnyBaseMotion, PointLoad
 from lapjoint.problem.schema import FloatArray
 
 _EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
+_WHOLE = 1e-12
+"""Relative: so much may the quotient of two frequencies miss a whole number, by the rounding of both."""
 
 
 @dataclass(frozen=True)
@@ -158,6 +160,8 @@ class Forces:
     constant: tuple[ConstantForce, ...]
     harmonic: tuple[HarmonicForce, ...]
     """Those of the base first, then those of the point loads; some may have no size."""
+    fundamental: float | None = None
+    """Angular frequency of which all harmonic ones that have a size are whole multiples, rad/s; None without one."""
     sampled: tuple[SampledForce, ...] = ()
     """Those of the base first, then those of the point loads."""
 
@@ -173,10 +177,8 @@ class Forces:
             return None
         end = min(force.knots[-1] for force in self.sampled)
         time = np.unique(np.concatenate([force.knots[force.knots <= end] for force in self.sampled]))
-        close = np.append(
-            False, np.diff(time) <= _EVEN * end / time.size
-        )  # knots of two records that differ by rounding
-        time = time[~close]
+        near = np.append(False, np.diff(time) <= _EVEN * end / time.size)  # knots of two records, a rounding apart
+        time = time[~near]
         return Ramps(time, np.stack([force.at(time) for force in self.sampled], axis=1))
 
     @property
@@ -184,18 +186,67 @@ class Forces:
         """The highest angular frequency of a harmonic force that has a size, rad/s; 0 where there is none."""
         return max((force.angular_frequency for force in self.harmonic if force.amplitude), default=0.0)
 
+    @property
+    def change_sign(self) -> bool:
+        """Whether all are the opposite half a period later: no constant ones, and no even multiples."""
+        omega = self.fundamental
+        if omega is None or self.constant:
+            return False
+        return all(round(force.angular_frequency / omega) % 2 == 1 for force in self.harmonic if force.amplitude)
 
-def forces_of(mass_per_length: float, base: BaseMotion | None, loads: Iterable[PointLoad]) -> Forces:
+
+def common_fundamental(stated: Collection[float]) -> float | None:
+    """The lowest of some angular frequencies, if all are whole multiples of it, up to `MOST_MULTIPLE`.
+
+    Parameters
+    ----------
+    stated : collection of float
+        Angular frequencies, rad/s.
+
+    Returns
+    -------
+    float or None
+        rad/s; None where there is no frequency, or one that is no such multiple.
+    """
+    lowest = min(stated, default=None)
+    return lowest if lowest is not None and all(multiple_of(lowest, omega) for omega in stated) else None
+
+
+def multiple_of(fundamental: float, omega: float) -> int:
+    """Which whole multiple of one angular frequency another is.
+
+    Parameters
+    ----------
+    fundamental, omega : float
+        Both, rad/s.
+
+    Returns
+    -------
+    int
+        From 1 to `MOST_MULTIPLE`; 0 if it is none.
+    """
+    quotient = omega / fundamental
+    if not 0.5 < quotient < MOST_MULTIPLE + 0.5:
+        return 0
+    nearest = round(quotient)
+    return nearest if abs(quotient - nearest) <= _WHOLE * nearest else 0
+
+
+def forces_of(
+    mass_per_length: float, base: AnyBaseMotion | None, loads: Iterable[PointLoad], fundamental: float | None
+) -> Forces:
     """The forces by which a moving base and point loads drive the beam.
 
     Parameters
     ----------
     mass_per_length : float
         m of the beam, kg/m: relative to a base y(t) every part of it feels the force -m y''.
-    base : BaseMotion or None
+    base : BaseMotion, HarmonicsBaseMotion or None
         The motion of the base.
     loads : iterable of PointLoad
         The point loads.
+    fundamental : float or None
+        Angular frequency of which all periodic parts are whole multiples, rad/s.
 
     Returns
     -------
@@ -210,4 +261,4 @@ def forces_of(mass_per_length: float, base: BaseMotion | None, loads: Iterable[P
         if load.constant:
             constant.append(ConstantForce(load.x, load.constant))
         harmonic += [HarmonicForce(load.x, w.amplitude, w.angular_frequency, w.phase) for w in load.waves]
-    return Forces(tuple(constant), tuple(harmonic))
+    return Forces(tuple(constant), tuple(harmonic), fundamental)

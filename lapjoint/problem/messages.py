@@ -118,8 +118,8 @@ def closest(name: str, allowed: Sequence[str]) -> str:
 def field_path(loc: Sequence[int | str], data: Any) -> str:
     """The path of a field as a person writes it, ``stops[1].gap``.
 
-    A validator's location also holds the kind of a part (``rectangle``), which is no key; what is neither a
-    key of the data nor the last element is left out.
+    A validator's location also holds the kind of a part (``rectangle``), which is no key, though a key may be called
+    like it (``harmonics``); that, and what is neither a key of the data nor the last element, is left out.
 
     Parameters
     ----------
@@ -133,8 +133,12 @@ def field_path(loc: Sequence[int | str], data: Any) -> str:
     str
         The path; empty for the whole of the data.
     """
-    path, here = "", data
+    path, here, told = "", data, False
     for i, key in enumerate(loc):
+        if not told and isinstance(here, Mapping) and key in (here.get("kind"), here.get("shape")):
+            told = True
+            continue
+        told = False
         if isinstance(key, int) and isinstance(here, _SEQUENCES) and key < len(here):
             path, here = f"{path}[{key}]", here[key]
         elif isinstance(key, str) and isinstance(here, Mapping) and key in here:
@@ -178,6 +182,8 @@ def _requirement(fault: ErrorDetails) -> str:
     kind, ctx = fault["type"], fault.get("ctx", {})
     simple = {
         "finite_number": "must be a finite number",
+        "int_from_float": "must be a whole number",
+        "int_type": "must be a whole number",
         "float_type": "must be a number",
         "tuple_type": "must be a list",
         "string_type": "must be text",
@@ -192,8 +198,10 @@ def _requirement(fault: ErrorDetails) -> str:
         return f"must be greater than {ctx['gt']:g}"
     if kind == "greater_than_equal":
         return f"must be at least {ctx['ge']:g}"
+    if kind == "less_than_equal":
+        return f"must be at most {ctx['le']:g}"
     if kind == "too_short":
-        return f"must have at least {ctx['min_length']} values"
+        return f"must have at least {ctx['min_length']} value{'s' * (ctx['min_length'] > 1)}"
     if kind == "literal_error":
         return "must be " + str(ctx["expected"]).replace("'", '"')
     return fault["msg"].replace("Input should be", "must be")

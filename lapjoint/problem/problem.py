@@ -13,8 +13,8 @@ from pydantic import model_validator
 from lapjoint.errors import InputError
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
-from lapjoint.problem.excitation import BaseMotion, PointLoad
-from lapjoint.problem.forces import Forces, forces_of
+from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad, Wave
+from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.messages import shown
 from lapjoint.problem.schema import Part
@@ -32,7 +32,7 @@ class Problem(Part):
     stops: tuple[Stop, ...] = ()
     """Gapped one-sided springs."""
     damping: Damping = NoDamping()
-    base_motion: BaseMotion | None = None
+    base_motion: AnyBaseMotion | None = None
     point_loads: tuple[PointLoad, ...] = ()
     initial: InitialState = AtRest()
 
@@ -53,16 +53,19 @@ class Problem(Part):
     @cached_property
     def forces(self) -> Forces:
         """What drives the beam, whatever its kind: all that a solver has to know of it."""
-        return forces_of(self.beam.m, self.base_motion, self.point_loads)
+        fundamental = common_fundamental(_angular_frequencies(self).values())
+        return forces_of(self.beam.m, self.base_motion, self.point_loads, fundamental)
 
-    @cached_property
+    @property
     def excitation_frequency(self) -> float | None:
-        """The one angular frequency of all periodic excitation, rad/s; None where there is none or several."""
-        found = set(_angular_frequencies(self).values())
-        return found.pop() if len(found) == 1 else None
+        """The fundamental of all periodic excitation, rad/s: the lowest angular frequency that a part of it states.
+
+        All others are whole multiples of it, or there is none.
+        """
+        return self.forces.fundamental
 
     def require_excitation_frequency(self, purpose: str) -> float:
-        """The one angular frequency of all periodic excitation, for what cannot be done without.
+        """The fundamental of all periodic excitation, for what cannot be done without.
 
         Parameters
         ----------
@@ -77,19 +80,21 @@ class Problem(Part):
         Raises
         ------
         InputError
-            If there is no periodic excitation, or it has several frequencies; the message says which.
+            If there is no periodic excitation, or no fundamental of all of it; the message says which frequencies.
         """
         if self.excitation_frequency is not None:
             return self.excitation_frequency
         found = _angular_frequencies(self)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
+        if there:
+            there += ' (kind = "harmonics" may state a lower one)'
         raise InputError(
-            f"{purpose}: base_motion and sine loads must have one common angular_frequency; "
-            + (there or "there is neither a base_motion with an amplitude nor a sine load with a force")
+            f"{purpose}: the excitation must have one angular_frequency, or whole multiples of the lowest; "
+            + (there or "there is neither a base_motion with an amplitude nor a periodic load with a force")
         )
 
     def require_excitation_period(self, purpose: str) -> float:
-        """The one period of all periodic excitation, for what cannot be done without.
+        """The period of all periodic excitation, for what cannot be done without.
 
         Parameters
         ----------
@@ -104,7 +109,7 @@ class Problem(Part):
         Raises
         ------
         InputError
-            If there is no periodic excitation, or it has several frequencies; the message says which.
+            If there is no periodic excitation, or no fundamental of all of it; the message says which frequencies.
         """
         return 2 * math.pi / self.require_excitation_frequency(purpose)
 
@@ -130,10 +135,18 @@ class Problem(Part):
 
 
 def _angular_frequencies(problem: Problem) -> dict[str, float]:
-    """Angular frequencies, rad/s, of base motion and sine loads that are not zero, by their paths."""
-    waves = {} if problem.base_motion is None else {"base_motion": problem.base_motion.waves}
-    waves |= {f"point_loads[{i}]": load.waves for i, load in enumerate(problem.point_loads)}
-    return {path: wave.angular_frequency for path, of in waves.items() for wave in of if wave.amplitude}
+    """Angular frequencies, rad/s, of base motion and periodic loads that are not zero, by their paths."""
+    base, loads = problem.base_motion, problem.point_loads
+    found = {} if base is None or not _moves(base.waves) else {"base_motion": base.angular_frequency}
+    for i, load in enumerate(loads):
+        if not isinstance(load, StepLoad) and _moves(load.waves):
+            found[f"point_loads[{i}]"] = load.angular_frequency
+    return found
+
+
+def _moves(waves: tuple[Wave, ...]) -> bool:
+    """Whether one of them has a size."""
+    return any(wave.amplitude for wave in waves)
 
 
 def _outside_the_beam(problem: Problem) -> Iterator[str]:
@@ -153,20 +166,39 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
 
 def _too_large(problem: Problem) -> Iterator[str]:
     """What is not finite of the numbers that follow from several fields."""
-    motion = problem.base_motion
-    if motion is not None:
-        squared = motion.angular_frequency * motion.angular_frequency
-        if not (math.isfinite(squared) and math.isfinite(motion.amplitude * squared) and squared > 0):
-            yield (
-                f"base_motion: the acceleration comes to {motion.amplitude * squared:g}, and must be finite; "
-                "it follows from amplitude and angular_frequency"
-            )
+    if problem.base_motion is not None:
+        yield from _too_fast("base_motion", problem.base_motion)
+    for i, load in enumerate(problem.point_loads):
+        yield from _too_fast(f"point_loads[{i}]", load)
     for i, stop in enumerate(problem.stops):
         if not math.isfinite(stop.stiffness * stop.gap):
             yield (
                 f"stops[{i}]: stiffness times gap comes to {stop.stiffness * stop.gap:g}, and must be finite; "
                 "it follows from stiffness and gap"
             )
+
+
+def _too_fast(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
+    """Waves whose frequency has no finite square, or of a base, whose acceleration is not finite."""
+    several = part.kind == "harmonics"
+    source = f"{'multiple and ' if several else ''}angular_frequency"
+    total = 0.0
+    for i, wave in enumerate(part.waves):
+        here, squared = f"{path}.harmonics[{i}]" if several else path, wave.angular_frequency * wave.angular_frequency
+        if path == "base_motion" and not math.isfinite(wave.amplitude * squared):
+            yield (
+                f"{here}: the acceleration comes to {wave.amplitude * squared:g}, and must be finite; "
+                f"it follows from amplitude{',' if several else ' and'} {source}"
+            )
+        elif not 0 < squared < math.inf:
+            yield (
+                f"{here}: the square of the angular frequency comes to {squared:g}, and must be finite and above 0; "
+                f"it follows from {source}"
+            )
+        elif math.isfinite(total):
+            total += wave.amplitude * squared
+    if not math.isfinite(total):
+        yield f"{path}: the accelerations of its harmonics come to {total:g} together, and must be finite"
 
 
 def _initial_off_the_beam(problem: Problem) -> Iterator[str]:

@@ -22,6 +22,7 @@ _Number = BeforeValidator(_refuse_text_and_booleans)
 Finite = Annotated[float, _Number, Field(allow_inf_nan=False)]
 Positive = Annotated[float, _Number, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, _Number, Field(ge=0, allow_inf_nan=False)]
+Whole = Annotated[int, _Number]
 SpringStiffness = Annotated[float, _Number, Field(ge=0)]  # infinite allowed, NaN refused by ge
 
 

@@ -8,8 +8,8 @@ from lapjoint.problem import Problem
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     """The twin of each stop on the other side, if the problem is its own mirror image; else None.
 
-    It is if no constant force acts, all its excitation changes sign in half a period, and the stops
-    of both sides agree in position, gap and stiffness.
+    It is if all forces change sign in half a period, so that none is constant and none repeats after an even part of
+    the period, and if the stops of both sides agree in position, gap and stiffness.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     tuple of int, or None
         For each stop the index of its twin, as indices into ``problem.stops``.
     """
-    if problem.excitation_frequency is None or problem.forces.constant:
+    if not problem.forces.change_sign:
         return None
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(problem.stops):

@@ -112,7 +112,7 @@ def job_of(
             words.append(Word(cut_to(name, LONGEST_NAME), root, "right"))
     largest = _round_up(max(float(np.abs(skin.values).max()) for skin in skins))
     notes = [*(history.solver for history in histories), _scale_note(s, look, histories, pace * step)]
-    period = 2 * math.pi / (histories[0].problem.excitation_frequency or math.inf)
+    period = 2 * math.pi / (histories[0].problem.forces.fastest or math.inf)
     if FEWEST_A_PERIOD * step > period > 0:
         notes.append(f"only {_three_digits(period / step)} frames a period")
     if output is None:

@@ -5,6 +5,7 @@ The switches of the contact state are always among them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,7 +19,9 @@ MOST_FRAMES = 100_000
 TOLERANCE = 0.01
 """Default of the largest error of straight lines between frames, relative to the largest value: one per cent."""
 _FEWEST = 33
-"""Number of equidistant times at which halving intervals begins."""
+"""Least number of equidistant times at which halving intervals begins."""
+_A_PERIOD = 2
+"""Least number of intervals in a period of the fastest excitation to begin with: fewer see some motions stand still."""
 _STATIONS = 33
 """Number of equidistant positions on the beam at which errors are measured."""
 _INSIDE = (0.2, 0.4, 0.6, 0.8)
@@ -142,8 +145,9 @@ def _resolved(history: History, start: float, end: float, tolerance: float | Non
     def motion(t: FloatArray) -> FloatArray:
         return np.stack([history.displacement(x, t), history.velocity(x, t)])
 
-    switches = history.switch_times
-    times = np.union1d(np.linspace(start, end, _FEWEST), switches[(switches > start) & (switches < end)])
+    switches, waves = history.switch_times, (end - start) * history.problem.forces.fastest / (2 * math.pi)
+    begin = _not_too_many(np.linspace(start, end, max(_FEWEST, math.ceil(_A_PERIOD * min(waves, MOST_FRAMES)) + 1)))
+    times = np.union1d(begin, switches[(switches > start) & (switches < end)])
     left, right = times[:-1], times[1:]
     largest = np.max(np.abs(motion(times)), axis=(1, 2))[:, None, None]
     while left.size:

@@ -15,7 +15,7 @@ import numpy as np
 
 import analytic
 import fe_lapjoint
-from lapjoint import FREE, ContactState, History, Problem, paper_joint, paper_state_number, sdnl104
+from lapjoint import FREE, BaseMotion, ContactState, History, Problem, paper_joint, paper_state_number, sdnl104
 from lapjoint.answers import Contact
 from lapjoint.answers.steady_state import impulses_per_period
 from lapjoint.orbits.exponent import exponent_of
@@ -168,7 +168,7 @@ def presets() -> Iterator[Check]:
 
     joint, table_6 = paper_joint(), {key: row[0] for key, row in group("paper joint").items()}
     beam, base = joint.beam, joint.base_motion
-    assert base is not None
+    assert isinstance(base, BaseMotion)
     assert beam.material is not None
     E, L = table_6["youngs_modulus"].value, table_6["length"].value
     EI = E * table_6["breadth"].value * table_6["height"].value ** 3 / 12
@@ -201,7 +201,7 @@ def presets() -> Iterator[Check]:
     yield against("SDNL104: density", drop.beam.material.density, of["density"])
     yield against("SDNL104: gap", drop.stops[0].gap, of["gap"])
     yield against("SDNL104: stiffness", drop.stops[0].stiffness, of["stiffness"])
-    yield against("SDNL104: force", drop.point_loads[0].force, of["force"])
+    yield against("SDNL104: force", drop.point_loads[0].force, of["force"])  # type: ignore[union-attr]
     yield same("SDNL104: side", drop.stops[0].sign, -1, "1")
 
 

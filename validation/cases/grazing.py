@@ -54,7 +54,7 @@ def three_modes() -> Callable[[float], int]:
     x, w = np.polynomial.legendre.leggauss(60)
     share = BEAM.m * modes.shapes((x + 1) * BEAM.length / 2) @ w * BEAM.length / 2
     base = FREE_FLIGHT.base_motion
-    assert base is not None
+    assert isinstance(base, BaseMotion)
 
     def rates(t: float, y: FloatArray) -> FloatArray:
         force = share * base.amplitude * base.angular_frequency**2 * math.sin(base.angular_frequency * t)

@@ -8,7 +8,7 @@ import numpy as np
 
 import analytic
 import fe_lapjoint
-from lapjoint import Outcome, SteadyState, paper_joint
+from lapjoint import BaseMotion, Outcome, SteadyState, paper_joint
 from lapjoint.answers.steady_state import ComplexArray
 from validation.ledger.curves import PUBLISHED, Curve, Figure4, at
 from validation.ledger.entry import Entry, said
@@ -169,7 +169,7 @@ def phase_lag() -> Entry:
     """Whether the beam repeats the excitation with a lag of pi at high frequency."""
     omega = 5000.0
     problem = paper_joint(angular_frequency=omega)
-    assert problem.base_motion is not None
+    assert isinstance(problem.base_motion, BaseMotion)
     amplitude = problem.base_motion.amplitude
     x = np.array([TIP / 2, TIP])
 

@@ -130,7 +130,7 @@ class Solver:
         Raises
         ------
         InputError
-            If OpenSees cannot express the problem or is not installed, or the excitation has no single frequency.
+            If OpenSees cannot express the problem or is not installed, or the excitation has no period.
         SolverError
             If OpenSees fails.
         """
@@ -162,7 +162,6 @@ def check_problem(problem: Problem) -> None:
         raise InputError("point_loads: the OpenSees solver knows base motion only")
     if not isinstance(problem.initial, AtRest):
         raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
-    if problem.base_motion is not None and problem.base_motion.phase != 0:
-        raise InputError(
-            f"base_motion.phase = {problem.base_motion.phase:g}: must be 0, as OpenSees starts without acceleration"
-        )
+    phases = [force.phase for force in problem.forces.harmonic if force.phase]
+    if phases:
+        raise InputError(f"base_motion: phase = {phases[0]:g}: must be 0, as OpenSees starts without acceleration")

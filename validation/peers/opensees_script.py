@@ -261,7 +261,7 @@ def settled(
     Parameters
     ----------
     problem : Problem
-        The joint; its excitation has one frequency.
+        The joint; its excitation has a period.
     elements : int
         About how many.
     dt : float

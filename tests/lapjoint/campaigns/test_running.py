@@ -18,12 +18,14 @@ import xarray as xr
 from counting_solver import asked, installed
 
 import lapjoint.campaigns.batch
-from lapjoint import BaseMotion, Problem, SampledShape, SineLoad, paper_joint
+from lapjoint import BaseMotion, HarmonicsBaseMotion, Problem, SampledShape, SineLoad, StepLoad, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.campaigns.grid import MOST_POINTS, UNITS, Grid
 from lapjoint.campaigns.journal import journal_path
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import InputError, Interrupted, SolverError
+from lapjoint.problem import BaseHarmonic
+from lapjoint.problem.excitation import Wave
 
 FEW = {"n_modes": 4}  # the least that is quick; no accuracy is asked of these tests
 JOINT = paper_joint()
@@ -326,6 +328,41 @@ def test_the_frequency_is_that_of_every_sine_load() -> None:
         Grid(JOINT.replace(base_motion=None), (Axis(FREQUENCY, [20.0]),)).check()
 
 
+def test_a_sweep_over_the_frequency_keeps_whole_multiples() -> None:
+    def frequencies(base: float | None, *omegas: float) -> list[float]:
+        problem = JOINT.replace(
+            base_motion=None
+            if base is None
+            else HarmonicsBaseMotion(angular_frequency=base, harmonics=(BaseHarmonic(multiple=2, amplitude=1e-3),)),
+            point_loads=tuple(SineLoad(x=1.0, force=1.0, angular_frequency=omega) for omega in omegas),
+        )
+        there = Grid(problem, (Axis(FREQUENCY, [7.3]),)).problem_at(0)
+        moved = () if there.base_motion is None else (there.base_motion,)
+        return [part.angular_frequency for part in (*moved, *there.point_loads) if not isinstance(part, StepLoad)]
+
+    assert frequencies(60.0, 120.0, 60.0) == [7.3, 14.6, 7.3]
+    assert frequencies(60.0, 20.0) == pytest.approx([7.3, 7.3 / 3])
+    assert frequencies(0.1, 0.3) == [7.3, 3 * 7.3]
+    assert frequencies(60.0, 90.0) == [7.3, 7.3]  # no multiples: all of one frequency, as ever
+    assert frequencies(None, 40.0, 20.0) == [14.6, 7.3]
+
+
+def test_harmonics_are_swept_by_frequency_and_amplitude() -> None:
+    base = HarmonicsBaseMotion(
+        angular_frequency=60.0,
+        harmonics=(BaseHarmonic(multiple=1, amplitude=1e-3), BaseHarmonic(multiple=2, amplitude=1e-4, phase=0.5)),
+    )
+    axes = (Axis(FREQUENCY, [7.0, 9.0]), Axis("base_motion.harmonics.1.amplitude", [0.0, 2e-4]))
+    grid = Grid(JOINT.replace(base_motion=base), axes)
+    grid.check()
+    assert grid.problem_at(3).forces == Grid(grid.problem_at(1), (Axis(FREQUENCY, [9.0]),)).problem_at(0).forces
+    moved = grid.problem_at(3).base_motion
+    assert moved is not None
+    assert moved.waves == (Wave(1e-3, 9.0, 0.0), Wave(2e-4, 18.0, 0.5))
+    assert [axis.name for axis in axes] == ["angular_frequency", "base_motion_harmonics_1_amplitude"]
+    assert axes[1].units == "m"
+
+
 def test_every_number_of_a_problem_has_units() -> None:
     definitions = Problem.model_json_schema()["$defs"].values()
     numbers = {
@@ -352,7 +389,7 @@ BAD: list[tuple[str, dict[str, Any], str]] = [
     ("below a number", {"axes": [("damping.ratio.x", [1.0])]}, "axis damping.ratio.x: 'x' is below a single value"),
     ("bad value", {"axes": [("damping.ratio", [0.1, -0.1])]}, "damping.ratio = -0.1: damping.ratio = -0.1: must be"),
     ("off the beam", {"axes": [("stops.0.x", [2.5, 2.6, 2.0])]}, "stops.0.x = 2.6: stops[0].x = 2.6: lies outside"),
-    ("not excited", {"axes": [("base_motion.amplitude", [0.0, 0.1])]}, "one common angular_frequency"),
+    ("not excited", {"axes": [("base_motion.amplitude", [0.0, 0.1])]}, "must have one angular_frequency"),
     ("start", {"start": "left"}, "start = 'left': allowed: rest, up, down, random"),
     ("starts", {"starts": 0}, "starts = 0: must be an integer from 1"),
     ("starts of a chain", {"start": "up", "starts": 2}, "starts = 2: must be 1 with start = 'up'"),

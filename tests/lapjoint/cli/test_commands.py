@@ -336,7 +336,7 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     (
         "sections of what has no period",
         ("simulate", "preset:sdnl104", "--duration", "1e9", "--figure", "a.png", "--draw", "poincare"),
-        "--draw poincare: base_motion and sine loads must have one common angular_frequency; there is neither",
+        "--draw poincare: the excitation must have one angular_frequency, or whole multiples of the lowest; there is",
     ),
     ("nowhere to write", (*SIMULATE, "--contacts", "no/such/a.csv"), "there is no such directory"),
     ("nothing excites", ("steady", "preset:sdnl104"), "angular_frequency"),

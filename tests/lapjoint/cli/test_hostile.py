@@ -17,6 +17,18 @@ from lapjoint.errors import InputError
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import to_toml
 
+HARMONICS = """
+beam = {length = 1.0, bending_stiffness = 1.0, mass_per_length = 1.0}
+[base_motion]
+kind = "harmonics"
+angular_frequency = 60.0
+harmonics = [{multiple = 1, amplitude = 2e-3}, {multiple = 3, amplitude = 1e-4, phase = 0.7}]
+[[point_loads]]
+kind = "harmonics"
+x = 0.5
+angular_frequency = 60.0
+harmonics = [{multiple = 2, force = 3.0}]
+"""
 VALUES = [
     *("0", "-1", "1e308", "-1e308", "1e-320", "5e-324", "1.8e308", "inf", "-inf", "nan", "true", "[]", "{}", '""', "x"),
     *("9" * 5000, "[" * 300 + "]" * 300, '"\\u0000"', '"\\u001b[2J"', "1979-05-27", "07:32:00", "[1, 2, 3]", "[[]]"),
@@ -27,6 +39,12 @@ PATHS = [
     *("beam.material.density", "beam.material.youngs_modulus", "beam.bending_stiffness", "supports", "supports.0.x"),
     *("supports.0.translational", "supports.*.torsional", "stops", "stops.0", "stops.P2.gap", "stops.*.stiffness"),
     *("stops.*.x", "stops.*.name", "stops[1].side", "stops.99.gap", "damping", "damping.kind", "damping.ratio"),
+    *(
+        "base_motion.kind",
+        "base_motion.harmonics",
+        "base_motion.harmonics.0.multiple",
+        "point_loads.0.harmonics[1].phase",
+    ),
     *("base_motion", "base_motion.amplitude", "base_motion.angular_frequency", "base_motion.phase", "point_loads"),
     *("initial", "initial.kind", "initial.displacement", "", ".", "..", "*", "a." * 500 + "b", "stops.-1.gap", "é.ü"),
     *("stops." + "9" * 5000, "beam.length.x", "beam.section.*", "title.0", "[", "]", "stops[", "\x1b[2J"),
@@ -35,7 +53,7 @@ PATHS = [
 
 def mutated_file(rng: random.Random) -> bytes:
     """A problem file with one to four faults: bytes, values, lines, keys."""
-    text = rng.choice([to_toml(paper_joint()), to_toml(sdnl104()), commented_example()])
+    text = rng.choice([to_toml(paper_joint()), to_toml(sdnl104()), commented_example(), HARMONICS])
     for _ in range(rng.randint(1, 4)):
         lines = text.splitlines(keepends=True) or [""]
         i, j = rng.randrange(len(lines)), rng.randrange(len(lines))

@@ -132,7 +132,7 @@ def test_points_apart_by_rounding_are_not_blown_up(driven: History) -> None:
 
 
 def test_what_has_no_section_is_refused(history: History, driven: History) -> None:
-    with pytest.raises(InputError, match="a Poincare section: base_motion and sine loads must have one common"):
+    with pytest.raises(InputError, match="a Poincare section: the excitation must have one angular_frequency"):
         plot_poincare_section(history)
     with pytest.raises(InputError, match=r"phase = 1: the history, 0\.5 to 1 s, holds no section; allowed are .* 1 s"):
         plot_poincare_section(replace(driven, start=0.5, end=1.0), phase=1.0)

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from written_history import OMEGA
 
-from lapjoint import FREE, BaseMotion, History, InputError
+from lapjoint import FREE, BaseMotion, HarmonicsBaseMotion, History, InputError
 from lapjoint.figures import plot_spectrum
 from lapjoint.figures.spectrum import TOLERANCE, repeating_periods, spectrum
 from lapjoint.figures.style import figure_of
-from lapjoint.problem import FloatArray
+from lapjoint.problem import BaseHarmonic, FloatArray
 
 Signal = Callable[[FloatArray], FloatArray]
 
@@ -42,6 +42,15 @@ def test_a_sine_has_its_amplitude_at_its_frequency_and_nothing_else(history: His
     np.testing.assert_allclose(omega, OMEGA * np.arange(10), rtol=1e-15)
     np.testing.assert_allclose(amplitude, [0, 3, *[0] * 8], atol=3e-12)  # mm; rounding of the transform
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("angular frequency [rad/s]", "amplitude of z [mm]")
+
+
+def test_all_harmonics_of_the_excitation_are_drawn(history: History) -> None:
+    base = HarmonicsBaseMotion(angular_frequency=OMEGA, harmonics=(BaseHarmonic(multiple=30, amplitude=1e-3),))
+    motion = sine(history, 1.0, 30 * OMEGA)
+    motion = replace(motion, problem=motion.problem.replace(base_motion=base))
+    omega, amplitude = (np.asarray(values) for values in plot_spectrum(motion).lines[0].get_data())
+    assert omega[-1] == pytest.approx(60 * OMEGA)
+    assert amplitude[30] == pytest.approx(3.0)
 
 
 def test_a_rectified_sine_has_the_harmonics_of_its_series(history: History) -> None:

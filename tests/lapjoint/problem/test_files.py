@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -14,6 +15,8 @@ from lapjoint import (
     BaseMotion,
     Beam,
     Circle,
+    HarmonicsBaseMotion,
+    HarmonicsLoad,
     InputError,
     Material,
     ModalDamping,
@@ -32,7 +35,7 @@ from lapjoint import (
     sdnl104,
 )
 from lapjoint.errors import OutputError
-from lapjoint.problem import AtRest
+from lapjoint.problem import AtRest, BaseHarmonic, LoadHarmonic
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
 
@@ -48,6 +51,14 @@ sections = st.one_of(
         st.floats(0.1, 0.9),
     ),
 )
+
+
+def several(harmonic: Any, **sizes: Any) -> Any:
+    """One to three harmonics of different multiples."""
+    multiples = st.lists(st.integers(1, 10_000), min_size=1, max_size=3, unique=True)
+    return multiples.flatmap(
+        lambda found: st.tuples(*(st.builds(harmonic, multiple=st.just(n), phase=finite, **sizes) for n in found))
+    )
 
 
 @st.composite
@@ -84,6 +95,7 @@ def problems(draw: st.DrawFn) -> Problem:
     loads = st.one_of(
         st.builds(StepLoad, x=within, force=finite),
         st.builds(SineLoad, x=within, force=finite, angular_frequency=positive, phase=finite),
+        st.builds(HarmonicsLoad, x=within, angular_frequency=positive, harmonics=several(LoadHarmonic, force=finite)),
     )
     return Problem(
         title=draw(st.text(max_size=20)),
@@ -98,7 +110,11 @@ def problems(draw: st.DrawFn) -> Problem:
             )
         ),
         base_motion=draw(
-            st.none() | st.builds(BaseMotion, amplitude=positive, angular_frequency=positive, phase=finite)
+            st.none()
+            | st.builds(BaseMotion, amplitude=positive, angular_frequency=positive, phase=finite)
+            | st.builds(
+                HarmonicsBaseMotion, angular_frequency=positive, harmonics=several(BaseHarmonic, amplitude=positive)
+            )
         ),
         point_loads=tuple(draw(st.lists(loads, max_size=2))),
         initial=initial,
@@ -149,6 +165,13 @@ mass_per_length = 1.0
 """
 STOP = '[[stops]]\nx = 1.0\nside = "top"\ngap = 1e-3\nstiffness = 1e5\n'
 CLAMP = "[[supports]]\nx = 0.0\ntranslational = inf\ntorsional = inf\n"
+
+
+def harmonics(*tables: str) -> str:
+    """A base that moves by harmonics."""
+    return f'[base_motion]\nkind = "harmonics"\nangular_frequency = 2.0\nharmonics = [{", ".join(tables)}]\n'
+
+
 FAULTS: list[tuple[str, str, str]] = [
     (
         "negative length",
@@ -196,6 +219,47 @@ FAULTS: list[tuple[str, str, str]] = [
         "moved clamp",
         GOOD + CLAMP + '[initial]\nkind = "polynomial"\ndisplacement = [1.0]',
         "initial.displacement: moves supports[0]",
+    ),
+    ("kind of base", GOOD + '[base_motion]\nkind = "square"', 'base_motion.kind = "square": allowed: harmonics, sine'),
+    (
+        "no frequency",
+        GOOD + "[base_motion]\namplitude = 1.0",
+        "base_motion.angular_frequency: is missing (omega, rad/s)",
+    ),
+    (
+        "no frequency of harmonics",
+        GOOD + harmonics("{multiple = 1, amplitude = 1.0}").replace("angular_frequency = 2.0\n", ""),
+        "base_motion.angular_frequency: is missing (omega of the fundamental",
+    ),
+    ("a half", GOOD + harmonics("{multiple = 1.5, amplitude = 1.0}"), "[0].multiple = 1.5: must be a whole number"),
+    ("none", GOOD + harmonics("{multiple = 0, amplitude = 1.0}"), "harmonics[0].multiple = 0: must be at least 1"),
+    ("text for one", GOOD + harmonics('{multiple = "1", amplitude = 1.0}'), 'multiple = "1": must be a number'),
+    ("too many", GOOD + harmonics("{multiple = 10001, amplitude = 1.0}"), "= 10001: must be at most 10000"),
+    ("no harmonics", GOOD + harmonics(), "base_motion.harmonics: must have at least one harmonic"),
+    (
+        "repeated",
+        GOOD + harmonics(*["{multiple = 3, amplitude = 1.0}"] * 2),
+        "base_motion.harmonics: multiple 3 is given 2 times; each must be there once",
+    ),
+    (
+        "force of the base",
+        GOOD + harmonics("{multiple = 3, force = 1.0}"),
+        "base_motion.harmonics[0].force: unknown key; allowed: multiple, amplitude, phase",
+    ),
+    (
+        "fast harmonic",
+        GOOD + harmonics("{multiple = 1, amplitude = 1.0}", "{multiple = 100, amplitude = 1e304}"),
+        "base_motion.harmonics[1]: the acceleration comes to inf, and must be finite; it follows from ampl",
+    ),
+    (
+        "fast together",
+        GOOD + harmonics("{multiple = 1, amplitude = 0.3e308}", "{multiple = 2, amplitude = 0.1e308}"),
+        "base_motion: the accelerations of its harmonics come to inf together, and must be finite",
+    ),
+    (
+        "fast load",
+        GOOD + "[[point_loads]]\nx = 1.0\nforce = 1.0\nangular_frequency = 1e200",
+        "point_loads[0]: the square of the angular frequency comes to inf, and must be finite and above 0",
     ),
     ("broken", GOOD + "length =", "is not valid TOML"),
     ("twice", GOOD + "length = 2.0\nlength = 3.0", "is not valid TOML"),

@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from lapjoint.problem import BaseMotion, Beam, Problem, SineLoad, StepLoad
+from lapjoint.problem import (
+    BaseHarmonic,
+    BaseMotion,
+    Beam,
+    HarmonicsBaseMotion,
+    HarmonicsLoad,
+    LoadHarmonic,
+    PointLoad,
+    Problem,
+    SineLoad,
+    StepLoad,
+)
 from lapjoint.problem.forces import ConstantForce, Forces, HarmonicForce, SampledForce
 
 BEAM = Beam(length=2.0, bending_stiffness=3.0, mass_per_length=1.25)
@@ -53,7 +66,7 @@ def test_the_fastest_force_is_one_that_has_a_size() -> None:
 def test_sampled_forces_are_linear_between_the_knots_of_all() -> None:
     first = SampledForce(None, np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, -2.0]))
     second = SampledForce(0.5, np.array([0.0, 1.0 + 1e-12, 2.0, 4.0]), np.array([5.0, 5.0, 7.0, 9.0]))
-    ramps = Forces((), (), (first, second)).ramps
+    ramps = Forces((), (), None, (first, second)).ramps
     assert ramps is not None
     assert ramps.time.tolist() == [0.0, 1.0, 2.0, 3.0]  # up to where the first of them ends
     t = np.array([0.25, 1.0, 1.5, 2.75])
@@ -68,9 +81,85 @@ def test_sampled_forces_are_linear_between_the_knots_of_all() -> None:
 def test_knots_that_are_uneven_have_no_spacing_of_their_own() -> None:
     even = np.arange(1001) / 1000.0
     assert SampledForce(None, even, even).x is None
-    ramps = Forces((), (), (SampledForce(None, even, even),)).ramps
+    ramps = Forces((), (), None, (SampledForce(None, even, even),)).ramps
     assert ramps is not None
     assert abs(ramps.spacing - 1e-3) < 1e-18
-    uneven = Forces((), (), (SampledForce(None, even**1.5, even),)).ramps
+    uneven = Forces((), (), None, (SampledForce(None, even**1.5, even),)).ramps
     assert uneven is not None
     assert not np.any(np.abs(np.diff(uneven.time)[1:] - uneven.spacing) < 1e-12)
+
+
+def harmonics(omega: float, *multiples: int, amplitude: float = 1e-3) -> HarmonicsBaseMotion:
+    """A base that moves by some harmonics of one size."""
+    return HarmonicsBaseMotion(
+        angular_frequency=omega,
+        harmonics=tuple(BaseHarmonic(multiple=n, amplitude=amplitude, phase=0.1 * n) for n in multiples),
+    )
+
+
+def test_harmonics_of_the_base_act_by_their_own_accelerations() -> None:
+    problem = Problem(beam=BEAM, base_motion=harmonics(2.0, 1, 5))
+    inertia = 1.25 * 1e-3 * (4 * np.sin(2 * TIMES + 0.1) + 100 * np.sin(10 * TIMES + 0.5))
+    assert np.allclose(sum(force.at(TIMES) for force in problem.forces.every), inertia, rtol=1e-12)
+    assert problem.base_motion is not None
+    assert np.allclose(-1.25 * problem.base_motion.at(TIMES, 2), inertia, rtol=1e-12)
+    assert problem.forces.fundamental == 2.0
+    assert problem.forces.fastest == 10.0
+
+
+def test_harmonics_of_a_load_act_at_its_place() -> None:
+    load = HarmonicsLoad(
+        x=0.5,
+        angular_frequency=3.0,
+        harmonics=(LoadHarmonic(multiple=4, force=-2.0, phase=0.3), LoadHarmonic(multiple=1, force=0.0)),
+    )
+    forces = Problem(beam=BEAM, point_loads=(load,)).forces
+    assert forces.harmonic == (HarmonicForce(0.5, -2.0, 12.0, 0.3), HarmonicForce(0.5, 0.0, 3.0, 0.0))
+    assert forces.fundamental == 3.0
+
+
+def test_one_harmonic_is_a_sine_to_the_last_bit() -> None:
+    sine = BaseMotion(amplitude=1e-3, angular_frequency=7.3, phase=0.1)
+    one = harmonics(7.3, 1)
+    assert one.waves == sine.waves
+    assert Problem(beam=BEAM, base_motion=one).forces == Problem(beam=BEAM, base_motion=sine).forces
+
+
+def test_the_fundamental_is_the_lowest_frequency_that_a_part_states() -> None:
+    def of(base: HarmonicsBaseMotion, *omegas: float) -> float | None:
+        loads = tuple(SineLoad(x=0.5, force=1.0, angular_frequency=omega) for omega in omegas)
+        return Problem(beam=BEAM, base_motion=base, point_loads=loads).excitation_frequency
+
+    assert of(harmonics(60.0, 2, 3)) == 60.0  # it is stated, though nothing moves at it
+    assert of(harmonics(60.0, 1, 2), 180.0) == 60.0
+    assert of(harmonics(60.0, 1, 2), 30.0) == 30.0
+    assert of(harmonics(60.0, 1, 2), 90.0) is None
+    assert of(harmonics(30.0, 2, 4), 90.0) == 30.0  # who means that states the lower one
+    assert of(harmonics(60.0, 1, amplitude=0.0), 90.0) == 90.0
+    assert of(harmonics(0.1, 1, 3), 0.1 * 7) == 0.1
+
+
+def test_forces_change_sign_in_half_a_period_by_odd_multiples_alone() -> None:
+    def change_sign(base: HarmonicsBaseMotion | None, *loads: PointLoad) -> bool:
+        forces = Problem(beam=BEAM, base_motion=base, point_loads=loads).forces
+        half = TIMES + math.pi / (forces.fundamental or 1.0)
+        now, then = (sum(force.at(t) for force in forces.every) for t in (TIMES, half))
+        assert np.allclose(now, -np.asarray(then), atol=1e-12) == forces.change_sign or forces.fundamental is None
+        return forces.change_sign
+
+    def load(omega: float) -> SineLoad:
+        return SineLoad(x=0.5, force=0.01, angular_frequency=omega, phase=0.2)
+
+    assert change_sign(harmonics(2.0, 1, 3, 7))
+    assert not change_sign(harmonics(2.0, 1, 2))
+    assert not change_sign(harmonics(2.0, 4))
+    assert change_sign(harmonics(2.0, 1), load(6.0))
+    assert not change_sign(harmonics(2.0, 1), load(1.0))
+    assert not change_sign(harmonics(2.0, 1), load(4.0))
+    assert not change_sign(harmonics(2.0, 1), StepLoad(x=0.5, force=1.0))
+    assert not change_sign(None)
+    silent = HarmonicsBaseMotion(
+        angular_frequency=2.0,
+        harmonics=(BaseHarmonic(multiple=1, amplitude=1.0), BaseHarmonic(multiple=2, amplitude=0.0)),
+    )
+    assert change_sign(silent)

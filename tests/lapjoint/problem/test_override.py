@@ -7,8 +7,10 @@ from typing import Any
 
 import pytest
 
-from lapjoint import InputError, paper_joint
-from lapjoint.problem.files import problem_tables
+from lapjoint import HarmonicsBaseMotion, InputError, paper_joint
+from lapjoint.problem import BaseHarmonic
+from lapjoint.problem.excitation import Wave
+from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.override import override, toml_value
 
 
@@ -35,6 +37,19 @@ def test_values_are_set_by_number_by_name_and_all_at_once() -> None:
     assert [stop["gap"] for stop in tables["stops"]] == [1, 2, 1e-3, 3]
     assert {stop["stiffness"] for stop in tables["stops"]} == {7}
     assert tables["title"] == "new"
+
+
+def test_a_harmonic_is_set_by_its_number() -> None:
+    base = HarmonicsBaseMotion(
+        angular_frequency=5.0,
+        harmonics=(BaseHarmonic(multiple=1, amplitude=1.0), BaseHarmonic(multiple=2, amplitude=2.0)),
+    )
+    tables = problem_tables(paper_joint().replace(base_motion=base))
+    for assignment in ("base_motion.harmonics[1].phase=0.3", "base_motion.harmonics.*.amplitude=3"):
+        override(tables, assignment)
+    moved = problem_from_tables(tables).base_motion
+    assert moved is not None
+    assert moved.waves == (Wave(3.0, 5.0, 0.0), Wave(3.0, 10.0, 0.3))
 
 
 @pytest.mark.parametrize(

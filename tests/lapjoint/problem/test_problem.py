@@ -100,22 +100,28 @@ def test_an_excitation_frequency_is_common_to_all_or_none() -> None:
     assert Problem(beam=BEAM, point_loads=(load(2.0), load(2.0))).excitation_frequency == 2.0
     assert Problem(beam=BEAM, point_loads=(load(2.0), load(3.0))).excitation_frequency is None
     assert Problem(beam=BEAM, point_loads=(load(2.0), load(3.0, 0.0))).excitation_frequency == 2.0
+    assert Problem(beam=BEAM, point_loads=(load(6.0), load(2.0), load(4.0))).excitation_frequency == 2.0
+    assert Problem(beam=BEAM, point_loads=(load(0.1), load(0.3))).excitation_frequency == 0.1  # 0.3 / 0.1 is below 3
+    assert Problem(beam=BEAM, point_loads=(load(2.0), load(4.0), load(5.0))).excitation_frequency is None
+    assert Problem(beam=BEAM, point_loads=(load(1e-3), load(11.0))).excitation_frequency is None
     assert paper_joint(angular_frequency=7.0).excitation_frequency == 7.0
 
 
 @pytest.mark.parametrize(
     ("changes", "there"),
     [
-        ({"base_motion": None}, "there is neither a base_motion with an amplitude nor a sine load with a force"),
+        ({"base_motion": None}, "there is neither a base_motion with an amplitude nor a periodic load with a force"),
         ({"base_motion": BaseMotion(amplitude=0.0, angular_frequency=2.0)}, "there is neither a base_motion"),
         (
             {"point_loads": (StepLoad(x=1.0, force=1.0), SineLoad(x=1.0, force=1.0, angular_frequency=3.0))},
-            r"base_motion.angular_frequency = 515, point_loads\[1\].angular_frequency = 3$",
+            r"base_motion.angular_frequency = 515, point_loads\[1\].angular_frequency = 3 \(kind = .* lower one\)$",
         ),
     ],
 )
 def test_a_problem_without_one_frequency_says_what_there_is(changes: dict[str, Any], there: str) -> None:
-    message = f"^steady state: base_motion and sine loads must have one common angular_frequency; {there}"
+    message = (
+        f"^steady state: the excitation must have one angular_frequency, or whole multiples of the lowest; {there}"
+    )
     with pytest.raises(InputError, match=message):
         paper_joint().replace(**changes).require_excitation_period("steady state")
 

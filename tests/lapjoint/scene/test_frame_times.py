@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from lapjoint import History
+from lapjoint import HarmonicsBaseMotion, History
+from lapjoint.problem import BaseHarmonic, FloatArray
 from lapjoint.scene.frame_times import chosen_times
 
 
@@ -38,6 +40,25 @@ def test_a_finer_tolerance_takes_the_frames_a_sine_needs(history: History) -> No
     # The error of a chord of sin(2 pi t) is (2 pi h)^2 / 8, and intervals are halved.
     needed = 2 * math.pi / math.sqrt(8 * 1e-4)
     assert needed < chosen_times([history], tolerance=1e-4).size < 2.5 * needed
+
+
+@pytest.mark.parametrize(("seconds", "multiple"), [(160, 1), (8, 20), (1, 160)])
+def test_a_motion_that_all_first_looks_miss_is_shown(history: History, seconds: int, multiple: int) -> None:
+    """Once 32 intervals of a history, and four times inside each, saw sin(2 pi t) at multiples of its period alone."""
+    omega = 2 * math.pi * multiple
+    base = HarmonicsBaseMotion(
+        angular_frequency=2 * math.pi, harmonics=(BaseHarmonic(multiple=multiple, amplitude=1.0),)
+    )
+
+    def field(x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
+        return np.outer(np.ones_like(x), omega**dt * np.sin(omega * t + dt * math.pi / 2))
+
+    still = {"switch_times": np.zeros(0), "states": history.states[:1], "contacts": ()}
+    problem = history.problem.replace(stops=(), base_motion=base)
+    motion = replace(history, **still, problem=problem, end=float(seconds), field=field)
+    times, t = chosen_times([motion], tolerance=0.01), np.linspace(0.0, seconds, 20_011)
+    error = np.abs(np.interp(t, times, np.sin(omega * times)) - np.sin(omega * t)).max()
+    assert error <= 0.01
 
 
 def test_two_motions_are_shown_at_the_switches_of_both(history: History) -> None:
