@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.problem import Problem, StepLoad
+from lapjoint.problem import Problem, RecordBaseMotion, RecordLoad, StepLoad
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.forces import multiple_of
 from lapjoint.problem.override import assign, path_keys
@@ -226,8 +226,9 @@ class Grid:
     def _frequencies(self) -> dict[str, float]:
         """The angular frequencies of all periodic parts, rad/s, by their paths."""
         base, loads = self.problem.base_motion, self.problem.point_loads
-        found = {} if base is None else {FREQUENCY: base.angular_frequency}
-        periodic = {i: load.angular_frequency for i, load in enumerate(loads) if not isinstance(load, StepLoad)}
+        found = {} if base is None or isinstance(base, RecordBaseMotion) else {FREQUENCY: base.angular_frequency}
+        others = StepLoad | RecordLoad
+        periodic = {i: load.angular_frequency for i, load in enumerate(loads) if not isinstance(load, others)}
         return found | {f"point_loads.{i}.angular_frequency": omega for i, omega in periodic.items()}
 
     def check(self) -> None:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from lapjoint.problem.excitation import MOST_MULTIPLE, AnyBaseMotion, PointLoad
+from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import FloatArray
 
 _EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
@@ -186,6 +187,20 @@ class Forces:
         """The highest angular frequency of a harmonic force that has a size, rad/s; 0 where there is none."""
         return max((force.angular_frequency for force in self.harmonic if force.amplitude), default=0.0)
 
+    @cached_property
+    def usual_rate(self) -> float:
+        """The root mean square of the rate of change of a sampled force over its own, 1/s: the largest of them, or 0.
+
+        For a sine it is its angular frequency, for white noise up to a frequency f it is 2 pi f / sqrt(3).
+        """
+        rates = [0.0]
+        for force in self.sampled:
+            h, f = np.diff(force.knots), force.values
+            square = float(h @ (f[1:] ** 2 + f[1:] * f[:-1] + f[:-1] ** 2)) / 3
+            if square > 0:
+                rates.append(float(np.sqrt(np.sum(np.diff(f) ** 2 / h) / square)))
+        return max(rates)
+
     @property
     def change_sign(self) -> bool:
         """Whether all are the opposite half a period later: no constant ones, and no even multiples."""
@@ -241,7 +256,7 @@ def forces_of(
     ----------
     mass_per_length : float
         m of the beam, kg/m: relative to a base y(t) every part of it feels the force -m y''.
-    base : BaseMotion, HarmonicsBaseMotion or None
+    base : BaseMotion, HarmonicsBaseMotion, RecordBaseMotion or None
         The motion of the base.
     loads : iterable of PointLoad
         The point loads.
@@ -251,14 +266,18 @@ def forces_of(
     Returns
     -------
     Forces
-        Each wave of the base, and each constant and each wave of a point load.
+        Each wave of the base, and each constant and each wave of a point load, and records of both.
     """
-    constant, harmonic = [], []
+    constant, harmonic, sampled = [], [], []
+    if isinstance(base, RecordBaseMotion):
+        sampled.append(SampledForce(None, base.motion.time, -mass_per_length * base.motion.acceleration))
     for wave in () if base is None else base.waves:
         inertia = mass_per_length * wave.amplitude * wave.angular_frequency**2
         harmonic.append(HarmonicForce(None, inertia, wave.angular_frequency, wave.phase))
     for load in loads:
         if load.constant:
             constant.append(ConstantForce(load.x, load.constant))
+        if isinstance(load, RecordLoad):
+            sampled.append(SampledForce(load.x, load.time, load.force))
         harmonic += [HarmonicForce(load.x, w.amplitude, w.angular_frequency, w.phase) for w in load.waves]
-    return Forces(tuple(constant), tuple(harmonic), fundamental)
+    return Forces(tuple(constant), tuple(harmonic), None if sampled else fundamental, tuple(sampled))

@@ -162,6 +162,10 @@ def check_problem(problem: Problem) -> None:
         raise InputError("point_loads: the OpenSees solver knows base motion only")
     if not isinstance(problem.initial, AtRest):
         raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
+    if problem.records:
+        raise InputError(
+            f"{next(iter(problem.records))}: is a record; the OpenSees solver knows sines and harmonics only"
+        )
     phases = [force.phase for force in problem.forces.harmonic if force.phase]
     if phases:
         raise InputError(f"base_motion: phase = {phases[0]:g}: must be 0, as OpenSees starts without acceleration")
