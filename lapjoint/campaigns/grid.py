@@ -217,6 +217,8 @@ class Grid:
         if axis.path != FREQUENCY:
             return [(axis.path, value)]
         if not self._frequencies:
+            if self.problem.records:
+                self.problem.require_excitation_frequency(f"axis {FREQUENCY}")
             message = "nothing excites this problem; give it a base_motion or a periodic load"
             raise InputError(f"axis {FREQUENCY}: {message}")
         own = self._frequencies.get(FREQUENCY, self.problem.excitation_frequency)

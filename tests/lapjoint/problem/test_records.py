@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from lapjoint import InputError, Problem, paper_joint, read_problem, write_problem
-from lapjoint.campaigns.grid import Axis, Grid
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.errors import RecordWarning
 from lapjoint.problem import RecordBaseMotion, RecordLoad
@@ -152,6 +152,8 @@ def test_a_plan_holds_the_digest_and_not_the_samples() -> None:
 def test_what_has_no_period_says_so() -> None:
     with pytest.raises(InputError, match="steady state: base_motion is a record, which has no period"):
         _joint().require_excitation_frequency("steady state")
+    with pytest.raises(InputError, match=r"axis base_motion\.angular_frequency: base_motion is a record"):
+        Grid(_joint(), (Axis(FREQUENCY, (1.0,)),)).check()
 
 
 def test_no_motion_is_simulated_beyond_its_record() -> None:
