@@ -198,8 +198,9 @@ class Solver:
         problem.check_duration(duration)
         from analytic import answers
 
-        motion = answers.simulate(problem, self.name, self.mode_counts(problem), float(duration), progress)
-        return self._with_errors(motion, float(duration)) if errors else motion
+        counts = self.mode_counts(problem)
+        motion = answers.simulate(problem, self.name, counts, float(duration), progress)
+        return self._with_errors(motion, counts, float(duration)) if errors else motion
 
     @in_one_thread
     def steady_state(
@@ -248,21 +249,23 @@ class Solver:
             self.name,
             effort,
             start=start,
-            finer=self._finer_map(problem),
+            finer=self._finer_map(problem) if errors else None,
             errors=errors,
             progress=progress,
         )
 
-    def _finer(self, problem: Problem) -> tuple[Solver, float] | None:
-        """This solver with more modes, to estimate its errors by, and how many times as many; None at the limit."""
-        counts = self.mode_counts(problem)
+    def _finer(self, counts: tuple[int, int]) -> tuple[Solver, float] | None:
+        """This solver with more modes than `counts`, to estimate its errors by, and how many times as many.
+
+        None if these are nearly all that there may be.
+        """
         free, contact = (min(math.ceil(count * FINER), MOST_MODES) for count in counts)
         ratio = min(free / counts[0], contact / counts[1])
         return (replace(self, free_modes=free, contact_modes=contact), ratio) if ratio >= LEAST_FINER else None
 
     def _finer_map(self, problem: Problem) -> Callable[[], FinerMap] | None:
         """The period map of the finer solver, made when it is asked for."""
-        found = self._finer(problem)
+        found = self._finer(self.mode_counts(problem))
         if found is None:
             return None
         from lapjoint.orbits.orbit_errors import FinerMap
@@ -271,14 +274,14 @@ class Solver:
         finer, ratio = found
         return lambda: FinerMap(Refinement(finer.name, ratio, ORDER), finer.period_map(problem))
 
-    def _with_errors(self, motion: History, duration: float) -> History:
+    def _with_errors(self, motion: History, counts: tuple[int, int], duration: float) -> History:
         """A march with the errors of its contacts."""
         from analytic import answers
         from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
         from lapjoint.orbits.refinement import Refinement
 
         problem = motion.problem
-        found = self._finer(problem)
+        found = self._finer(counts)
         if found is None:
             return without_contact_errors(motion, f"{MOST_MODES} modes are the most there are")
         finer, ratio = found

@@ -1,15 +1,39 @@
-"""What several tests need: a history that is written down, and a machine that can draw."""
+"""What several tests need: a history that is written down, a machine that can draw, one thread, and a Ctrl-C
+that works.
+"""
 
 from __future__ import annotations
 
 import math
+import signal
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
+import scipy.linalg  # noqa: F401  its own library for linear algebra is loaded before `one_thread` looks for some
+from threadpoolctl import threadpool_limits
 from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS, swinging
 
 from lapjoint import FREE, Beam, ContactState, History, Problem, Stop
 from lapjoint.answers import Contact
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_thread() -> Iterator[None]:
+    """Linear algebra takes one thread: several processes with several threads each wait for one another."""
+    with threadpool_limits(1, user_api="blas"):
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def ctrl_c() -> Iterator[None]:
+    """Ctrl-C works: a shell without job control starts what runs in the background so that it is ignored."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @pytest.fixture

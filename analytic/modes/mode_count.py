@@ -65,9 +65,9 @@ def default_count(problem: Problem, tolerance: float) -> int:
     int
         From `LEAST` to `MOST`.
     """
-    pool = 40
+    pool, criterion = 40, _criterion(problem)
     while True:
-        enough = _enough(problem, tolerance, pool)
+        enough = _enough(criterion, tolerance, pool)
         if 2 * enough <= pool or pool >= 2 * MOST:
             return min(enough, MOST)
         pool *= 2
@@ -88,12 +88,7 @@ def truncation_error(problem: Problem, pool: int) -> FloatArray:
     FloatArray, shape (pool - 1,)
         e_N for N = 1 ... pool - 1, without unit.
     """
-    parts = _parts(family_of(problem), pool)
-    driven = max([parts.elastic, problem.forces.usual_rate, *harmonics_of(problem).omega]) ** 2
-    error = np.maximum(parts.steps, driven * parts.loads)
-    for stop, share in zip(problem.stops, parts.contacts, strict=True):
-        error = np.maximum(error, max(driven, _contact_square(problem, stop)) * share)
-    return np.asarray(error)
+    return _error(_criterion(problem), pool)
 
 
 def most_closed(problem: Problem) -> ContactState:
@@ -117,16 +112,47 @@ def most_closed(problem: Problem) -> ContactState:
     return ContactState(tuple(i for i, stop in enumerate(problem.stops) if stop.side == stiffer[stop.x]))
 
 
-def _contact_square(problem: Problem, stop: Stop) -> float:
-    """omega_c^2 of a contact's own, (rad/s)^2."""
+@dataclass(frozen=True)
+class _Criterion:
+    """What the criterion needs of a problem, whatever the number of modes at which its sums are cut."""
+
+    problem: Problem
+    family: Family
+    fastest: float
+    """The highest frequency of the loads, rad/s; 0 without any."""
+    contact_squares: tuple[float, ...]
+    """omega_c^2 of each stop's own, (rad/s)^2."""
+
+
+def _criterion(problem: Problem) -> _Criterion:
     damping = problem.damping
-    damped = isinstance(damping, ModalDamping) and damping.ratios(MOST + 1)[-1] >= _DAMPED
+    damped = isinstance(damping, ModalDamping) and bool(damping.ratios(MOST + 1)[-1] >= _DAMPED)
+    return _Criterion(
+        problem=problem,
+        family=family_of(problem),
+        fastest=float(harmonics_of(problem).omega.max(initial=problem.forces.usual_rate)),
+        contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
+    )
+
+
+def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
+    """omega_c^2 of a contact's own, (rad/s)^2."""
     c, base = _IMPACTS, problem.base_motion
     opposite = [other.gap for other in problem.stops if other.x == stop.x and other.side != stop.side]
     waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
     if opposite and len(waves) == 1 and not problem.point_loads:
         c = min(c, 2 * math.sqrt((stop.gap + min(opposite)) / 2 / waves[0]))
-    return 4 * c * (1.0 if damped else _RINGING) * stop.stiffness / (problem.beam.m * problem.beam.length)
+    return 4 * c * ringing * stop.stiffness / (problem.beam.m * problem.beam.length)
+
+
+def _error(criterion: _Criterion, pool: int) -> FloatArray:
+    """See `truncation_error`."""
+    parts = _parts(criterion.family, pool)
+    driven = max(parts.elastic, criterion.fastest) ** 2
+    error = np.maximum(parts.steps, driven * parts.loads)
+    for square, share in zip(criterion.contact_squares, parts.contacts, strict=True):
+        error = np.maximum(error, max(driven, square) * share)
+    return np.asarray(error)
 
 
 @dataclass(frozen=True)
@@ -183,9 +209,9 @@ def _steps(problem: Problem, modes: NormalModes) -> FloatArray:
     return np.asarray(np.max(errors, axis=0))
 
 
-def _enough(problem: Problem, tolerance: float, pool: int) -> int:
+def _enough(criterion: _Criterion, tolerance: float, pool: int) -> int:
     """The least number of modes by the sums over `pool` modes; `pool` itself if none is enough."""
-    error = truncation_error(problem, pool)
+    problem, error = criterion.problem, _error(criterion, pool)
     small = np.flatnonzero(error <= tolerance)
     count = max(LEAST, int(small[0]) + 1 if small.size else pool)
     if isinstance(problem.initial, AtRest):

@@ -8,9 +8,11 @@ does not shorten the steps of a search, and one that an impact has excited does.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from lapjoint.problem import FloatArray
 
@@ -50,9 +52,7 @@ class Envelope:
         FloatArray, shape (p, i)
             m.
         """
-        straying = np.minimum(2 * self.value, self.curvature * (width**2 / 8))
-        fade = np.exp(np.multiply.outer(self.start - t, self.fading))
-        return np.asarray(self.shares @ (straying * fade).T)
+        return np.asarray(_from_chord(self.shares, self.fading, self.value, self.curvature, t - self.start, width))
 
     def from_tangent(self, place: int, t: float, width: float) -> tuple[float, float]:
         """How far the motion of a place, and its rate, may stray from their values at a time.
@@ -72,6 +72,33 @@ class Envelope:
             By how much it may leave its tangent, m: by no more than the part s / width of that after s; and by how much
             its rate may change, m/s.
         """
-        now = self.shares[place] * np.exp(self.fading * (self.start - t))
-        steep, bent = 2 * self.slope, self.curvature * width
-        return float(np.minimum(steep, bent / 2).dot(now)) * width, float(np.minimum(steep, bent).dot(now))
+        since = t - self.start
+        stray, turn = _from_tangent(self.shares[place], self.fading, self.slope, self.curvature, since, width)
+        return float(stray), float(turn)
+
+
+@njit(cache=True)
+def _from_chord(
+    shares: FloatArray, fading: FloatArray, value: FloatArray, curvature: FloatArray, since: FloatArray, width: float
+) -> FloatArray:
+    """See `Envelope.from_chord`; `since` is the time from the start of the motion, s, shape ``(i,)``."""
+    result = np.zeros((shares.shape[0], since.size))
+    for i in range(since.size):
+        for k in range(fading.size):
+            now = min(2 * value[k], curvature[k] * (width**2 / 8)) * math.exp(-fading[k] * since[i])
+            for u in range(shares.shape[0]):
+                result[u, i] += shares[u, k] * now
+    return result
+
+
+@njit(cache=True)
+def _from_tangent(
+    shares: FloatArray, fading: FloatArray, slope: FloatArray, curvature: FloatArray, since: float, width: float
+) -> tuple[float, float]:
+    """See `Envelope.from_tangent`; `shares` are those of one place, ``(m,)``."""
+    stray, turn = 0.0, 0.0
+    for k in range(fading.size):
+        now, steep, bent = shares[k] * math.exp(-fading[k] * since), 2 * slope[k], curvature[k] * width
+        stray += min(steep, bent / 2) * now
+        turn += min(steep, bent) * now
+    return stray * width, turn

@@ -18,6 +18,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from lapjoint.problem import FloatArray
 
@@ -156,13 +157,11 @@ def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, rounding: FloatArray,
     Switch or None
         The first crossing, or None if there is none.
     """
-    held = fresh & (h[:, 0] <= _CONTINUOUS * rounding)
-    level = np.where(held, np.maximum(h[:, 0], 0.0), 0.0) + rounding
-    sure = (h[:, 1:] > (level + rounding)[:, None]).any(axis=0)
-    last = int(sure.argmax()) + 1 if sure.any() else sure.size  # the first step that is sure to have a crossing
-    suspicious, steps = _suspicious(gaps, t[: last + 1], h[:, : last + 1], level)
+    held, level, suspicious, steps = _first_look(h, rounding, fresh, gaps.curvature, float(t[1] - t[0]))
+    if steps.size > _FEW:
+        suspicious, steps = _second_look(gaps, t, h, level, suspicious, steps)
     resolution = _RESOLUTION * max(abs(float(t[0])), abs(float(t[-1])))
-    for i, suspects in zip(steps.tolist(), suspicious.T, strict=True):
+    for i, suspects in zip(steps.tolist(), suspicious[:, steps].T, strict=True):
         first: Switch | None = None
         for k in suspects.nonzero()[0].tolist():
             interval = _Interval(float(t[i]), float(t[i + 1]), *gaps.at_step(k, i))
@@ -176,18 +175,67 @@ def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, rounding: FloatArray,
     return None
 
 
-def _suspicious(gaps: Gaps, t: FloatArray, h: FloatArray, level: FloatArray) -> tuple[BoolArray, IndexArray]:
-    """Which stops, ``(P, s)``, may exceed their level in which steps of the grid, ``(s,)``.
+@njit(cache=True)
+def _first_look(
+    h: FloatArray, rounding: FloatArray, fresh: BoolArray, curvature: FloatArray, width: float
+) -> tuple[BoolArray, FloatArray, BoolArray, IndexArray]:
+    """Which stops may switch in which steps of the grid, by a bound on the curvature.
 
-    The bound on the curvature serves for a first look; where it leaves many steps, the bound for each excludes most.
+    Parameters
+    ----------
+    h : FloatArray, shape (P, m + 1)
+        The gap functions on the grid, m.
+    rounding, fresh : FloatArray, BoolArray, shape (P,)
+        See `first_switch`.
+    curvature : FloatArray, shape (P,)
+        Bounds on \\|h''\\|, m/s2.
+    width : float
+        Of a step, s.
+
+    Returns
+    -------
+    held : BoolArray, shape (P,)
+        Whether each stop has just switched.
+    level : FloatArray, shape (P,)
+        What h must exceed for a stop to switch, m.
+    suspicious : BoolArray, shape (P, m)
+        Which stops may exceed their level in which steps, up to the first that is sure to have a crossing.
+    steps : IndexArray, shape (s,)
+        The steps in which any may.
     """
-    width, top = float(t[1] - t[0]), np.maximum(h[:, :-1], h[:, 1:]) - level[:, None]
-    suspicious = top > gaps.curvature[:, None] * (-(width**2) / 8)
-    steps = np.nonzero(suspicious.any(axis=0))[0]
-    if steps.size > _FEW:
-        suspicious[:, steps] = top[:, steps] > -gaps.from_chord(t[steps], width)
-        steps = np.nonzero(suspicious.any(axis=0))[0]
-    return suspicious[:, steps], steps
+    stops, last = h.shape[0], h.shape[1] - 1
+    held, level = np.zeros(stops, dtype=np.bool_), rounding.copy()
+    for k in range(stops):
+        held[k] = fresh[k] and h[k, 0] <= _CONTINUOUS * rounding[k]
+        if held[k]:
+            level[k] += max(h[k, 0], 0.0)
+        for i in range(last):
+            if h[k, i + 1] > level[k] + rounding[k]:
+                last = i + 1
+                break
+    suspicious, steps, count = np.zeros((stops, h.shape[1] - 1), dtype=np.bool_), np.empty(last, dtype=np.intp), 0
+    for i in range(last):
+        found = False
+        for k in range(stops):
+            top = max(h[k, i], h[k, i + 1]) - level[k]
+            suspicious[k, i] = top > -curvature[k] * width**2 / 8
+            found = found or suspicious[k, i]
+        if found:
+            steps[count] = i
+            count += 1
+    return held, level, suspicious, steps[:count]
+
+
+def _second_look(
+    gaps: Gaps, t: FloatArray, h: FloatArray, level: FloatArray, suspicious: BoolArray, steps: IndexArray
+) -> tuple[BoolArray, IndexArray]:
+    """Which of the steps remain, and which stops in them: a bound for each excludes most.
+
+    As `_first_look` gives them.
+    """
+    top = np.maximum(h[:, steps], h[:, steps + 1]) - level[:, None]
+    suspicious[:, steps] = top > -gaps.from_chord(t[steps], float(t[1] - t[0]))
+    return suspicious, steps[suspicious[:, steps].any(axis=0)]
 
 
 def _first_crossing(

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from fe_lapjoint.march.crowding import Crowd
 from fe_lapjoint.march.events import Switch, first_switch
 from fe_lapjoint.march.gaps import Coordinates, FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model
@@ -187,9 +188,11 @@ def march(
     Raises
     ------
     SolverError
-        If the integrator fails, or more than `max_switches` switches occur.
+        If the integrator fails, more than `max_switches` switches occur, or those of a stop crowd that is too stiff for
+        the mesh; see `fe_lapjoint.march.crowding`.
     """
-    step = _window(model, state) / SAMPLES
+    window = _window(model, state)
+    step, crowd = window / SAMPLES, Crowd(model, window)
     since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size))
     going = {k: _Going(start, True) for k in state.closed}
     pieces: list[Piece] = []
@@ -205,6 +208,7 @@ def march(
             k, switches = piece.switched, switches + 1
             if switches > max_switches:
                 raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
+            crowd.add(k, t)
             if not record:
                 pass
             elif k in state:

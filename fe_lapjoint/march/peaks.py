@@ -7,9 +7,9 @@ import numpy as np
 from fe_lapjoint.march.events import Gaps
 
 _FIRST = 16  # intervals to begin with
-_SPLIT = 4  # into how many an interval is cut that may hold more than was found
+_SPLIT = 16  # into how many an interval is cut that may hold more than was found; a few more cost hardly more
 _RELATIVE = 1e-12  # of the deepest: what is left to be found; a maximum is flat, so its place is known to 1e-6
-_ROUNDS = 40  # of cutting, at most; 25 of them cut to the last digit of a time
+_ROUNDS = 20  # of cutting, at most; 12 of them cut to the last digit of a time
 
 
 def deepest(gaps: Gaps, k: int, start: float, end: float, rounding: float) -> float:

@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
 
+from fe_lapjoint.march.compiled import at_place, at_row, integrals, moved_on, start_terms
 from fe_lapjoint.march.envelope import Envelope
-from fe_lapjoint.march.system import System
+from fe_lapjoint.march.system import ComplexArray, System
 from lapjoint.problem import FloatArray
 
 _ROUNDING = 32 * np.finfo(float).eps
@@ -85,31 +86,26 @@ class Flow:
 
     def __init__(self, system: System, start: float, q: FloatArray, v: FloatArray) -> None:
         self.system, self.start, self.q, self.v = system, start, q, v
-        loads = np.exp(1j * (system.driven * start + system.phase))
-        forced, forced_rate = system.forced(loads).reshape(2, -1)
-        x, y = q - forced, v - forced_rate
-        self.free = x, y
-        """Modal displacement and velocity at the start less those of the forced motion, each of shape ``(n,)``."""
-        if not system.all_oscillate:
-            x, y = x[system.oscillating], y[system.oscillating]
-        damped, inverse = system.parts_of_roots
-        amplitudes = self._amplitudes = np.empty(system.rates_of_terms.size, dtype=complex)
-        """Those of the oscillating modes, of the loads at the start, and of the constant, 1, shape ``(terms,)``."""
-        self._phasors = amplitudes[: x.size]
-        """Complex amplitudes c at the start of the oscillating modes, Re(c exp(root s)), shape ``(oscillating,)``."""
-        self._phasors.real, self._phasors.imag = x, (damped * x - y) * inverse
-        amplitudes[x.size : -1], amplitudes[-1] = loads, 1.0
-        self._moduli = np.abs(amplitudes)
-        """Their moduli, shape ``(terms,)``."""
-        self._terms = system.shares * amplitudes
-        """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
+        y, loads = np.concatenate([q, v]), (system.driven, system.phase)
+        self.free, self._amplitudes, self._moduli, self._terms, self._sizes = start_terms(
+            y, start, loads, system.motion_by_loads, system.which, system.parts_of_roots, *system.shares_and_moduli
+        )
 
-    @cached_property
-    def _terms_and_rates(self) -> FloatArray:
-        """Those of displacement and velocity as pairs of real numbers, shape ``(p, 2, 2 terms)``."""
-        both = np.empty((self._terms.shape[0], 2, self._terms.shape[1]), dtype=complex)
-        both[:, 0], both[:, 1] = self._terms, self._terms * self.system.rates_of_terms
-        return both.view(float)
+    free: FloatArray
+    """Modal displacement and velocity at the start less those of the forced motion, shape ``(2, n)``."""
+    _amplitudes: ComplexArray
+    """Those of the oscillating modes, of the loads at the start, and of the constant, 1, shape ``(terms,)``."""
+    _moduli: FloatArray
+    """Their moduli, shape ``(terms,)``."""
+    _terms: ComplexArray
+    """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
+    _sizes: FloatArray
+    """Sum of the moduli of all that gives the displacement of each place, m, shape ``(p,)``."""
+
+    @property
+    def _phasors(self) -> ComplexArray:
+        """Complex amplitudes c at the start of the oscillating modes, Re(c exp(root s)), shape ``(oscillating,)``."""
+        return self._amplitudes[: self.system.which.size]
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
@@ -139,12 +135,7 @@ class Flow:
         if not it.plain:
             times = np.array([t])
             return np.concatenate([self(times)[:, 0], self(times, 1)[:, 0]])
-        n = self.q.size
-        now = self._amplitudes[:-1] * np.exp(it.rates_of_terms[:-1] * (t - self.start))
-        y = it.forced(now[n:])
-        y[:n] += now[:n].real
-        y[n:] += (now[:n] * it.roots).real
-        return y
+        return np.asarray(moved_on(self._amplitudes, it.rates_of_terms, it.motion_by_loads, t - self.start))
 
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """A derivative of z at the stops: the same sum as q, with the modes contracted first.
@@ -200,8 +191,8 @@ class Flow:
         float, float
             m and m/s.
         """
-        it, since = self.system, t - self.start
-        both = self._terms_and_rates[it.place_of[k]].dot(it.waves(since))
+        it = self.system
+        both = at_place(self._terms, it.rates_of_terms, it.place_of[k], t - self.start)
         return self._with_other_rates(both, k, t)
 
     def at_step(self, k: int, step: float, i: int) -> tuple[float, float, float, float]:
@@ -221,24 +212,23 @@ class Flow:
         float, float, float, float
             m and m/s at its beginning, m and m/s at its end.
         """
-        it = self.system
-        both = self._terms_and_rates[it.place_of[k]] @ it.grid(step)[i : i + 2].T
+        it, grid = self.system, self.system.grid(step)
+        first, last = (at_row(self._terms, it.rates_of_terms, it.place_of[k], grid[j]) for j in (i, i + 1))
         begin, end = self.start + i * step, self.start + (i + 1) * step
-        return *self._with_other_rates(both[:, 0], k, begin), *self._with_other_rates(both[:, 1], k, end)
+        return *self._with_other_rates(first, k, begin), *self._with_other_rates(last, k, end)
 
-    def _with_other_rates(self, both: FloatArray, k: int, t: float) -> tuple[float, float]:
+    def _with_other_rates(self, both: tuple[float, float], k: int, t: float) -> tuple[float, float]:
         """A displacement and its rate with what rigid-body and overdamped modes contribute, m and m/s."""
         it = self.system
         if it.plain:
-            z, rate = both.tolist()
-            return z, rate
-        place, since = it.place_of[k], t - self.start
+            return both
+        place, since, now = it.place_of[k], t - self.start, np.array(both)
         if not it.all_oscillate:
             others = self._others(np.array([t]))
-            both = both + [it.places[place, ~it.oscillating] @ part[:, 0] for part in others[:2]]
+            now = now + [it.places[place, ~it.oscillating] @ part[:, 0] for part in others[:2]]
         if it.drift is not None:
-            both = both + [it.places[place] @ self._drift(np.array([since]), dt)[:, 0] for dt in (0, 1)]
-        return float(both[0]), float(both[1])
+            now = now + [it.places[place] @ self._drift(np.array([since]), dt)[:, 0] for dt in (0, 1)]
+        return float(now[0]), float(now[1])
 
     def _with_others(self, z: FloatArray, t: FloatArray, dt: int) -> FloatArray:
         """From the places to the stops, with what rigid-body and overdamped modes contribute, ``(P, m)``."""
@@ -294,9 +284,7 @@ class Flow:
         it, T = self.system, end - self.start
         if not it.plain:
             return np.asarray(it.stops @ self.integral(end))
-        rates, waves = it.rates_of_terms[:-1], np.full(it.rates_of_terms.size, T, dtype=complex)
-        np.divide(np.expm1(rates * T), rates, out=waves[:-1])
-        return np.asarray((self._terms @ waves).real[it.place_of])
+        return np.asarray(integrals(self._terms, it.rates_of_terms, T)[it.place_of])
 
     def integral(self, end: float) -> FloatArray:
         """The time integral of q from the start.
@@ -337,7 +325,7 @@ class Flow:
         a, square, x, y = it.damping_rate[near], it.omega[near] ** 2, x[near], y[near]
         velocity = -square * x * S + y * (C - 2 * a * S)
         area[near] = -(velocity - y + 2 * a * (x * C + y * S - x)) / square
-        return area
+        return np.asarray(area)
 
     @cached_property
     def _creeping(self) -> tuple[FloatArray, FloatArray]:
@@ -384,9 +372,7 @@ class Flow:
     @cached_property
     def rounding(self) -> FloatArray:
         """What rounding makes of z at each stop, m, shape ``(P,)``: `_ROUNDING` of the sum of all terms' moduli."""
-        it = self.system
-        terms = it.moduli_of_shares @ np.concatenate([self._moduli, np.abs(self.q)])
-        return np.asarray(_ROUNDING * terms[it.place_of])
+        return np.asarray(_ROUNDING * self._sizes[self.system.place_of])
 
 
 def _powers(

@@ -118,7 +118,7 @@ class RampFlow(Flow):
         t = np.asarray(self.start + step * np.arange(count + 1.0))
         return np.asarray(super().at_grid(step, count) + self.system.stops @ self._added(t, 0))
 
-    def _with_other_rates(self, both: FloatArray, k: int, t: float) -> tuple[float, float]:
+    def _with_other_rates(self, both: tuple[float, float], k: int, t: float) -> tuple[float, float]:
         """A displacement and its rate with what other modes and the ramps contribute, m and m/s."""
         z, rate = super()._with_other_rates(both, k, t)
         at = np.array([t])

@@ -95,6 +95,11 @@ class System:
         return bool(self.oscillating.all())
 
     @cached_property
+    def which(self) -> IndexArray:
+        """Those modes, shape ``(oscillating,)``."""
+        return np.flatnonzero(self.oscillating)
+
+    @cached_property
     def roots(self) -> ComplexArray:
         """-a + i sqrt(omega^2 - a^2) of the oscillating modes, a = zeta omega, 1/s, shape ``(oscillating,)``."""
         a, omega = self.damping_rate[self.oscillating], self.omega[self.oscillating]
@@ -150,34 +155,18 @@ class System:
         return np.ascontiguousarray(np.concatenate([modes, -1j * self.place_amplitudes, constant], axis=1))
 
     @cached_property
-    def moduli_of_shares(self) -> FloatArray:
-        """Moduli of `shares`, and then of all modes at the places, shape ``(p, terms + n)``."""
-        return np.concatenate([np.abs(self.shares), np.abs(self.places)], axis=1)
+    def shares_and_moduli(self) -> tuple[ComplexArray, FloatArray]:
+        """The `shares`, and their moduli and then those of all modes at the places, shape ``(p, terms + n)``."""
+        return self.shares, np.concatenate([np.abs(self.shares), np.abs(self.places)], axis=1)
 
     @cached_property
-    def _motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
+    def motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
         """The forced motion by real and imaginary part of each load, ``(2 n, 2 H)``, and that without, ``(2 n,)``."""
         sine, cosine = self.amplitudes.real, self.amplitudes.imag
         q, v = np.stack([cosine, sine], axis=2), np.stack([sine, -cosine], axis=2) * self.driven[:, None]
         both = np.concatenate([q, v]).reshape(2 * self.omega.size, -1)
         ramp = np.zeros_like(self.equilibrium) if self.drift is None else self.drift[0]
         return both, np.concatenate([self.equilibrium, ramp])
-
-    def forced(self, loads: ComplexArray) -> FloatArray:
-        """(q, q') of the forced motion, for rigid-body modes at the start.
-
-        Parameters
-        ----------
-        loads : ComplexArray, shape (H,)
-            exp(i angle) of each load.
-
-        Returns
-        -------
-        FloatArray, shape (2 n,)
-            kg^1/2 m and kg^1/2 m/s.
-        """
-        by_loads, rest = self._motion_by_loads
-        return np.asarray(by_loads @ loads.view(float) + rest)
 
     @cached_property
     def rates_of_terms(self) -> ComplexArray:

@@ -23,6 +23,7 @@ from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.errors import InputError
+from lapjoint.input_files import read_file
 from lapjoint.output_files import write_file
 
 if TYPE_CHECKING:
@@ -284,11 +285,7 @@ def read_curve(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    try:
-        raw = Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"{path}: cannot be read: {reason}") from None
+    raw = read_file(path)
     if not _is_whole(raw):
         raise InputError(f"{path}: {_reason_for(raw)}")
     found = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")

@@ -217,9 +217,17 @@ def check_file(option: str, path: str | None, *endings: str) -> None:
         raise InputError(f"{option} {path}: the name must end in {', '.join(endings)}")
     if Path(path).is_dir():
         raise OutputError(f"{option} {path}: cannot be written: it is a directory")
-    folder = Path(os.path.realpath(path)).parent
+    folder = _followed(option, path).parent
     if not folder.is_dir():
         raise OutputError(f"{option} {path}: cannot be written: there is no such directory")
+
+
+def _followed(option: str, path: str) -> Path:
+    """Where a path leads, links followed; a link that leads to itself is left."""
+    try:
+        return Path(os.path.realpath(path))
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{option} {path}: cannot be written: {error}") from None
 
 
 def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> None:
@@ -234,8 +242,8 @@ def check_directory(path: str) -> None:
     """Refuse, before any work is done, a directory that could not be made or written to after it."""
     if not path:
         raise InputError("--output: is empty; it must name a directory")
-    there = Path(path).resolve()
-    while not there.exists():
+    there = _followed("--output", path)
+    while not there.exists() and not there.is_symlink():
         there = there.parent
     if not there.is_dir() or not os.access(there, os.W_OK):
         reason = "is not a directory" if not there.is_dir() else "may not be written to"

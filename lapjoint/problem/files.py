@@ -16,6 +16,7 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from lapjoint.errors import InputError
+from lapjoint.input_files import read_file
 from lapjoint.output_files import write_file
 from lapjoint.problem.messages import explain
 from lapjoint.problem.problem import Problem
@@ -82,11 +83,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     InputError
         If there is no such file, or it is not TOML.
     """
-    try:
-        raw = Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(f"{path}: cannot be read: {reason}") from None
+    raw = read_file(path)
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

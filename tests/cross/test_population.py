@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 
 import pytest
-from population import joint, response_of
+from population import harmonic_joint, joint, response_of
 from witness import Judgement, reached_from_rest, testify
 
 import analytic
 import fe_lapjoint
+from lapjoint import Problem
 
 pytestmark = pytest.mark.long_march
 
@@ -21,6 +22,8 @@ FINITE_ELEMENTS = fe_lapjoint.Solver(elements=8)  # a coarse beam is a beam, too
 
 COUNT, SEED = 600, 31415  # problems that decide; nothing was ever chosen by how this seed goes
 QUICK_SEED, QUICK = 2, (5, 6, 10, 11, 12, 27, 28, 29, 31, 33, 34, 43)  # free vibration dies away soon in these
+QUICK_HARMONICS = (5, 10, 11, 12, 27, 29, 43)  # of the same seed, driven by harmonics, and so in these
+HARMONICS = 120  # problems driven by harmonics
 MOST_UNDECIDED = 0.05
 MOST_ELSEWHERE = 0.02
 
@@ -28,9 +31,12 @@ AnySolver = analytic.Solver | fe_lapjoint.Solver
 Judged = tuple[int, Judgement, str, bool]
 
 
-def judged(solver: AnySolver, seed: int, index: int) -> Judged:
+Drawn = Callable[[int, int], Problem]
+
+
+def judged(solver: AnySolver, drawn: Drawn, seed: int, index: int) -> Judged:
     """One problem: its index, what the witness says, how the march from rest ends elsewhere, and if that was said."""
-    problem = joint(seed, index)
+    problem = drawn(seed, index)
     steady, period_map = solver.steady_state(problem), solver.period_map(problem)
     decay_time = response_of(problem).decay_time
     assert steady.acceptance is not None
@@ -52,11 +58,17 @@ def check(found: Iterable[Judged]) -> None:
 
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
 def test_no_certificate_of_a_few_random_joints_is_false(solver: AnySolver) -> None:
-    check(judged(solver, QUICK_SEED, i) for i in QUICK)
+    check(judged(solver, joint, QUICK_SEED, i) for i in QUICK)
+
+
+@pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
+def test_no_certificate_of_a_few_random_joints_under_harmonics_is_false(solver: AnySolver) -> None:
+    check(judged(solver, harmonic_joint, QUICK_SEED, i) for i in QUICK_HARMONICS)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
-def test_no_certificate_of_random_joints_is_false(solver: AnySolver) -> None:
+@pytest.mark.parametrize(("drawn", "count"), [(joint, COUNT), (harmonic_joint, HARMONICS)])
+def test_no_certificate_of_random_joints_is_false(solver: AnySolver, drawn: Drawn, count: int) -> None:
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check([task.result() for task in [pool.submit(judged, solver, SEED, i) for i in range(COUNT)]])
+        check([task.result() for task in [pool.submit(judged, solver, drawn, SEED, i) for i in range(count)]])

@@ -10,7 +10,8 @@ index are cantilevers with one stop at the tip, those of odd index joints with o
   stiffness 3 to 1000; one modal ratio, one per mode, or viscous damping, each ratio 1e-3 to 0.1.
 
 Frequencies, gaps, stiffnesses of stops in cantilevers' range and of springs, and ratios that span more than a decade
-are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives them stops of up to 1e6.
+are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives them stops of up to 1e6,
+`harmonic_joint` a base, and some of them a load, of several harmonics, of odd multiples only in every third.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import analytic
-from lapjoint import FREE, BaseMotion, Beam, ModalDamping, Problem, Stop, Support
-from lapjoint.problem import FloatArray, ViscousDamping
+from lapjoint import FREE, BaseMotion, Beam, HarmonicsBaseMotion, HarmonicsLoad, ModalDamping, Problem, Stop, Support
+from lapjoint.problem import BaseHarmonic, FloatArray, LoadHarmonic, ViscousDamping
 
 BASE = 1e-3  # m, amplitude of the base
 BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
@@ -89,6 +90,37 @@ def stiffened_joint(seed: int, index: int) -> Problem:
     drawn = {place: _between(rng, 3.0, 1e6) for place in dict.fromkeys((stop.x, stop.gap) for stop in problem.stops)}
     stops = (stop.model_copy(update={"stiffness": drawn[stop.x, stop.gap]}) for stop in problem.stops)
     return problem.replace(stops=tuple(stops))
+
+
+def harmonic_joint(seed: int, index: int) -> Problem:
+    """The same problem, moved by up to four harmonics, of which its own sine is the first, second or third.
+
+    The others have 0.05 to 0.5 of its acceleration.  In one of four a load of harmonics acts somewhere, too, of up to
+    a third of the base's force.
+    """
+    problem, rng = joint(seed, index), np.random.default_rng((seed, index, 2))
+    sine, step = problem.base_motion, 2 if index % 3 == 0 else 1
+    assert isinstance(sine, BaseMotion)
+    main = int(rng.choice([1, 1, 3] if step == 2 else [1, 1, 2, 3]))
+    others = rng.permutation([n for n in range(1, 9, step) if n != main])[: int(rng.integers(1, 4))]
+    sizes = {main: 1.0} | {int(n): _between(rng, 0.05, 0.5) for n in others}
+    omega = sine.angular_frequency / main
+    base = HarmonicsBaseMotion(
+        angular_frequency=omega,
+        harmonics=tuple(
+            BaseHarmonic(multiple=n, amplitude=BASE * size * (main / n) ** 2, phase=rng.uniform(-3.0, 3.0))
+            for n, size in sizes.items()
+        ),
+    )
+    loads = []
+    if rng.random() < 0.25:
+        force = BASE * sine.angular_frequency**2 * rng.uniform(0.1, 0.33)
+        harmonics = tuple(
+            LoadHarmonic(multiple=n, force=force * size, phase=rng.uniform(-3.0, 3.0)) for n, size in sizes.items()
+        )
+        loads.append(HarmonicsLoad(x=rng.uniform(0.2, 1.0), angular_frequency=omega, harmonics=harmonics))
+    title = f"{problem.title}, harmonics {sorted(sizes)}{', load' * len(loads)}"
+    return problem.replace(title=title, base_motion=base, point_loads=tuple(loads))
 
 
 def random_cantilever(rng: np.random.Generator) -> Problem:

@@ -6,27 +6,37 @@ the other side: those of the file by `tomllib`, those of the paper's tables, and
 
 from __future__ import annotations
 
+import itertools
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import analytic
 import fe_lapjoint
+from fe_lapjoint import ExactPropagator
+from fe_lapjoint.march.system import build_system
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.mesh import mesh_nodes, refined_nodes
 from lapjoint import FREE, BaseMotion, ContactState, History, Problem, paper_joint, paper_state_number, sdnl104
 from lapjoint.answers import Contact
 from lapjoint.answers.steady_state import impulses_per_period
 from lapjoint.orbits.exponent import exponent_of
 from lapjoint.problem import FloatArray
-from lapjoint.problem.files import from_toml, to_toml
+from lapjoint.problem.files import from_toml, problem_from_tables, to_toml
+from lapjoint.problem.override import override
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.textbook_equations import BEAMS, roots
 from validation.references.reading import Printed, group
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 ROUNDING = 1e-14  # relative, of a few operations
+PHASES = 1e-10  # of the displacement at the start: rounding of phases of some hundred turns
+SHORT_STRETCH = 1e-3  # m: so near to another stop it is that elements between them need not be cut again
+STEP = 0.1  # m: 25 of them come to more than 2.5 m, by rounding
 EIGENVALUES = 1e-5  # relative: 16 elements give the first frequency so well
 FILE = """
 title = "Every kind of part"
@@ -76,6 +86,11 @@ x = 0.45
 force = 23.0
 angular_frequency = 143.0
 phase = -1.21
+[[point_loads]]
+kind = "harmonics"
+x = 1.6
+angular_frequency = 71.5
+harmonics = [{multiple = 1, force = 5.0, phase = 0.8}, {multiple = 3, force = -7.0, phase = -0.3}]
 [initial]
 kind = "polynomial"
 displacement = [0.0, 0.0, 1.9e-4, -3.1e-5]
@@ -129,6 +144,36 @@ def read_as_written(problem: Problem, how: str) -> Iterator[Check | Criterion]:
     yield Criterion(f"{how}: words and infinities", "1", float(sum(words)), len(words), len(words), "as written")
 
 
+OVERRIDES = {
+    "beam.length=2.5": ("beam.length", 2.5),
+    "base_motion.phase=-0.25": ("base_motion.phase", -0.25),
+    "stops.inner.gap=0.9e-3": ("stops[1].gap", 0.9e-3),
+    "stops[0].stiffness=6.1e5": ("stops[0].stiffness", 6.1e5),
+    "supports.1.torsional=77.0": ("supports[1].torsional", 77.0),
+    "damping.ratio.2=0.05": ("damping.ratio[2]", 0.05),
+    "initial.displacement[3]=1e-5": ("initial.displacement[3]", 1e-5),
+    "beam.section.inner_diameter=0.04": ("beam.section.inner_diameter", 0.04),
+}
+"""What ``--set`` is given, and the value that changes, everything else being as it was."""
+
+
+def overridden() -> Iterator[Check | Criterion]:
+    """Single values set, and all others of `FILE` left alone."""
+    given = dict(leaves(tomllib.loads(FILE)))
+    for assignment, (path, value) in OVERRIDES.items():
+        tables = tomllib.loads(FILE)
+        override(tables, assignment)
+        problem = problem_from_tables(tables)
+        yield same(f"--set {assignment}", field(problem, path), value)
+        others = sum(field(problem, key) == known for key, known in given.items() if key != path)
+        name = f"--set {assignment}: values left as they were"
+        yield Criterion(name, "1", float(others), len(given) - 1, len(given) - 1, "all others")
+    tables = tomllib.loads(FILE)
+    override(tables, "stops.*.gap=5e-4")
+    for k, stop in enumerate(problem_from_tables(tables).stops):
+        yield same(f"--set stops.*.gap=5e-4: stop {k + 1}", stop.gap, 5e-4)
+
+
 def meanings(problem: Problem) -> Iterator[Check]:
     """What the parts of `FILE` amount to, by arithmetic."""
     x = np.array([0.3, 1.9])
@@ -146,7 +191,8 @@ def meanings(problem: Problem) -> Iterator[Check]:
     for stop, sign in zip(problem.stops, (-1, 1), strict=True):
         yield same(f"side of {stop.name}", stop.sign, sign, "1")
     assert problem.excitation_frequency is not None
-    yield same("common excitation frequency", problem.excitation_frequency, 143.0, "rad/s")
+    yield same("common excitation frequency", problem.excitation_frequency, 71.5, "rad/s")
+    yield from driving(problem)
     for text, (area, second) in SECTIONS.items():
         body = (
             f"[beam]\nlength = 1.0\nmaterial = {{youngs_modulus = 2.05e11, density = 7890.0}}\n[beam.section]\n{text}"
@@ -154,6 +200,21 @@ def meanings(problem: Problem) -> Iterator[Check]:
         beam, shape = from_toml(body).beam, text.split('"')[1]
         yield same(f"mass per length of a {shape}", beam.m, 7890.0 * area, "kg/m", ROUNDING)
         yield same(f"bending stiffness of a {shape}", beam.EI, 2.05e11 * second, "N m2", 10 * ROUNDING)
+
+
+def driving(problem: Problem) -> Iterator[Check]:
+    """What drives the beam of `FILE` at a moment, by arithmetic."""
+    t, m = 0.0217, 2713.0 * math.pi * (0.061**2 - 0.047**2) / 4
+    by_place = {
+        None: m * 2.7e-3 * 143.0**2 * math.sin(143.0 * t + 0.37),
+        1.1: -17.0,
+        0.45: 23.0 * math.sin(143.0 * t - 1.21),
+        1.6: 5.0 * math.sin(71.5 * t + 0.8) - 7.0 * math.sin(214.5 * t - 0.3),
+    }
+    for x, force in by_place.items():
+        found = sum(float(one.at(np.array([t]))[0]) for one in problem.forces.every if one.x == x)
+        name, unit = ("force along the beam", "N/m") if x is None else (f"force at {x:g} m", "N")
+        yield same(f"{name} at {t:g} s", found, force, unit, 100 * ROUNDING)
 
 
 def presets() -> Iterator[Check]:
@@ -285,9 +346,50 @@ def frequencies(problem: Problem) -> Iterator[Check]:
     joint = paper_joint().replace(stops=())
     root = roots(BEAMS["clamped-free"].equation, 1)[0]
     omega = (root / 2.5) ** 2 * math.sqrt(2.05e11 * 0.05**2 / 12 / 7890.0)
-    for solver, u in ((analytic.Solver(), 100 * ROUNDING), (fe_lapjoint.Solver(elements=16), EIGENVALUES)):
+    summed = tuple(
+        itertools.accumulate([STEP] * round(joint.beam.length / STEP), initial=0.0)
+    )  # rounded beyond its end
+    solvers = (
+        (analytic.Solver(), 100 * ROUNDING),
+        (fe_lapjoint.Solver(elements=16), EIGENVALUES),
+        (fe_lapjoint.Solver(nodes=summed), EIGENVALUES),
+    )
+    for solver, u in solvers:
         found = solver.modes(joint, FREE, 1).angular_frequencies[0]
         yield same(f"first frequency of the paper's beam: {solver.name}", found, omega, "rad/s", u)
+
+
+def propagator() -> Iterator[Check]:
+    """The exact flow as a method of `solve_ivp`, in several steps from a time that is not 0, against a closed form."""
+    steps, begin, end = 3, 0.4, 1.9
+    problem = paper_joint().replace(stops=(), base_motion=None)
+    system = build_system(Assembly(problem, mesh_nodes(problem, 1, None)), FREE)
+    a, w = system.damping_rate, system.omega
+    rng = np.random.default_rng(3)
+    q, v = rng.standard_normal(w.size), w * rng.standard_normal(w.size)
+    options = {"method": ExactPropagator, "system": system, "max_step": (end - begin) / steps}
+    found = solve_ivp(system.rates, (begin, end), np.concatenate([q, v]), **options).y[:, -1]
+    wave, t = np.sqrt(w**2 - a**2), end - begin
+    exact = np.exp(-a * t) * (q * np.cos(wave * t) + (v + a * q) / wave * np.sin(wave * t))
+    for i in range(w.size):
+        one = Estimate(float(found[i]), PHASES * abs(float(q[i])), "ExactPropagator")
+        other = Estimate(float(exact[i]), 0.0, "free vibration", Kind.ANALYTICAL)
+        yield Check(f"mode {i + 1} by solve_ivp", "kg^1/2 m", one, other)
+
+
+def meshes() -> Iterator[Check]:
+    """How many elements each stretch of a finer mesh gets, by which errors are judged; a short one stays as it is."""
+    joint = paper_joint()
+    near = joint.stops[1].model_copy(update={"name": "near", "x": joint.stops[1].x + SHORT_STRETCH})
+    problem = joint.replace(stops=(*joint.stops, near))
+    places = sorted({0.0, *(stop.x for stop in problem.stops)})
+    nodes = mesh_nodes(problem, 16, None)
+    for ratio in (2.0, 1.5):
+        finer = refined_nodes(problem, nodes, ratio)
+        for a, b in itertools.pairwise(places):
+            coarse, fine = (int(np.sum((mesh > a) & (mesh <= b))) for mesh in (nodes, finer))
+            wanted = coarse if b - a <= SHORT_STRETCH * (1 + ROUNDING) else math.ceil(coarse * ratio)
+            yield same(f"elements from {a:g} to {b:g} m of a mesh {ratio:g} times as fine", fine, wanted, "1")
 
 
 def run(level: Level, say: Say) -> CaseResult:
@@ -297,12 +399,15 @@ def run(level: Level, say: Say) -> CaseResult:
     items = [
         *read_as_written(problem, "read"),
         *read_as_written(from_toml(to_toml(problem)), "written and read again"),
+        *overridden(),
         *meanings(problem),
         *presets(),
         *states(),
         *arithmetic(problem),
         *statistics(),
         *frequencies(problem),
+        *meshes(),
+        *propagator(),
     ]
     checks = tuple(item for item in items if isinstance(item, Check))
     rows = [(c.name, c.unit, c.b.value, c.a.value, c.b.how) for c in checks]

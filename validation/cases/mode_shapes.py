@@ -41,6 +41,7 @@ def run(level: Level, say: Say) -> CaseResult:
         b = fe_lapjoint.Solver(elements=elements).modes(problem, state, MODES).shapes(x)
         assurance = mac(a, b)
         first = assurance if label == 6 else first
+        criteria.append(upwards(problem, state, label))
         b = b * np.sign((a * b).sum(axis=1))[:, None]
         off = assurance - np.diag(np.diag(assurance))
         pointwise = float(np.max(np.abs(a - b)) / np.max(np.abs(a)))
@@ -109,6 +110,14 @@ def shapes_drawing(problem: Problem, count: int = 3) -> Drawing:
             x, drawn = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
             axes.plot(x[::20], np.sign(drawn @ shape) * shape[::20], ".", color=line.get_color(), markersize=4)
     return drawing("The first modes of the nine states, k* = 5000", panels)
+
+
+def upwards(problem: Problem, state: ContactState, label: int | None) -> Criterion:
+    """How many modes of the analytic solver have phi + d3 phi / beta^3 above 0 at the tip, as all should."""
+    modes, tip = analytic.Solver().modes(problem, state, MODES), np.array([problem.beam.length])
+    beta = (modes.angular_frequencies**2 * problem.beam.m / problem.beam.EI) ** 0.25
+    count = float(np.sum(modes.shapes(tip)[:, 0] + modes.shapes(tip, 3)[:, 0] / beta**3 > 0))
+    return Criterion(f"state {label}: modes that point upwards", "1", count, MODES, MODES, "so that signs go on")
 
 
 def tip_ratios() -> list[Check]:

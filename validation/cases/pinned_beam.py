@@ -18,7 +18,7 @@ from validation.uncertainty import elements, refined_vector
 from validation.verdict import Check, Estimate, Kind
 
 LOADED = """
-title = "Base motion, step and sine loads, five damping ratios"
+title = "Base motion, loads of every kind, five damping ratios"
 [beam]
 length = 1.6
 material = {youngs_modulus = 2.1e11, density = 7850.0}
@@ -46,6 +46,11 @@ x = 1.2
 force = 35.0
 angular_frequency = 170.0
 phase = -0.6
+[[point_loads]]
+kind = "harmonics"
+x = 0.8
+angular_frequency = 60.0
+harmonics = [{multiple = 3, force = 16.0, phase = -1.1}, {multiple = 1, force = 21.0, phase = 0.5}]
 [initial]
 kind = "polynomial"
 displacement = [0.0, 1.6e-3, -1e-3]
@@ -53,7 +58,7 @@ velocity = [0.0, 0.0, 0.16, -0.1]
 """
 # Without curvature at the pins, and under a uniform load, waves of all lengths hardly ring.
 RINGING = """
-title = "Viscous damping, from a sampled shape"
+title = "Viscous damping, from a sampled shape, two harmonics of the base"
 [beam]
 length = 1.6
 material = {youngs_modulus = 2.1e11, density = 7850.0}
@@ -68,9 +73,9 @@ translational = inf
 kind = "viscous"
 coefficient = 13.0
 [base_motion]
-amplitude = 2e-3
+kind = "harmonics"
 angular_frequency = 120.0
-phase = 0.4
+harmonics = [{multiple = 1, amplitude = 2e-3, phase = 0.4}, {multiple = 2, amplitude = 3e-4, phase = -0.9}]
 [initial]
 kind = "sampled"
 x = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6]
@@ -215,10 +220,10 @@ def run(level: Level, say: Say) -> CaseResult:
         "pinned-beam",
         "A beam on two pins under every kind of load",
         "Without stops a beam on two pins is a sum over sines. The witness sums it by numpy alone from the problem "
-        "file's text: base motion and sine loads with phases, a step load, polynomial and sampled initial shapes and "
-        "velocities, five different damping ratios, viscous damping. Compared are displacement, velocity, slope, "
-        "bending moment and shear force; of a free beam centre and turn, which obey the equations of a rigid body; of "
-        "velocity and acceleration their integrals.",
+        "file's text: base motion and loads by sines and harmonics with phases, a step load, polynomial and sampled "
+        "initial shapes and velocities, five different damping ratios, viscous damping. Compared are displacement, "
+        "velocity, slope, bending moment and shear force; of a free beam centre and turn, which obey the equations of "
+        "a rigid body; of velocity and acceleration their integrals.",
         checks=tuple(checks),
         tables=(table("Beam on two pins", ("quantity", "unit", "witness", "found", "u", "difference"), rows),),
     )

@@ -136,7 +136,23 @@ phase = 0.3
 """
 UNEVEN = MIRROR.replace("gap = 1.5e-3", "gap = 1.9e-3", 1)
 """Between stops of unequal gaps, which no motion mirrors."""
-BARS = {"springs": SPRINGS, "mirror": MIRROR, "uneven": UNEVEN, "doubled": DOUBLED}
+HARMONICS = (
+    MIRROR.partition("[base_motion]")[0]
+    + """[base_motion]
+kind = "harmonics"
+angular_frequency = 14.0
+[[base_motion.harmonics]]
+multiple = 1
+amplitude = 2e-3
+phase = -0.5
+[[base_motion.harmonics]]
+multiple = 2
+amplitude = 2e-4
+phase = 0.9
+"""
+)
+"""Between equal stops, but moved by an even harmonic, too, which no motion mirrors either."""
+BARS = {"springs": SPRINGS, "mirror": MIRROR, "uneven": UNEVEN, "doubled": DOUBLED, "harmonics": HARMONICS}
 
 
 @dataclass(frozen=True)
@@ -294,11 +310,11 @@ def run(level: Level, say: Say) -> CaseResult:
     return CaseResult(
         "rigid-bar",
         "Rigid bars between stops",
-        "Beams so stiff that they hardly bend, on springs and between stops, under base motion, step and sine loads "
-        "with phases, with initial displacements and velocities, by different damping ratios or viscous damping. The "
-        "witness has one or two degrees of freedom and is computed by numpy alone, from the problem file's text: "
-        "contacts, impulses, peak forces, steady states, multipliers by finite differences of its own march. Two "
-        "bending stiffnesses, one four times the other, take each number to the rigid limit.",
+        "Beams so stiff that they hardly bend, on springs and between stops, under base motion by a sine or harmonics, "
+        "step and sine loads with phases, with initial displacements and velocities, by different damping ratios or "
+        "viscous damping. The witness has one or two degrees of freedom and is computed by numpy alone, from the "
+        "problem file's text: contacts, impulses, peak forces, steady states, multipliers by finite differences of its "
+        "own march. Two bending stiffnesses, one four times the other, take each number to the rigid limit.",
         checks=tuple(checks),
         tables=(table("Rigid bars", ("quantity", "unit", "witness", "found", "u", "difference"), rows),),
     )

@@ -122,8 +122,8 @@ FE = (
         "an event dropped",
         "fe_lapjoint.march.events",
         "A contact between two samples of the motion is not seen.",
-        old="gaps.curvature[:, None] * (-(width**2) / 8)",
-        new="gaps.curvature[:, None] * 0.0",
+        old="top > -curvature[k] * width**2 / 8",
+        new="top > -curvature[k] * 0.0",
     ),
     Fault(
         "fe-contact-counted-twice",

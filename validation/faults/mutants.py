@@ -1,7 +1,8 @@
 """``python -m validation.faults.mutants``: changes drawn at random, and what catches each; survivors with their reason.
 
 Each mutant goes through the cases as a fault does.  One that no case catches either shows what the cases lack, or
-changes no answer: `equivalent.toml` then holds it with the reason.
+changes no answer: `equivalent.toml` then holds it with the reason.  The run whose page the documents show is kept in
+`mutants.json`; its mutants come first in every later run.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -24,22 +26,26 @@ from validation.faults.changed_tree import source_of
 from validation.faults.mutation import Mutant, drawn
 from validation.faults.record import recorded
 from validation.faults.run import LEVEL, seen_line, sound, sound_tree
-from validation.faults.running import Changed, Kept, Order, Trials
+from validation.faults.running import Changed, Kept, Order, Trials, plain, seen_from
 from validation.faults.trial import Result, Seen
 from validation.suite import modules_of
 
 SEED = 1
 EQUIVALENT = "equivalent.toml"
 """File beside this module: a reason for each mutant that changes no answer."""
+RECORD, PAGE = "mutants.json", "mutants.md"
+"""File beside this module that keeps the run which the documents show, and their page."""
 KEPT = "mutants.jsonl"
+BESIDES = ("as_published", "slow_modes")
+"""Cases that mutants go through besides those that it takes to catch all faults."""
 _HEAD = """# Mutants
 
 <!-- Written by `python -m validation.faults.mutants --page docs/mutants.md`; not to be edited. -->
 
 Changes drawn at random from the source of both solvers and of the ground: a sign, a factor of 1.001, a term dropped, an
-index off by one. Each goes through the cases that it takes to catch all [faults](faults.md), at the quick level, the
-cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not caught needs
-a check, or a reason why it changes no answer; those with a reason are called equivalent.
+index off by one. Each goes through the cases that it takes to catch all [faults](faults.md) and two more, at the quick
+level, the cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not
+caught needs a check, or a reason why it changes no answer; those with a reason are called equivalent.
 
 These are the first {count} that the seed {seed} draws: {found}.
 
@@ -63,27 +69,45 @@ class Outcome:
         return "equivalent" if self.seen.result is Result.MISSED and self.reason else self.seen.result.value
 
 
-def identity(mutant: Mutant) -> str:
-    """What a mutant is called, whatever line it is in.
+def reasons() -> dict[str, str]:
+    """Why mutants change no answer, by their identity."""
+    text = (Path(str(files("validation.faults"))) / EQUIVALENT).read_text()
+    return {entry["mutant"]: entry["reason"] for entry in tomllib.loads(text).get("equivalent", [])}
+
+
+def record_path() -> Path:
+    """The file of the record, beside this module."""
+    return Path(str(files("validation.faults"))) / RECORD
+
+
+def recorded_outcomes() -> tuple[Outcome, ...]:
+    """The run that the documents show, with the reasons that are known now."""
+    if not record_path().exists():
+        return ()
+    known = reasons()
+    found = ((Mutant(**entry["mutant"]), seen_from(entry["seen"])) for entry in json.loads(record_path().read_text()))
+    return tuple(Outcome(mutant, seen, known.get(mutant.identity, "")) for mutant, seen in found)
+
+
+def written(outcomes: Sequence[Outcome]) -> str:
+    """The record as text.
 
     Parameters
     ----------
-    mutant : Mutant
-        The change.
+    outcomes : sequence of Outcome
+        In the sequence in which they were drawn.
 
     Returns
     -------
     str
-        Module, function, and what becomes of what.
+        JSON.
     """
-    old, new = (" ".join(text.split()) for text in (mutant.old, mutant.new))
-    return f"{mutant.module}.{mutant.function}: {old} -> {new}"
 
+    def line(seen: Seen) -> dict[str, Any]:
+        return {key: value for key, value in plain(seen).items() if key not in ("spent", "seconds") and value != ""}
 
-def reasons() -> dict[str, str]:
-    """Why mutants change no answer, by their `identity`."""
-    text = (Path(str(files("validation.faults"))) / EQUIVALENT).read_text()
-    return {entry["mutant"]: entry["reason"] for entry in tomllib.loads(text).get("equivalent", [])}
+    data = [{"mutant": vars(it.mutant), "seen": line(it.seen)} for it in outcomes]
+    return json.dumps(data, indent=1) + "\n"
 
 
 def judged(
@@ -115,7 +139,7 @@ def judged(
         baseline = sound(trials, cases, console)
         if any(seen.result is not Result.MISSED for seen in baseline.values()):
             return []
-        by_name = {identity(mutant): mutant for mutant in mutants}
+        by_name = {mutant.identity: mutant for mutant in mutants}
         changes = (
             Changed(name, mutant.module, mutant.put_into(source_of(tree, mutant.module)))
             for name, mutant in by_name.items()
@@ -149,13 +173,13 @@ def table(outcomes: Sequence[Outcome], seed: int) -> str:
     text = _HEAD.format(count=len(outcomes), seed=seed, found=found)
     for it in outcomes:
         by = it.reason if it.verdict == "equivalent" else f"{it.seen.case.replace('_', '-')}: {it.seen.item}"
-        cells = (f"`{identity(it.mutant)}`", it.mutant.kind, it.verdict, by, it.seen.number, it.seen.bound)
+        cells = (f"`{it.mutant.identity}`", it.mutant.kind, it.verdict, by, it.seen.number, it.seen.bound)
         text += "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
     return text
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Draw, judge, and write ``mutants.md`` and ``mutants.json``.
+    """Draw, judge, and write `PAGE` and `RECORD`.
 
     Parameters
     ----------
@@ -174,19 +198,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--case", action="append", default=[], help="this case; repeatable; by default those of the record"
     )
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="so many at a time")
-    parser.add_argument("--page", type=Path, help="write the table here, too")
+    parser.add_argument("--page", type=Path, help=f"write the table here, too, and {RECORD}, from which it is made")
     parser.add_argument("-o", "--output", type=Path, default=Path("report"), help="folder (report)")
     given = parser.parse_args(arguments)
     given.output.mkdir(parents=True, exist_ok=True)
     with sound_tree() as tree:
-        mutants = drawn(tree, given.seed, given.count)
-    cases = modules_of(tuple(given.case)) if given.case else tuple(recorded()[1]) or modules_of(())
+        mutants = drawn(tree, given.seed, given.count, [it.mutant.identity for it in recorded_outcomes()])
+    usual = tuple(dict.fromkeys((*recorded()[1], *BESIDES))) if recorded()[1] else modules_of(())
+    cases = modules_of(tuple(given.case)) if given.case else usual
     outcomes = judged(mutants, cases, given.output, Console(), given.workers)
-    plain = [{"mutant": identity(it.mutant), "kind": it.mutant.kind, "verdict": it.verdict} for it in outcomes]
-    write_file(given.output / "mutants.json", json.dumps(plain, indent=1) + "\n")
-    for page in {given.output / "mutants.md", given.page or given.output / "mutants.md"}:
-        write_file(page, table(outcomes, given.seed))
-    print(f"{given.output / 'mutants.md'}: {dict(Counter(it.verdict for it in outcomes))}")
+    write_file(given.output / RECORD, written(outcomes))
+    write_file(given.output / PAGE, table(outcomes, given.seed))
+    if given.page is not None and outcomes:
+        write_file(record_path(), written(outcomes))
+        write_file(given.page, table(outcomes, given.seed))
+    print(f"{given.output / PAGE}: {dict(Counter(it.verdict for it in outcomes))}")
     return 0 if outcomes and all(it.seen.result is not Result.MISSED or it.reason for it in outcomes) else 1
 
 

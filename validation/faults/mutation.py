@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import ast
 import random
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -45,6 +46,15 @@ class Mutant:
     """What stands there."""
     new: str
     """What it becomes."""
+    number: int = 1
+    """Which of the changes of that function that read alike, from 1."""
+
+    @property
+    def identity(self) -> str:
+        """What it is called, whatever line it is in: module, function, and what becomes of what."""
+        old, new = (" ".join(text.split()) for text in (self.old, self.new))
+        which = f" (number {self.number})" if self.number > 1 else ""
+        return f"{self.module}.{self.function}: {old} -> {new}{which}"
 
     def put_into(self, source: str) -> str:
         """The source of the module with the change in it.
@@ -63,8 +73,10 @@ class Mutant:
         return (raw[: self.start] + self.new.encode() + raw[self.end :]).decode()
 
 
-def drawn(tree: Path, seed: int, count: int) -> list[Mutant]:
+def drawn(tree: Path, seed: int, count: int, before: Collection[str] = ()) -> list[Mutant]:
     """Changes drawn at random, first the kind and then the place, each place once at most.
+
+    A seed draws others as soon as the source changes anywhere.  So those drawn before come first, where they still fit.
 
     Parameters
     ----------
@@ -74,6 +86,8 @@ def drawn(tree: Path, seed: int, count: int) -> list[Mutant]:
         Of the random numbers: with the same source it gives the same changes.
     count : int
         How many.
+    before : collection of str
+        Identities of those drawn before.
 
     Returns
     -------
@@ -81,10 +95,12 @@ def drawn(tree: Path, seed: int, count: int) -> list[Mutant]:
         In the sequence in which they were drawn, which does not depend on `count`.
     """
     known: dict[str, list[Mutant]] = {kind: [] for kind in KINDS}
-    for mutant in everywhere(tree):
-        known[mutant.kind].append(mutant)
+    fitting = {mutant.identity: mutant for mutant in everywhere(tree)}
+    for mutant in fitting.values():
+        if mutant.identity not in before:
+            known[mutant.kind].append(mutant)
     generator = random.Random(seed)
-    found: list[Mutant] = []
+    found = [fitting[name] for name in before if name in fitting][:count]
     while len(found) < count and any(known.values()):
         kind = generator.choice([kind for kind, left in known.items() if left])
         found.append(known[kind].pop(generator.randrange(len(known[kind]))))
@@ -145,6 +161,7 @@ def possible(module: str, source: str) -> Iterator[Mutant]:
     starts = [0]
     for line in raw.split(b"\n"):
         starts.append(starts[-1] + len(line) + 1)
+    alike: Counter[tuple[str, ...]] = Counter()
     for function, node in _computing(ast.parse(source), ""):
         for kind, part, change in _changes(node):
             begin = starts[part.lineno - 1] + part.col_offset
@@ -153,7 +170,9 @@ def possible(module: str, source: str) -> Iterator[Mutant]:
             end = starts[part.end_lineno - 1] + part.end_col_offset
             old = raw[begin:end].decode()
             new = change.format(old=old, **_pieces(part, raw, starts))
-            yield Mutant(kind, module, function, part.lineno, begin, end, old, new)
+            reads = (function, *(" ".join(text.split()) for text in (old, new)))
+            alike[reads] += 1
+            yield Mutant(kind, module, function, part.lineno, begin, end, old, new, alike[reads])
 
 
 def _computing(tree: ast.AST, above: str) -> Iterator[tuple[str, ast.AST]]:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 import json
 import multiprocessing
+import re
 import signal
 import tempfile
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, ForkServerProcess
@@ -27,7 +28,8 @@ ALLOWANCE, TIMES = 20.0, 10.0
 """Time of the processor that a case may take on a changed tree, s, besides `TIMES` what it takes on the sound one."""
 COMPILING = 200.0
 """Time, s, that it may take besides where functions have to be compiled again, all of which takes half of this."""
-_NOT_JUDGING = ("faults", "report", "command.py", "suite.py")  # parts of the validation on which no verdict depends
+_NOT_JUDGING = ("cases", "faults", "report", "command.py", "suite.py")
+"""Parts of the validation on which no verdict of another case depends; each case is known by a digest of its own."""
 
 
 Limits = tuple[tuple[str, float], ...]
@@ -74,6 +76,9 @@ class Order:
 class Kept:
     """Trials that are done, a line each in a file, so that a run that was interrupted goes on where it was.
 
+    What was seen by a case counts as long as the source of the case is the same: after a change of one case, or with
+    one more, only that case is run again.
+
     Parameters
     ----------
     path : Path, optional
@@ -81,54 +86,63 @@ class Kept:
     """
 
     def __init__(self, path: Path | None) -> None:
-        self._path, self._seen = path, dict[str, Seen]()
+        self._path, self._seen = path, dict[str, tuple[Seen, dict[str, str]]]()
         if path is None or not path.exists():
             return
         for line in path.read_text(errors="replace").splitlines():
             try:
                 entry = json.loads(line)
-                self._seen[entry["key"]] = seen_from(entry["seen"])
+                self._seen[entry["key"]] = seen_from(entry["seen"]), dict(entry["cases"])
             except (ValueError, KeyError, TypeError):
                 continue  # a line that was cut off: its trial is run again
 
-    def get(self, key: str, cases: Collection[str]) -> Seen | None:
+    def get(self, key: str, cases: Mapping[str, str]) -> Seen | None:
         """What became of a trial that was run before, if it was, and that would come of it again.
 
         Parameters
         ----------
         key : str
             All that its outcome depends on but for the cases, as a digest.
-        cases : collection of str
-            The cases: that in which something was seen must be among them, or all of them were run then.
+        cases : mapping of str to str
+            The cases, and a digest of each one's source: that in which something was seen must be among them, or all of
+            them were run then.
 
         Returns
         -------
         Seen or None
             What was seen then.
         """
-        seen = self._seen.get(key)
-        if seen is None:
+        if key not in self._seen:
             return None
-        again = seen.case in cases or (not seen.case and set(cases) <= {case for case, _ in seen.spent})
-        return seen if again else None
+        seen, sources = self._seen[key]
+        if seen.case:
+            return seen if seen.case in cases and sources.get(seen.case) == cases[seen.case] else None
+        return seen if set(cases) <= {case for case, _ in self.passed(key, cases).spent} else None
 
-    def passed(self, key: str) -> Seen:
+    def passed(self, key: str, cases: Mapping[str, str]) -> Seen:
         """The cases that a trial went through before without being caught.
 
         Parameters
         ----------
         key : str
             All that its outcome depends on but for the cases, as a digest.
+        cases : mapping of str to str
+            The cases, and a digest of each one's source.
 
         Returns
         -------
         Seen
             With the time of each.
         """
-        seen = self._seen.get(key)
-        return seen if seen is not None and seen.result is Result.MISSED else Seen(Result.MISSED)
+        seen, sources = self._seen.get(key, (Seen(Result.MISSED), dict[str, str]()))
+        spent = tuple(
+            (case, seconds)
+            for case, seconds in seen.spent
+            if case != seen.case and case in cases and sources.get(case) == cases[case]
+        )
+        return Seen(Result.MISSED, seconds=sum(seconds for _, seconds in spent), spent=spent)
 
-    def put(self, key: str, seen: Seen) -> Seen:
+    def put(self, key: str, seen: Seen, cases: Mapping[str, str]) -> Seen:
         """Keep what became of a trial, together with what it went through before.
 
         Parameters
@@ -137,18 +151,20 @@ class Kept:
             All that its outcome depends on but for the cases, as a digest.
         seen : Seen
             What was seen.
+        cases : mapping of str to str
+            The cases, and a digest of each one's source.
 
         Returns
         -------
         Seen
             The same, with the time of all cases.
         """
-        before = self.passed(key)
+        before = self.passed(key, cases)
         seen = replace(seen, spent=before.spent + seen.spent, seconds=before.seconds + seen.seconds)
-        self._seen[key] = seen
+        self._seen[key] = seen, dict(cases)
         if self._path is not None:
             with open(self._path, "a") as file:
-                file.write(json.dumps({"key": key, "seen": plain(seen)}) + "\n")
+                file.write(json.dumps({"key": key, "seen": plain(seen), "cases": dict(cases)}) + "\n")
         return seen
 
 
@@ -186,7 +202,7 @@ def seen_from(values: Mapping[str, Any]) -> Seen:
 
 
 def digest(tree: Path) -> str:
-    """A digest of all source on which verdicts depend.
+    """A digest of all source on which verdicts depend, but for that of the cases.
 
     Parameters
     ----------
@@ -205,6 +221,31 @@ def digest(tree: Path) -> str:
             if path.suffix in (".py", ".toml") and not (parts[0] == "validation" and parts[1] in _NOT_JUDGING):
                 found.update("/".join(parts).encode() + b"\0" + path.read_bytes())
     return found.hexdigest()
+
+
+def case_digests(tree: Path) -> dict[str, str]:
+    """A digest of the source of each case, and of the cases that it imports.
+
+    Parameters
+    ----------
+    tree : Path
+        The folder that holds the packages.
+
+    Returns
+    -------
+    dict
+        Hexadecimal, by the module of the case.
+    """
+    sources = {path.stem: path.read_text() for path in sorted((tree / "validation/cases").glob("*.py"))}
+    needed = {case: {case, *re.findall(r"validation\.cases\.(\w+)", source)} for case, source in sources.items()}
+    while (
+        more := {case: set().union(*(needed.get(one, ()) for one in ones)) for case, ones in needed.items()}
+    ) != needed:
+        needed = more
+    return {
+        case: hashlib.sha256("\0".join(sources.get(one, "") for one in sorted(ones)).encode()).hexdigest()
+        for case, ones in needed.items()
+    }
 
 
 @dataclass
@@ -236,7 +277,7 @@ class Trials:
 
     def __init__(self, tree: Path, level: Level, workers: int, kept: Kept) -> None:
         self.tree, self._level, self._workers, self._kept = tree, level, workers, kept
-        self._digest = digest(tree)
+        self._digest, self._sources = digest(tree), case_digests(tree)
         self._context: ForkServerContext = multiprocessing.get_context("forkserver")
         self._context.set_forkserver_preload(["validation.faults.preload"])
 
@@ -286,7 +327,7 @@ class Trials:
                 while len(running) < self._workers and (job := next(waiting, None)) is not None:
                     changed, cases = job
                     key = self._key(changed)
-                    seen = self._kept.get(key, [case for case, _ in _limits(cases, False)])
+                    seen = self._kept.get(key, self._with_digests(_limits(cases, False)))
                     if seen is not None:
                         yield changed, seen
                         continue
@@ -303,13 +344,16 @@ class Trials:
                     del running[ready]
                     ready.close()
                     trial.folder.cleanup()
-                    yield trial.changed, self._kept.put(trial.key, seen)
+                    yield trial.changed, self._kept.put(trial.key, seen, self._sources)
         finally:
             for connection, trial in running.items():
                 trial.process.kill()
                 trial.process.join()
                 connection.close()
                 trial.folder.cleanup()
+
+    def _with_digests(self, limits: Limits) -> dict[str, str]:
+        return {case: self._sources[case] for case, _ in limits}
 
     def _key(self, changed: Changed) -> str:
         """All that the outcome of a trial depends on but for the cases."""
@@ -324,7 +368,7 @@ class Trials:
             tree = Path(folder.name)
             copied_tree(self.tree, tree)
             compiles = change(tree, changed.module, changed.source)
-        passed = {case for case, _ in self._kept.passed(key).spent}
+        passed = {case for case, _ in self._kept.passed(key, self._sources).spent}
         limits = tuple((case, most) for case, most in _limits(cases, compiles) if case not in passed)
         here, there = self._context.Pipe(duplex=False)
         process = self._context.Process(target=try_tree, args=(str(tree), limits, self._level, there))

@@ -163,9 +163,9 @@ def check_problem(problem: Problem) -> None:
     if not isinstance(problem.initial, AtRest):
         raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
     if problem.records:
-        raise InputError(
-            f"{next(iter(problem.records))}: is a record; the OpenSees solver knows sines and harmonics only"
-        )
-    phases = [force.phase for force in problem.forces.harmonic if force.phase]
-    if phases:
-        raise InputError(f"base_motion: phase = {phases[0]:g}: must be 0, as OpenSees starts without acceleration")
+        raise InputError(f"{next(iter(problem.records))}: is a record; the OpenSees solver knows sums of sines only")
+    base = problem.base_motion
+    for i, wave in enumerate(() if base is None else base.waves):
+        if base is not None and wave.phase:
+            path = "base_motion" if base.kind == "sine" else f"base_motion.harmonics[{i}]"
+            raise InputError(f"{path}.phase = {wave.phase:g}: must be 0, as OpenSees starts without acceleration")

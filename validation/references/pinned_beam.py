@@ -93,11 +93,16 @@ class PinnedBeam:
         found: list[tuple[float | None, float, float, float]] = []
         if "base_motion" in self.tables:
             base = self.tables["base_motion"]
-            w = base["angular_frequency"]
-            found.append((None, self._beam[2] * base["amplitude"] * w**2, w, base.get("phase", 0.0)))
+            for one in base.get("harmonics", [base]):
+                w = one.get("multiple", 1) * base["angular_frequency"]
+                found.append((None, self._beam[2] * one["amplitude"] * w**2, w, one.get("phase", 0.0)))
         for load in self.tables.get("point_loads", ()):
-            w, phase = load.get("angular_frequency", 0.0), load.get("phase", 0.0)
-            found.append((load["x"], load["force"], w, phase if load["kind"] == "sine" else math.pi / 2))
+            if load["kind"] == "step":
+                found.append((load["x"], load["force"], 0.0, math.pi / 2))
+                continue
+            for one in load.get("harmonics", [load]):
+                w = one.get("multiple", 1) * load["angular_frequency"]
+                found.append((load["x"], one["force"], w, one.get("phase", 0.0)))
         return found
 
     def _projected(self, place: float | None) -> Array:

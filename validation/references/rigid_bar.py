@@ -152,11 +152,13 @@ class RigidBar:
         found = []
         if "base_motion" in self.tables:
             base = self.tables["base_motion"]
-            w = float(base["angular_frequency"])
-            found.append((self.mass_per_length * base["amplitude"] * w**2 * self.uniform, w, base.get("phase", 0.0)))
+            for one in base.get("harmonics", [base]):
+                w = float(one.get("multiple", 1) * base["angular_frequency"])
+                found.append((self.mass_per_length * one["amplitude"] * w**2 * self.uniform, w, one.get("phase", 0.0)))
         for load in self.tables.get("point_loads", ()):
-            if load["kind"] == "sine":
-                found.append((load["force"] * self.N(load["x"]), load["angular_frequency"], load.get("phase", 0.0)))
+            for one in load.get("harmonics", [load] if load["kind"] == "sine" else []):
+                w = float(one.get("multiple", 1) * load["angular_frequency"])
+                found.append((one["force"] * self.N(load["x"]), w, one.get("phase", 0.0)))
         return found
 
     @cached_property
@@ -166,8 +168,9 @@ class RigidBar:
 
     @cached_property
     def period(self) -> float:
-        """Excitation period, s."""
-        return 2 * math.pi / float(self.harmonics[0][1])
+        """Excitation period, s: that of the lowest frequency in the file, of which all others are whole multiples."""
+        parts = [self.tables.get("base_motion", {}), *self.tables.get("point_loads", ())]
+        return 2 * math.pi / min(float(part["angular_frequency"]) for part in parts if "angular_frequency" in part)
 
     def gap_function(self, k: int, u: Array) -> Array:
         """sign z - gap of a stop, m: positive where it is pressed.
@@ -436,14 +439,15 @@ class RigidBar:
         total = -float(half * weights * (s - x) @ (self.N(s) @ inertia))
         if "base_motion" in self.tables:
             base = self.tables["base_motion"]
-            w = base["angular_frequency"]
-            total += (
-                self.mass_per_length * base["amplitude"] * w**2 * math.sin(w * t + base.get("phase", 0.0)) * 2 * half**2
-            )
+            for one in base.get("harmonics", [base]):
+                w = one.get("multiple", 1) * base["angular_frequency"]
+                force = self.mass_per_length * one["amplitude"] * w**2 * math.sin(w * t + one.get("phase", 0.0))
+                total += force * 2 * half**2
         for load in self.tables.get("point_loads", ()):
-            if load["x"] > x:
-                wave = math.sin(load["angular_frequency"] * t + load.get("phase", 0.0)) if load["kind"] == "sine" else 1
-                total += load["force"] * wave * (load["x"] - x)
+            for one in load.get("harmonics", [load]) if load["x"] > x else []:
+                w = one.get("multiple", 1) * load.get("angular_frequency", 0.0)
+                wave = 1 if load["kind"] == "step" else math.sin(w * t + one.get("phase", 0.0))
+                total += one["force"] * wave * (load["x"] - x)
         for k, stop in enumerate(self.stops):
             if stop["x"] > x and k in flow.closed:
                 total -= stop["sign"] * stop["stiffness"] * float(self.gap_function(k, u)) * (stop["x"] - x)

@@ -20,7 +20,9 @@ def check_peaks(problem: Problem, modes: int, periods: float) -> int:
     )
     for contact in history.contacts:
         stop = problem.stops[contact.stop]
-        times, best = np.linspace(contact.start, contact.end, 2001)[:-1], 0.0  # the end is in the next state already
+        times, best = np.linspace(contact.start, contact.end, 2001), 0.0
+        if not contact.open_end:
+            times = times[:-1]  # the end is in the next state already
         for _ in range(4):  # closer and closer around the highest sample
             force = stop.stiffness * (stop.sign * np.ravel(history.displacement(stop.x, times)) - stop.gap)
             top = int(np.argmax(force))
@@ -38,7 +40,7 @@ def test_peaks_of_random_contacts_agree_with_dense_samples() -> None:
 
 @pytest.mark.slow
 def test_peaks_of_many_random_contacts_agree_with_dense_samples() -> None:
-    assert sum(check_peaks(stiff_joint(8, i), modes=30, periods=1.5) for i in range(60)) > 1000
+    assert sum(check_peaks(stiff_joint(8, i), modes=30, periods=1.5) for i in range(60)) > 500
 
 
 def test_a_contact_has_several_maxima_and_the_largest_counts() -> None:

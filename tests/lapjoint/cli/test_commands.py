@@ -361,6 +361,9 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
         ("export", PAPER, "-o", "/dev/null", "--duration", "1e9"),
         "/dev/null is not a directory",
     ),
+    ("a name with a zero byte", ("export", PAPER, "-o", "a\0", "--duration", "1e9"), "embedded null byte"),
+    ("a file with a zero byte", (*SIMULATE, "--contacts", "a\0.csv"), "embedded null byte"),
+    ("a curve with a zero byte", ("plot", "a\0"), "embedded null byte"),
     ("report in a device", ("validate", "-o", "/dev/null/x"), "/dev/null is not a directory"),
     ("contacts on a directory", (*SIMULATE, "--contacts", "."), "must end in"),
     ("JSON on a directory", ("steady", PAPER, "--json", "."), "it is a directory"),
@@ -409,6 +412,15 @@ def test_bad_input_is_refused(
     monkeypatch.chdir(tmp_path)
     assert_refused(run(*arguments), message)
     assert list(tmp_path.iterdir()) in ([], [tmp_path / "x"])
+
+
+@pytest.mark.parametrize("arguments", [("export", PAPER, "--duration", "1e9"), ("validate",)], ids=["export", "report"])
+def test_a_link_to_itself_is_no_directory(
+    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "loop").symlink_to("loop")
+    assert_refused(run(*arguments, "-o", "loop"), "loop is not a directory")
 
 
 def test_a_process_prints_a_message_and_no_traceback(tmp_path: Path) -> None:

@@ -79,15 +79,26 @@ def environment(cache: Path) -> dict[str, str]:
 @pytest.mark.parametrize("way", WAYS)
 def test_ctrl_c_is_not_lost(way: str) -> None:
     script = INTERRUPT_IN.format(way=WAYS[way])
-    done = subprocess.run([sys.executable, "-c", script, *SIMULATE], capture_output=True, text=True, timeout=100)
+    command = [sys.executable, "-c", script, *SIMULATE]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, preexec_fn=listening)
     lines = [line for line in done.stderr.splitlines() if line and not line.startswith("simulate: ")]
     assert (done.returncode, lines) == (130, ["lapjoint: interrupted"])
+
+
+def listening() -> None:
+    """Take Ctrl-C: a shell lets what it starts in the background ignore it, these tests included."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def interrupted_after(seconds: float, cache: Path) -> tuple[int, list[str]]:
     """The exit status and the messages of a command that gets Ctrl-C after some time."""
     command = subprocess.Popen(
-        [*START, *SIMULATE], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment(cache)
+        [*START, *SIMULATE],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(cache),
+        preexec_fn=listening,
     )
     time.sleep(seconds)
     command.send_signal(signal.SIGINT)

@@ -11,7 +11,7 @@ from validation.faults.catalogue import CONTROL, FAULTS
 from validation.faults.changed_tree import change, changed_names, installed_tree, source_of
 from validation.faults.fault import PLACES, Fault
 from validation.faults.record import PAGE, page, recorded
-from validation.faults.running import Changed, Kept, Order, Trials, plain
+from validation.faults.running import Changed, Kept, Order, Trials, case_digests, plain
 from validation.faults.trial import Result, Seen
 
 TREE = installed_tree()
@@ -66,22 +66,51 @@ def test_the_quickest_faults_change_verdicts_and_their_absence_does_not() -> Non
     assert "on purpose" in seen["crash"].item
 
 
+CASES = {"table4": "a digest", "textbook": "of each", "grazing": "case's source"}
+
+
+def _some(*names: str) -> dict[str, str]:
+    return {name: CASES[name] for name in names}
+
+
 def test_a_trial_that_was_done_is_not_run_again_and_a_torn_line_is(tmp_path: Path) -> None:
     path, seen = tmp_path / "kept", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 0.5, (("textbook", 0.5),))
-    Kept(path).put("one", seen)
-    Kept(path).put("two", seen)
+    Kept(path).put("one", seen, CASES)
+    Kept(path).put("two", seen, CASES)
     whole = path.read_text()
     path.write_text(whole[: len(whole) - 20])
-    assert Kept(path).get("one", ["table4", "textbook"]) == seen
-    assert Kept(path).get("one", ["table4"]) is None
-    assert Kept(path).get("two", ["textbook"]) is None
+    assert Kept(path).get("one", _some("table4", "textbook")) == seen
+    assert Kept(path).get("one", _some("table4")) is None
+    assert Kept(path).get("two", _some("textbook")) is None
 
 
 def test_a_trial_that_nothing_caught_is_run_again_if_there_are_more_cases() -> None:
-    kept, missed = Kept(None), Seen(Result.MISSED, spent=(("table4", 1.0), ("textbook", 1.0)))
-    kept.put("one", missed)
-    assert kept.get("one", ["textbook"]) == missed
-    assert kept.get("one", ["textbook", "grazing"]) is None
+    kept = Kept(None)
+    missed = kept.put("one", Seen(Result.MISSED, seconds=2.0, spent=(("table4", 1.0), ("textbook", 1.0))), CASES)
+    assert kept.get("one", _some("textbook")) == missed
+    assert kept.get("one", _some("textbook", "grazing")) is None
+
+
+def test_what_a_case_saw_counts_as_long_as_its_source_is_the_same() -> None:
+    kept = Kept(None)
+    kept.put("one", Seen(Result.MISSED, seconds=2.0, spent=(("table4", 1.0), ("textbook", 1.0))), CASES)
+    kept.put("two", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 2.0, (("table4", 1.0), ("textbook", 1.0))), CASES)
+    changed = {**CASES, "textbook": "another"}
+    for key in ("one", "two"):
+        assert kept.get(key, changed) is None
+        assert kept.passed(key, changed).spent == (("table4", 1.0),)
+
+
+def test_a_case_is_known_by_its_source_and_that_of_the_cases_that_it_imports(tmp_path: Path) -> None:
+    cases = tmp_path / "validation/cases"
+    cases.mkdir(parents=True)
+    (cases / "one.py").write_text("from validation.cases.two import f\n")
+    (cases / "two.py").write_text("f = 1\n")
+    (cases / "three.py").write_text("")
+    before = case_digests(tmp_path)
+    (cases / "two.py").write_text("f = 2\n")
+    after = case_digests(tmp_path)
+    assert {case for case in before if before[case] != after[case]} == {"one", "two"}
 
 
 def test_what_was_seen_survives_json() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from validation.faults.changed_tree import installed_tree, source_of
-from validation.faults.mutants import identity, reasons
+from validation.faults.mutants import reasons
 from validation.faults.mutation import KINDS, drawn, everywhere, modules, possible
 
 TREE = installed_tree()
@@ -22,6 +22,18 @@ def test_the_same_seed_draws_the_same_mutants_however_many() -> None:
     assert drawn(TREE, 4, 20) != many[:20]
     assert {mutant.kind for mutant in many} == set(KINDS)
     assert {mutant.module.partition(".")[0] for mutant in many} == {"analytic", "fe_lapjoint", "lapjoint"}
+
+
+def test_each_change_has_a_name_of_its_own() -> None:
+    names = [mutant.identity for mutant in everywhere(TREE)]
+    assert len(set(names)) == len(names)
+
+
+def test_those_drawn_before_come_first_as_long_as_they_fit() -> None:
+    before = [mutant.identity for mutant in drawn(TREE, 3, 20)]
+    again = [mutant.identity for mutant in drawn(TREE, 4, 30, ["gone.f: x -> (y)", *before])]
+    assert again[:20] == before
+    assert len(set(again)) == 30
 
 
 def test_every_mutant_of_a_draw_is_valid_source_and_another_one() -> None:
@@ -52,4 +64,4 @@ def test_nothing_that_draws_or_speaks_is_changed() -> None:
 
 
 def test_every_reason_belongs_to_a_mutant_that_can_be_drawn() -> None:
-    assert set(reasons()) <= {identity(mutant) for mutant in everywhere(TREE)}
+    assert set(reasons()) <= {mutant.identity for mutant in everywhere(TREE)}

@@ -11,10 +11,22 @@ import numpy as np
 import pytest
 
 import analytic
-from lapjoint import FREE, BaseMotion, Beam, InputError, Outcome, Problem, Support, contact_states, paper_joint, sdnl104
+from lapjoint import (
+    FREE,
+    BaseMotion,
+    Beam,
+    HarmonicsBaseMotion,
+    InputError,
+    Outcome,
+    Problem,
+    Support,
+    contact_states,
+    paper_joint,
+    sdnl104,
+)
 from lapjoint.cli import arguments
 from lapjoint.errors import SolverError
-from lapjoint.problem import NoDamping, PolynomialShape, ViscousDamping
+from lapjoint.problem import BaseHarmonic, NoDamping, PolynomialShape, ViscousDamping
 from lapjoint.solver import Solver as AnySolver
 from validation.cases import peers
 from validation.invariants import witness
@@ -67,6 +79,14 @@ def test_options_out_of_range_are_named(options: dict[str, float], message: str)
         (sdnl104(), "point_loads"),
         (JOINT.replace(initial=PolynomialShape(velocity=(0.0, 0.0, 1.0))), "initial.kind"),
         (JOINT.replace(base_motion=BaseMotion(amplitude=1e-3, angular_frequency=9.0, phase=1.0)), "base_motion.phase"),
+        (
+            JOINT.replace(
+                base_motion=HarmonicsBaseMotion(
+                    angular_frequency=9.0, harmonics=(BaseHarmonic(multiple=2, amplitude=1e-3, phase=1.0),)
+                )
+            ),
+            r"base_motion\.harmonics\[0\]\.phase = 1: must be 0",
+        ),
     ],
 )
 def test_what_opensees_cannot_express_is_refused_in_a_line(problem: Problem, message: str) -> None:

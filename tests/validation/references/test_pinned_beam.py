@@ -29,7 +29,7 @@ def test_the_sum_obeys_the_equation_of_motion_once_the_transient_is_gone() -> No
     z = [beam.evaluate(x, t + i * h) for i in (-1, 0, 1)]
     z_tt, z_t = (z[0] - 2 * z[1] + z[2]) / h**2, (z[2] - z[0]) / (2 * h)
     bending = (beam.shear(x + k, t) - beam.shear(x - k, t)) / (2 * k)
-    load = m * 2e-3 * 120.0**2 * math.sin(120.0 * t + 0.4)
+    load = m * (2e-3 * 120.0**2 * math.sin(120.0 * t + 0.4) + 3e-4 * 240.0**2 * math.sin(240.0 * t - 0.9))
     assert bending + m * z_tt + C * z_t == pytest.approx(load, rel=1e-3)
 
 
@@ -47,14 +47,27 @@ def test_initial_shapes_are_those_of_the_file() -> None:
     assert beam.evaluate(1.2, 0.0, dt=1) == pytest.approx(0.1, rel=1e-4)
 
 
-@pytest.mark.parametrize("fault", ["phase", "ratios", "sine phase", "torsion"])
+@pytest.mark.parametrize(
+    "fault", ["phase", "ratios", "sine phase", "torsion", "harmonic of the base", "harmonic of a load"]
+)
 def test_a_fault_of_the_loads_is_caught(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def faulty(text: str) -> Problem:
         problem = files.from_toml(text)
         base, supports = problem.base_motion, problem.supports
         assert base is not None
         if fault == "phase":
-            return problem.replace(base_motion=base.model_copy(update={"phase": 0.0}))
+            return (
+                problem.replace(base_motion=base.model_copy(update={"phase": 0.0})) if base.kind == "sine" else problem
+            )
+        if fault == "harmonic of the base":
+            first = {} if base.kind == "sine" else {"harmonics": base.harmonics[:1]}
+            return problem.replace(base_motion=base.model_copy(update=first))
+        if fault == "harmonic of a load":
+            first_only = [
+                load.model_copy(update={"harmonics": load.harmonics[:1]} if load.kind == "harmonics" else {})
+                for load in problem.point_loads
+            ]
+            return problem.replace(point_loads=first_only)
         if fault == "ratios" and isinstance(problem.damping, ModalDamping):
             return problem.replace(damping=ModalDamping(ratio=float(np.atleast_1d(problem.damping.ratio)[0])))
         if fault == "torsion" and supports:

@@ -1,0 +1,108 @@
+r"""Switches that crowd, so that a march would take minutes: by which stop, why, and what to change.
+
+**A stop that is too stiff for the mesh** makes one node of it bounce.  A stop of stiffness k acts on what the mesh has
+at its position x: after an impulse there, the deflection of the mesh without contact, with its modes phi_i, begins as
+
+    z(t) = sum phi_i(x)^2 sin(omega_i t) / omega_i,   z'(0) = sum phi_i^2 = 1 / m_x,   -z'''(0) = sum phi_i^2 omega_i^2,
+
+a mass m_x that gives way to the rest of the mesh with the frequency omega_x, omega_x^2 = sum phi_i^2 omega_i^2 / sum
+phi_i^2.  Against the stop it bounces with sqrt(k / m_x).  If that is the faster one, the mass leaves the stop again and
+again before the rest of the mesh has followed: where the beam is pressed and little damped, thousands of contacts take
+the place of one.  A beam has no such mass.  On a mesh r times as fine m_x is r times smaller and omega_x r^2 times
+larger, so the ratio of the two frequencies falls with r^1.5.
+
+**Modal damping** damps the modes of the present contact state, so its force jumps at each switch.  Where it drives the
+stop's gap function up in both states, the motion slides along the gap, in contacts that grow shorter and shorter.  That
+belongs to the problem, not to the mesh; it takes large ratios, or fast modes that a stiff stop has thrown.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fe_lapjoint.march.model import Model
+from lapjoint.answers.contact_state import FREE
+from lapjoint.errors import SolverError
+from lapjoint.problem import FloatArray, ModalDamping
+
+MOST_SWITCHES = 3000
+"""Most switches of a stop in the time of one window, if one of these causes holds: some ten seconds of computing.
+Where a vibrating beam is thrown against a stop that is too stiff for it, 40 elements make up to two thousand."""
+
+
+def bounce_ratio(model: Model) -> FloatArray:
+    """How much faster a node bounces against each stop than the mesh without contact follows it.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+
+    Returns
+    -------
+    FloatArray, shape (P,)
+        sqrt(k / m_x) / omega_x, without unit; up to 1 the mesh follows the contacts; 0 on a fixed node.
+    """
+    system = model.system(FREE)
+    squares = system.stops**2
+    inverse_mass, stiffness = squares.sum(axis=1), squares @ system.omega**2
+    return np.asarray(np.sqrt(model.stiffness / np.where(stiffness > 0, stiffness, np.inf)) * inverse_mass)
+
+
+@dataclass
+class Crowd:
+    """The switches of each stop in the time of one window."""
+
+    model: Model
+    window: float
+    """s."""
+    _ratio: FloatArray | None = None
+    _start: float = -math.inf
+    _switches: dict[int, int] = field(default_factory=dict)
+
+    def add(self, stop: int, t: float) -> None:
+        """Count a switch.
+
+        Parameters
+        ----------
+        stop : int
+            Which stop switches.
+        t : float
+            When, s.
+
+        Raises
+        ------
+        SolverError
+            If they are too many, for a cause that is known.
+        """
+        if t - self._start > self.window:
+            self._start, self._switches = t, {}
+        number = self._switches[stop] = self._switches.get(stop, 0) + 1
+        if number <= MOST_SWITCHES:
+            return
+        if self._ratio is None:
+            self._ratio = bounce_ratio(self.model)
+        cause = self._cause(stop, float(self._ratio[stop]))
+        if cause:
+            name = self.model.problem.stop_names[stop]
+            when = f"between t = {self._start:.6g} and {t:.6g} s"
+            raise SolverError(f"{name}: more than {MOST_SWITCHES} switches {when}: {cause}")
+
+    def _cause(self, stop: int, ratio: float) -> str:
+        """Why the switches of a stop crowd, and what to change; empty if neither cause holds."""
+        stiffness, damping = float(self.model.stiffness[stop]), self.model.problem.damping
+        if ratio > 1:
+            return (
+                f"its stiffness of {stiffness:.3g} N/m makes one node of the mesh bounce {ratio:.2g} times as fast as "
+                f"the rest can follow; take {math.ceil(ratio ** (2 / 3) * 10) / 10:g} times as many elements, or a "
+                f"stiffness of at most {stiffness / ratio**2:.3g} N/m"
+            )
+        if isinstance(damping, ModalDamping):
+            return (
+                "the force of modal damping jumps where the stop opens or closes, and holds the beam at the gap; take "
+                "a smaller damping ratio, or viscous damping"
+            )
+        return ""

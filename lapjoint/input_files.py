@@ -1,0 +1,48 @@
+"""Files that a user names are read here: a problem, a dataset.
+
+What is no regular file, such as a pipe, is read too, for shells make one of `<(command)`.  But it may have no end, as
+`/dev/zero` has none, and would fill the memory until the system ends the process; so it is read up to a limit.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from lapjoint.errors import InputError
+
+MOST_FROM_PIPES = 100_000_000
+"""Most bytes of what is no regular file: as large as the problem file of a million stops, and far larger than a dataset
+of 5000 points."""
+
+
+def read_file(path: str | Path) -> bytes:
+    """Everything that a file holds.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; a pipe or a device, too.
+
+    Returns
+    -------
+    bytes
+        What it holds.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is a pipe or a device that gives more than `MOST_FROM_PIPES` bytes.
+    """
+    try:
+        with open(path, "rb") as file:
+            if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                return file.read()
+            raw = file.read(MOST_FROM_PIPES + 1)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"{path}: cannot be read: {reason}") from None
+    if len(raw) > MOST_FROM_PIPES:
+        raise InputError(f"{path}: is no file, and gives more than {MOST_FROM_PIPES // 10**6} MB; it may have no end")
+    return raw

@@ -1,0 +1,63 @@
+"""What the search knows of an orbit is right, and the case tells when it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lapjoint.orbits import approach, finite_differences
+from lapjoint.orbits.watch import SegmentWatch
+from validation.cases import orbit_watch
+from validation.verdict import Check, Criterion, Verdict
+
+
+@pytest.fixture(scope="module")
+def uneven() -> orbit_watch.Known:
+    return orbit_watch.known(*orbit_watch.ORBITS[3])
+
+
+def disagree(items: Iterable[Check | Criterion]) -> list[str]:
+    return [item.name for item in items if item.verdict is Verdict.DISAGREE]
+
+
+def test_the_watch_over_an_orbit_agrees_with_the_motion(uneven: orbit_watch.Known) -> None:
+    for question in (orbit_watch.derivative, orbit_watch.switches, orbit_watch.distances, orbit_watch.rule):
+        assert disagree(question(uneven)) == []
+
+
+@pytest.mark.parametrize(("name", "value"), [("CURVED", 0.6), ("_SHIFTS", 30.0), ("_RATE", 0.01)])
+def test_another_rule_is_noticed(
+    name: str, value: float, uneven: orbit_watch.Known, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(approach, name, value)
+    assert disagree(orbit_watch.rule(uneven))
+
+
+def test_distances_that_are_too_large_are_noticed(uneven: orbit_watch.Known, monkeypatch: pytest.MonkeyPatch) -> None:
+    watch = uneven.orbit.watch
+    assert isinstance(watch, SegmentWatch)
+    larger = replace(watch.intervals, distance=1.001 * watch.intervals.distance)
+    monkeypatch.setattr(watch, "intervals", larger)
+    assert disagree(orbit_watch.distances(uneven))
+
+
+def test_a_derivative_by_wide_differences_is_noticed(
+    uneven: orbit_watch.Known, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(finite_differences, "_STEP", 1e-2)
+    assert disagree(orbit_watch.derivative(uneven))
+
+
+def test_an_orbit_out_of_reach_is_kept_from_its_stops_by_the_rule(monkeypatch: pytest.MonkeyPatch) -> None:
+    it = orbit_watch.known(*orbit_watch.ORBITS[6])
+    assert disagree(orbit_watch.out_of_reach(it)) == []
+    monkeypatch.setattr(approach, "LINEAR", 1.1)
+    assert disagree(orbit_watch.out_of_reach(it))
+
+
+def test_intervals_follow_each_other(uneven: orbit_watch.Known) -> None:
+    start, end = np.nanmin(orbit_watch.edges(uneven), axis=1)
+    np.testing.assert_allclose(start[1:], end[:-1], rtol=0, atol=1e-9 * uneven.length)

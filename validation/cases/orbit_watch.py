@@ -1,0 +1,426 @@
+"""Is what the search knows of an orbit true of the motion?
+
+A march counts as bound for an orbit by four things: the derivative of the period map, the orbit's distances from its
+stops, what deviations do there, and a rule that compares them for all time to come.  Both solvers are searched by one
+code, so neither shows a mistake in it.  Here each of the four is derived again: the derivative, and what deviations do,
+from marches that begin a little beside the orbit; distances and rates from the motion itself; the rule from its
+statement in `lapjoint.orbits.approach`, deviation by deviation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+import analytic
+import fe_lapjoint
+from lapjoint import History, ModalDamping, Problem
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import SolverError
+from lapjoint.orbits.finite_differences import FiniteDifferences
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.newton import FAR, Orbit, find_orbit
+from lapjoint.orbits.period_map import Follows
+from lapjoint.orbits.wandering import breadth_and_residual
+from lapjoint.orbits.watch import Deviated, Intervals, SegmentWatch
+from lapjoint.problem import FloatArray
+from lapjoint.problem.files import from_toml
+from validation.case import CaseResult, Level, Say, table
+from validation.cases.rigid_bar import MIRROR, SOFT, SPRINGS
+from validation.cases.settled import JOINTS, joint
+from validation.cases.textbook_equations import BEAMS, roots
+from validation.verdict import Check, Criterion, Estimate, Kind
+
+Solver = analytic.Solver | fe_lapjoint.Solver
+MODAL, MESH = analytic.Solver(n_modes=5), fe_lapjoint.Solver(elements=1)
+"""Coarse ones will do: each is compared with itself."""
+WIDE = joint("Gaps out of reach", 2.5, 0.05, (1.0, "top", 1.2e-2, 30.0), (0.5, "bottom", 9e-3, 30.0))
+FOUR = joint("Four periods", 2.5, 0.02, (1.0, "top", 4e-3, 30.0), (0.5, "bottom", 2e-3, 30.0))
+ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
+    ("springs", from_toml(SPRINGS.format(stiffness=repr(SOFT))), MODAL),
+    ("mirror", from_toml(MIRROR.format(stiffness=repr(SOFT))), MESH),
+    ("uneven", JOINTS["uneven"], MODAL),
+    ("uneven", JOINTS["uneven"], MESH),
+    ("four periods", FOUR, MESH),
+    ("out of reach", WIDE, MODAL),
+    ("out of reach", WIDE, MESH),
+)
+"""All kinds: with one switch at a stop and with several, with a mirror image, of several periods, without contact."""
+BESIDE = 1e-7  # of the orbit's size: how far beside it neighbours begin; its square is lost, and rounding over it
+DERIVED = 1e-5  # relative: what differences over so little leave of a derivative
+BY_SAMPLES = 0.05  # relative: parabolas between 64 samples in half a period, which `FiniteDifferences` draws
+EDGE = 1e-6  # of the orbit's length: so far before a switch rates are read off, and twice as far, and carried on
+READ = 1e-3  # relative: what that leaves of a rate, and of its rate
+CLOSED = 1e-8  # relative, of the times of switches: how well they are located, and how well the orbit closes
+PERIODS = 3  # over which a deviation is followed; and of the march from rest, whose deviation is one
+POINTS = 9  # in an interval, at which distances are looked at
+EXACT = 1e-6  # relative, of bounds and of sizes that are derived twice
+TIGHT = 0.5  # of a distance that the search must be certain of; less would have it march on for longer than it need
+ON_AVERAGE = 0.975  # of distances and deviations: intervals of a 32nd of a period at the most, so that chords are near
+CHORD = 1e-4  # relative: what a chord misses of a distance or of a deviation where these hardly bend
+INSIDE = 0.02  # of an interval: so far from its ends deviations are looked at, for switches move by a deviation
+WANDERING = ("four periods",)
+WANDERED, WATCHED, MULTIPLES = 80, 64, 6
+"""Periods of a march from rest, the last of them over which it is seen how far it wanders, and multiples tried."""
+RATIOS = (0.0, 0.01, 0.02)  # of modes: the first is not damped
+FREE, BENT, SHIFTS, RATE, APART = 0.9, 0.5, 3.0, 0.5, 1 / 3
+"""The rule: share of a distance that a deviation may take where there are no switches, and where there are; shifts of a
+switch next to it that are exempt; share of the rate that it may change; share of the time to the next switch."""
+LOOKED_AT = 512  # periods of the orbit over which the rule is looked at: the slowest one here decays by 0.85 in each
+SMALLEST, LARGEST, HALVINGS = 1e-8, 1e4, 40
+"""Sizes of deviations over that of the orbit, between which the largest that the rule allows is looked for."""
+BEYOND = (1.5, 4.0, 20.0)  # times that size, at which the rule says how long to wait
+NEARLY = 0.95  # of the share that the rule allows: what bounds in place of true deviations and distances leave of it
+BACK = 40  # periods after which a march from such a deviation must be back
+RETURNED = 1e-2  # of the deviation that is left then: 0.85 to the power of 40 is 1.5e-3
+
+
+@dataclass(frozen=True)
+class Known:
+    """An orbit, and the map that it was found by."""
+
+    label: str
+    solver: Solver
+    half_periods: HalfPeriods
+    orbit: Orbit
+
+    @property
+    def length(self) -> float:
+        """Of the orbit, s."""
+        return self.orbit.half_periods * self.half_periods.map.period / 2
+
+    @property
+    def stops(self) -> range:
+        """Numbers of the stops."""
+        return range(len(self.half_periods.map.problem.stops))
+
+    @cached_property
+    def history(self) -> History:
+        """Its motion."""
+        return self.half_periods.map.history(self.orbit.point, math.ceil(self.orbit.half_periods / 2))
+
+    @cached_property
+    def deviation(self) -> FloatArray:
+        """A deviation at random, as long as the orbit's section point."""
+        map_ = self.half_periods.map
+        found = np.random.default_rng(5).standard_normal(self.orbit.last.matrix[0].shape)
+        return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
+
+    @cached_property
+    def transient(self) -> FloatArray:
+        """The deviation of a march from rest after some periods, made as long as the orbit's section point."""
+        map_ = self.half_periods.map
+        found = map_.difference(map_.march(map_.initial(), 2 * PERIODS).end, self.orbit.point)
+        return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
+
+    def beside(self, deviation: FloatArray) -> SectionPoint:
+        """The section point beside the orbit's."""
+        return self.half_periods.map.moved(self.orbit.point, deviation)
+
+    def neighbour(self, deviation: FloatArray, periods: int) -> History:
+        """The motion from there."""
+        return self.half_periods.map.history(self.beside(deviation), periods)
+
+
+def known(label: str, problem: Problem, solver: Solver) -> Known:
+    """The orbit that a march from rest ends on."""
+    steady = solver.steady_state(problem, sensitivity=False, errors=False)
+    half_periods = HalfPeriods(solver.period_map(problem))
+    mirrors = steady.symmetric and half_periods.twins is not None
+    orbit = find_orbit(half_periods, steady.section_point, steady.period_multiple * (1 if mirrors else 2), FAR)
+    if orbit is None:
+        raise SolverError(f"{label}: the motion of {solver.name} is no fixed point of its map")
+    return Known(f"{label}, {solver.name}", solver, half_periods, orbit)
+
+
+def gap(history: History, stop: int, t: FloatArray) -> FloatArray:
+    """The gap function of a stop, m, positive where it is closed; times from the start of the motion, s."""
+    where = history.problem.stops[stop]
+    at = np.clip(history.start + t, history.start, history.end)
+    return np.asarray(where.sign * history.displacement(where.x, at)[0] - where.gap)
+
+
+def speed(history: History, stop: int, t: FloatArray) -> FloatArray:
+    """Velocity at a stop, m/s."""
+    return np.asarray(history.velocity(history.problem.stops[stop].x, history.start + t)[0])
+
+
+def nearest(history: History, stop: int, time: float) -> float:
+    """The switch of a stop in a motion that is the nearest to a time from its start, s; infinite without one."""
+    own = [contact for contact in history.contacts if contact.stop == stop]
+    times = [c.start for c in own if not c.open_start] + [c.end for c in own if not c.open_end]
+    return min((t - history.start for t in times), key=lambda t: abs(t - time), default=math.inf)
+
+
+def same(name: str, unit: str, pair: Iterable[FloatArray], share: float, how: str) -> Iterator[Check]:
+    """Numbers of one kind that the search has, and the same from elsewhere, to a share of the largest."""
+    found, reference = pair
+    u = share * float(np.abs(reference).max(initial=0.0))
+    for i, (one, other) in enumerate(zip(found, reference, strict=True)):
+        a, b = Estimate(float(one), u, "of the search"), Estimate(float(other), 0.0, how, Kind.CROSS_METHOD)
+        yield Check(f"{name} {i + 1}", unit, a, b)
+
+
+def derivative(it: Known) -> Iterator[Check | Criterion]:
+    """The solver's own derivative against that by finite differences, which solvers without one are given."""
+    map_, count, how = it.half_periods.map, it.orbit.half_periods, "by finite differences"
+    plain = FiniteDifferences(map_)
+    own, other = it.half_periods.tangent.linearised(it.orbit.point, count), plain.linearised(it.orbit.point, count)
+    apart = float(np.abs(own.matrix - other.matrix).max() / np.abs(own.matrix).max())
+    yield Criterion(f"{it.label}: derivative less that {how}", "1", apart, 0.0, DERIVED, "over its largest entry")
+    watch, twins = it.orbit.watch, it.half_periods.twins if it.orbit.symmetric else None
+    sampled = SegmentWatch(map_.problem, other.segments, twins)
+    yield from same(f"{it.label}: switch", "s", (watch.switches.time, sampled.switches.time), DERIVED, how)
+    yield from same(f"{it.label}: rate at switch", "m/s", (watch.switches.rate, sampled.switches.rate), BY_SAMPLES, how)
+    farthest = (farthest_from_stops(it, one.intervals) for one in (watch, sampled))
+    yield from same(f"{it.label}: farthest from stop", "m", farthest, BY_SAMPLES, how)
+    if isinstance(
+        it.solver, fe_lapjoint.Solver
+    ):  # few modes lose a little at a switch, so that a sample there is vague
+        beside = (one.deviated(it.deviation[:, None]).at_switches[:, 0] for one in (watch, sampled))
+        yield from same(f"{it.label}: deviation at switch", "m", beside, DERIVED, how)
+    yield from followed(it, plain, how)
+
+
+def followed(it: Known, plain: FiniteDifferences, how: str) -> Iterator[Check | Criterion]:
+    """One deviation along a march, by the solver and by finite differences."""
+    map_ = it.half_periods.map
+    assert isinstance(map_, Follows)
+    unit = it.deviation / map_.norm(it.deviation)
+    own, other = (one.followed(it.orbit.point, unit, PERIODS) for one in (map_, plain))
+    yield from same(f"{it.label}: growth in period", "1", (own.growth, other.growth), DERIVED, how)
+    impulses = (one.impulses.ravel() for one in (own, other))
+    yield from same(f"{it.label}: impulse by period and stop", "N s", impulses, DERIVED, how)
+    numbers = (np.array([float(one.switches)]) for one in (own, other))
+    yield from same(f"{it.label}: number of switches", "1", numbers, 0.0, how)
+    yield from same(f"{it.label}: deviation followed", "1", (own.deviation, other.deviation), DERIVED, how)
+    for n, point in enumerate(own.points, start=1):
+        apart = it.half_periods.apart(map_.march(it.orbit.point, 2 * n).end, point)
+        reason = "a march that is followed is no other march"
+        yield Criterion(f"{it.label}: followed for {n} periods, less marched", "1", apart, 0.0, 0.0, reason)
+
+
+def farthest_from_stops(it: Known, intervals: Intervals) -> FloatArray:
+    """Largest distance of the orbit from each stop, m."""
+    return np.array([intervals.distance[intervals.stop == k].max() for k in it.stops])
+
+
+def switches(it: Known) -> Iterator[Check]:
+    """Times, rates, curvatures and spacings of switches, and what a deviation does there, against the motion itself."""
+    watch, how = it.orbit.watch, "of the motion"
+    found, h = watch.switches, it.history
+    exact = np.array([nearest(h, k, t) for k, t in zip(found.stop, found.time, strict=True)])
+    yield from same(f"{it.label}: time of switch", "s", (found.time, exact), CLOSED, how)
+    beside = [it.neighbour(sign * BESIDE * it.deviation, math.ceil(it.orbit.half_periods / 2)) for sign in (1, -1)]
+    columns: dict[str, list[float]] = {"rate": [], "curvature": [], "shift": [], "turn": []}
+    for k, t in zip(found.stop.tolist(), exact, strict=True):
+        before = t - EDGE * it.length * np.array([2.0, 1.0])
+        after = np.mod(t + EDGE * it.length * np.array([1.0, 2.0]), it.length)
+        columns["rate"].append(abs(float(carried(speed(h, k, before)))))
+        bends = (np.diff(speed(h, k, at))[0] / (EDGE * it.length) for at in (before, after))
+        columns["curvature"].append(max(abs(float(bend)) for bend in bends))
+        shifts = [nearest(one, k, t) for one in beside]
+        columns["shift"].append(abs(shifts[0] - shifts[1]) / 2)
+        columns["turn"].append(float(carried(speed(beside[0], k, before) - speed(beside[1], k, before))) / 2)
+    values = {name: np.array(column) for name, column in columns.items()}
+    yield from same(f"{it.label}: rate of the motion at switch", "m/s", (found.rate, values["rate"]), READ, how)
+    yield from same(f"{it.label}: curvature at switch", "m/s2", (found.curvature, values["curvature"]), READ, how)
+    deviated, how = watch.deviated(BESIDE * it.deviation[:, None]), "of neighbouring motions"
+    shift = np.abs(deviated.at_switches[:, 0]) / found.rate
+    yield from same(f"{it.label}: shift of switch", "s", (shift, values["shift"]), DERIVED, how)
+    yield from same(f"{it.label}: change of rate at switch", "m/s", (deviated.rates[:, 0], values["turn"]), READ, how)
+
+
+def carried(pair: FloatArray) -> float:
+    """The value at 0 of a line through its values at -2 and -1."""
+    return float(2 * pair[1] - pair[0])
+
+
+def edges(it: Known) -> FloatArray:
+    """Where intervals begin and end, s, as the times from and to the switches of each stop tell; NaN where none does.
+
+    Shape ``(2, P, I)``.
+    """
+    found, intervals, length = it.orbit.watch.switches, it.orbit.watch.intervals, it.length
+    tiny = 1e-9 * length  # so that the ends of the orbit stay where they are
+    both = np.full((2, intervals.stop.size), math.nan)
+    told = intervals.before >= 0
+    both[0, told] = np.mod(found.time[intervals.before[told]] + intervals.since[told] + tiny, length) - tiny
+    told = intervals.after >= 0
+    both[1, told] = np.mod(found.time[intervals.after[told]] - intervals.until[told] - tiny, length) + tiny
+    return both.reshape(2, len(it.stops), -1)
+
+
+def distances(it: Known) -> Iterator[Criterion]:
+    """Bounds on distances and on deviations in all intervals, against the motion and its neighbours."""
+    told = edges(it)
+    start, end = np.nanmin(told, axis=1)
+    apart = float(np.nanmax(np.nanmax(told, axis=1) - np.nanmin(told, axis=1)))
+    gaps = float(np.abs(np.append(start, it.length) - np.insert(end, 0, 0.0)).max())
+    name = f"{it.label}: gaps between the intervals, over the orbit's length"
+    yield Criterion(
+        name, "1", max(apart, gaps) / it.length, 0.0, CLOSED, "they follow each other, whichever stop tells"
+    )
+    t = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, POINTS)
+    true = np.array([np.abs(gap(it.history, k, t.ravel())).reshape(t.shape).min(axis=1) for k in it.stops])
+    bound = it.orbit.watch.intervals.distance.reshape(true.shape)
+    yield from within(f"{it.label}: least distance, bound over true one", bound, true)
+    t = start[:, None] + (end - start)[:, None] * np.linspace(INSIDE, 1 - INSIDE, POINTS)
+    periods = math.ceil(it.orbit.half_periods / 2)
+    above, below = (it.neighbour(sign * BESIDE * it.transient, periods) for sign in (1, -1))
+    moved = np.array([np.abs(gap(above, k, t.ravel()) - gap(below, k, t.ravel())) / 2 for k in it.stops])
+    largest = it.orbit.watch.deviated(BESIDE * it.transient[:, None]).largest[:, 0].reshape(true.shape)
+    true = moved.reshape(len(it.stops), *t.shape).max(axis=2)
+    yield from within(f"{it.label}: largest deviation, true one over bound", true, largest)
+
+
+def within(name: str, part: FloatArray, whole: FloatArray) -> Iterator[Criterion]:
+    """What part of the whole is reached in all intervals: none of more than all, and nearly all of most."""
+    shares = (part / whole)[whole > 1e-6 * whole.max()]
+    reason = "a bound, reached where the motion hardly bends"
+    yield Criterion(f"{name}, largest", "1", float(shares.max()), 1 - CHORD, 1 + EXACT, reason)
+    reason = "bounds are tight"
+    yield Criterion(f"{name}, least", "1", float(shares.min()), TIGHT, 1.0, reason)
+    yield Criterion(f"{name}, mean", "1", float(shares.mean()), ON_AVERAGE, 1.0, reason)
+
+
+def out_of_reach(it: Known) -> Iterator[Criterion]:
+    """Where nothing switches: the orbit's distances, and what the rule allows against what touches a stop."""
+    t = np.linspace(0.0, it.length, 4001)
+    for k in it.stops:
+        true = float(np.abs(gap(it.history, k, t)).min())
+        found = it.orbit.watch.intervals
+        bound = float(found.distance[found.stop == k].min())
+        name = f"{it.label}, stop {k + 1}: least distance, bound over true one"
+        yield Criterion(name, "1", bound / true, TIGHT, 1 + EXACT, "a bound, and a tight one")
+    t = np.linspace(0.0, BACK * it.half_periods.map.period, 200 * BACK + 1)
+    orbit, beside = it.half_periods.map.history(it.orbit.point, BACK), it.neighbour(BESIDE * it.transient, BACK)
+    moved = max(float(np.max((gap(beside, k, t) - gap(orbit, k, t)) / -gap(orbit, k, t))) for k in it.stops)
+    share = allowed(lambda size: it.orbit.forecast(size * it.transient, LOOKED_AT).fails) * moved / BESIDE
+    name = f"{it.label}: deviation that the rule allows over that which touches a stop"
+    yield Criterion(
+        name, "1", share, NEARLY * FREE, FREE + EXACT, "what touches a stop is not bound for a motion that does not"
+    )
+
+
+def conditions(it: Known, deviated: Deviated) -> npt.NDArray[np.bool_]:
+    """Whether deviations meet the rule, as it is stated."""
+    watch = it.orbit.watch
+    found, intervals = watch.switches, watch.intervals
+    if not found.time.size:
+        return np.asarray((deviated.largest <= FREE * intervals.distance[:, None]).all(axis=0))
+    rate = found.rate[:, None]
+    shift = np.abs(deviated.at_switches) / rate
+    kept = (shift <= APART * found.spacing[:, None]) & (3 * shift * found.curvature[:, None] <= rate)
+    kept &= np.abs(deviated.rates) <= RATE * rate
+    clear = deviated.largest <= BENT * intervals.distance[:, None]
+    for switch, gone in ((intervals.before, intervals.since), (intervals.after, intervals.until)):
+        clear |= (switch >= 0)[:, None] & (gone[:, None] <= SHIFTS * shift[switch])
+    return np.asarray(kept.all(axis=0) & clear.all(axis=0))
+
+
+def waits(it: Known, size: float) -> int:
+    """Periods of the orbit after which a deviation, of some size over the orbit's, meets the rule for good."""
+    column, columns = size * it.deviation, []
+    for _ in range(LOOKED_AT):
+        columns.append(column)
+        column = it.orbit.last.matrix @ column
+    broken = np.flatnonzero(~conditions(it, it.orbit.watch.deviated(np.array(columns).T)))
+    return int(broken[-1]) + 1 if broken.size else 0
+
+
+def allowed(fails: Callable[[float], int]) -> float:
+    """The largest size for which the rule need not wait, by halving the ratio of what is allowed and what is not."""
+    low, high = SMALLEST, LARGEST
+    for _ in range(HALVINGS):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if fails(middle) == 0 else (low, middle)
+    return low
+
+
+def rule(it: Known) -> Iterator[Check | Criterion]:
+    """What the search says of deviations of several sizes, against the rule as it is stated, and against a march."""
+
+    def fails(size: float) -> int:
+        return it.orbit.forecast(size * it.deviation, LOOKED_AT).fails
+
+    size = allowed(fails)
+    how = "the rule, deviation by deviation"
+    stated = np.array([allowed(lambda size: waits(it, size))])
+    yield from same(
+        f"{it.label}: largest deviation allowed, over the orbit,", "1", (np.array([size]), stated), EXACT, how
+    )
+    found, stated = (
+        np.array([float(one(times * size)) for times in BEYOND]) for one in (fails, lambda s: waits(it, s))
+    )
+    yield from same(f"{it.label}: periods to wait beyond it,", "1", (found, stated), 0.0, how)
+    map_, course = it.half_periods.map, [size * it.deviation]
+    for _ in range(BACK):
+        course.append(it.orbit.last.matrix @ course[-1])
+    end = it.half_periods.marched(it.beside(course[0]), BACK * it.orbit.half_periods)
+    left = map_.norm(map_.difference(end, it.orbit.point)) / max(map(map_.norm, course))
+    yield Criterion(f"{it.label}: left of it after {BACK} turns", "1", left, 0.0, RETURNED, "it is bound for the orbit")
+
+
+def wanders(it: Known) -> Iterator[Criterion]:
+    """How far a march from rest is from repeating, against the definition, term by term."""
+    map_ = it.half_periods.map
+    points = [map_.initial()]
+    for _ in range(WANDERED):
+        points.append(map_.march(points[-1], 2).end)
+    found = breadth_and_residual(it.half_periods, points, MULTIPLES)
+    last = points[-WATCHED - 1 :]
+    size = max(map(map_.size, last))
+    returns = [
+        [map_.norm(map_.difference(last[i + n], last[i])) / size for i in range(len(last) - n)]
+        for n in range(1, MULTIPLES + 1)
+    ]
+    for name, one, other in zip(
+        ("breadth", "residual"), found, (min(map(max, returns)), min(row[-1] for row in returns)), strict=True
+    ):
+        low, high = other * (1 - EXACT), other * (1 + EXACT)
+        yield Criterion(f"{it.label}: {name} of a march from rest", "1", one, low, high, "by its definition")
+
+
+def damping_rates() -> Iterator[Check]:
+    """The lowest damping rate of modes that are damped, by which the search knows how long a transient may last."""
+    ratios = ModalDamping(ratio=RATIOS)
+    for solver in (MODAL, fe_lapjoint.Solver(elements=16)):
+        found = solver.period_map(JOINTS["uneven"].replace(damping=ratios)).lowest_damping_rate
+        a = Estimate(found, READ * found, solver.name)
+        b = Estimate(
+            RATIOS[1] * roots(BEAMS["clamped-free"].equation, 2)[1] ** 2,
+            0.0,
+            "of the second mode, as the first is not damped",
+            Kind.ANALYTICAL,
+        )
+        yield Check(f"lowest damping rate: {solver.name}", "1/s", a, b)
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """All orbits."""
+    items: list[Check | Criterion] = [*damping_rates()]
+    for label, problem, solver in ORBITS:
+        it = known(label, problem, solver)
+        items += [*derivative(it), *switches(it), *rule(it)]
+        items += distances(it) if it.orbit.watch.switches.time.size else out_of_reach(it)
+        items += wanders(it) if label in WANDERING else ()
+        say(it.label)
+    checks = tuple(item for item in items if isinstance(item, Check))
+    rows = [(c.name, c.unit, c.b.value, c.a.value, f"{c.difference:.1e}", f"{c.allowed:.1e}") for c in checks]
+    return CaseResult(
+        "orbit-watch",
+        "What the search knows of an orbit",
+        "A march is called bound for an orbit by the derivative of its map, its distances from the stops, what "
+        "deviations do there, and a rule that holds for all time. Both solvers share the code. Here the derivative and "
+        "deviations are compared with marches that begin a little beside the orbit, distances and rates with the "
+        "motion, and what the search decides with the rule as it is stated, for deviations of all sizes.",
+        checks=checks,
+        criteria=tuple(item for item in items if isinstance(item, Criterion)),
+        tables=(table("Orbits", ("quantity", "unit", "reference", "found", "difference", "allowed"), rows),),
+    )
