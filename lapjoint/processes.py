@@ -69,9 +69,10 @@ def new_pool(workers: int) -> ProcessPoolExecutor:
     for _ in range(MOST_STARTS):
         pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
         try:
-            with interrupts_held():
-                ready = pool.submit(_ready)
-            ready.result()
+            with interrupts_held():  # a process starts when a task finds none that is idle: all of them, now
+                ready = [pool.submit(_ready) for _ in range(workers)]
+            for one in ready:
+                one.result()
         except BrokenProcessPool:
             end_pool(pool)
         except BaseException:
@@ -93,9 +94,13 @@ def end_pool(pool: ProcessPoolExecutor) -> None:
     pool : ProcessPoolExecutor
         A pool from `new_pool`; it cannot be used afterwards.
     """
-    for process in list((pool._processes or {}).values()):
+    processes = list((pool._processes or {}).values())
+    manager: threading.Thread | None = pool._executor_manager_thread  # type: ignore[assignment]  # the stubs are wrong
+    pool.shutdown(wait=False, cancel_futures=True)  # first: the pool's thread trips over tasks that are cancelled later
+    for process in processes:
         process.terminate()
-    pool.shutdown(wait=True, cancel_futures=True)
+    if manager is not None:
+        manager.join()
 
 
 @contextmanager

@@ -80,6 +80,29 @@ def test_ctrl_c_in_a_terminal_gives_one_traceback_and_leaves_no_process(tmp_path
     assert said.rstrip().endswith("KeyboardInterrupt")
 
 
+def test_all_processes_have_started_when_the_pool_is_given() -> None:
+    """Those that started later would meet Ctrl-C before they can ignore it."""
+    with process_pool(3) as pool:
+        assert len(pool._processes) == 3
+        before = set(pool._processes)
+        assert list(pool.map(abs, range(12))) == list(range(12))
+        assert set(pool._processes) == before
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.02, 0.1])
+def test_tasks_that_are_cancelled_as_the_pool_ends_raise_nothing_in_its_thread(delay: float) -> None:
+    def work() -> None:
+        with process_pool(2) as pool:
+            answers = pool.map(time.sleep, [LONG] * 30)
+            time.sleep(delay)
+            answers.close()  # type: ignore[attr-defined]
+            raise KeyboardInterrupt
+
+    for _ in range(3):
+        with pytest.raises(KeyboardInterrupt):
+            work()  # pytest fails a test in one of whose threads an exception is raised
+
+
 def test_processes_that_cannot_start_are_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lapjoint.processes._ready", partial(os._exit, 1))
     with pytest.raises(SolverError, match="end as soon as they start"), process_pool(1):
