@@ -191,12 +191,11 @@ class Solver:
         Raises
         ------
         InputError
-            If `duration` is not positive and finite.
+            If `duration` is not positive and finite, or longer than a record.
         SolverError
             If the march cannot go on.
         """
-        if not (math.isfinite(duration) and duration > 0):
-            raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
+        problem.check_duration(duration)
         from analytic import answers
 
         counts = self.mode_counts(problem)

@@ -23,5 +23,9 @@ class DamageWarning(UserWarning):
     """A part of a file is damaged; the message says which, and what is done about it."""
 
 
+class RecordWarning(UserWarning):
+    """A record can hardly be what was measured, or cannot drive what it should; the message says why."""
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C in work that can be resumed; the message says what is kept."""

@@ -51,11 +51,16 @@ def test_from_problem_to_impulse_takes_five_lines() -> None:
         assert len([line for line in code.splitlines() if line.strip()]) <= 5
 
 
-def test_its_problem_file_is_one() -> None:
-    whole, other_base = blocks("toml")
+def test_its_problem_file_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = (f"{i / 1000},{i % 3}" for i in range(9))
+    Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
+    whole, *other_bases = blocks("toml")
     problem = from_toml(whole)
-    other = from_toml(whole.split("[base_motion]")[0] + other_base)
-    assert other.replace(base_motion=problem.base_motion) == problem
+    assert len(other_bases) == 2
+    for other_base in other_bases:
+        other = from_toml(whole.split("[base_motion]")[0] + other_base)
+        assert other.replace(base_motion=problem.base_motion) == problem
     assert problem.stop_names == ("tip",)
 
 

@@ -14,6 +14,8 @@ import numpy as np
 from numba import njit
 
 from analytic.march.deepest import find_deepest
+from analytic.march.ramp_segment import carry_ramps, follow_ramps
+from analytic.march.ramps import RampTables
 from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
 from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
@@ -205,7 +207,7 @@ def new_work(tables: Tables) -> Work:
 
 
 @njit(cache=True, inline="always")
-def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> bool:
+def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motion: Motion, work: Work) -> bool:
     """Let the pending stop switch, if there is one, and write the phases of this moment.
 
     Parameters
@@ -214,6 +216,8 @@ def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> 
         The states of the joint.
     frozen : Frozen or None
         The published scheme's frozen shape; None for the present solver's rule; see `analytic.march.switching`.
+    ramps : RampTables or None
+        The sampled forces, if there are any; see `analytic.march.ramps`.
     motion : Motion
         Where the march is; changed in place.
     work : Work
@@ -234,6 +238,9 @@ def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> 
             switch(tables, slot, stop, work.theta, motion.q, motion.v)
         else:
             switch_frozen(tables, frozen, slot, target, motion.q, motion.v)
+        if ramps is not None:
+            carry_ramps(tables, ramps, slot, stop, motion.time[0], work.theta.size, motion.q, motion.v)
+            ramps.goes_on[0] = False
         motion.counts[SLOT], motion.counts[PENDING] = target, NO_SWITCH
         motion.last_switch[stop] = motion.time[0]
     return True
@@ -241,9 +248,18 @@ def enter(tables: Tables, frozen: Frozen | None, motion: Motion, work: Work) -> 
 
 @njit(cache=True, inline="always")
 def leave(
-    tables: Tables, frozen: Frozen | None, motion: Motion, work: Work, end: float, shortest: float, depth: bool
+    tables: Tables,
+    frozen: Frozen | None,
+    ramps: RampTables | None,
+    motion: Motion,
+    work: Work,
+    end: float,
+    shortest: float,
+    depth: bool,
 ) -> bool:
     """Follow the present state to its first switch, which is then pending, or to a given time.
+
+    Along ramps it may end between, at a knot, with no stop pending.
 
     Parameters
     ----------
@@ -251,6 +267,8 @@ def leave(
         The states of the joint.
     frozen : Frozen or None
         The published scheme's frozen shape; None for the present solver's rule; see `analytic.march.switching`.
+    ramps : RampTables or None
+        The sampled forces, if there are any; see `analytic.march.ramps`.
     motion : Motion
         Where the march is, with no stop pending; changed in place.
     work : Work
@@ -270,6 +288,11 @@ def leave(
     slot, t = motion.counts[SLOT], motion.time[0]
     for k in range(work.fresh.size):
         work.fresh[k] = t - motion.last_switch[k] < _FRESH * tables.unit
+    if ramps is not None:
+        q, v, area, deepest = motion.q, motion.v, work.area, work.deepest
+        found = follow_ramps(tables, ramps, slot, t, end, work.fresh, depth, work.theta, work.term, q, v, area, deepest)
+        motion.time[0], motion.counts[PENDING], motion.time[1] = found
+        return count_switch(motion, work)
     if frozen is not None:
         freeze(tables, frozen, slot)
     start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
@@ -287,7 +310,29 @@ def leave(
     state_from_terms(tables, slot, work.theta, s, work.term, work.poly, motion.q, motion.v)
     motion.time[0], motion.time[1] = end if which == NO_SWITCH else t + s, rate
     motion.counts[PENDING] = which
-    if which != NO_SWITCH:
+    return count_switch(motion, work)
+
+
+@njit(cache=True, inline="always")
+def count_switch(motion: Motion, work: Work) -> bool:
+    """Count the pending stop, and add the areas of the segment to the totals.
+
+    Parameters
+    ----------
+    motion : Motion
+        Where the march is; changed in place.
+    work : Work
+        With the areas.
+
+    Returns
+    -------
+    bool
+        False if the march makes no progress.
+    """
+    if motion.counts[PENDING] == NO_PROGRESS:
+        motion.counts[PENDING] = NO_SWITCH
+        return False
+    if motion.counts[PENDING] != NO_SWITCH:
         motion.counts[SWITCHES] += 1
     for k in range(motion.total.size):
         motion.total[k] += work.area[k]
@@ -298,6 +343,7 @@ def leave(
 def advance(
     tables: Tables,
     frozen: Frozen | None,
+    ramps: RampTables | None,
     motion: Motion,
     end: float,
     log: Log,
@@ -313,6 +359,8 @@ def advance(
         The states of the joint.
     frozen : Frozen or None
         The published scheme's frozen shape; None for the present solver's rule.
+    ramps : RampTables or None
+        The sampled forces, if there are any.
     motion : Motion
         Where the march is; changed in place.
     end : float
@@ -333,7 +381,7 @@ def advance(
     """
     room, logged, work = log.slot.size, 0, new_work(tables)
     while True:
-        if not enter(tables, frozen, motion, work):
+        if not enter(tables, frozen, ramps, motion, work):
             return MISSING_SWITCH, logged
         if room > 0:
             if logged == room:
@@ -341,7 +389,7 @@ def advance(
             log.slot[logged], log.start[logged] = motion.counts[SLOT], motion.time[0]
             put(log.q[logged], motion.q)
             put(log.v[logged], motion.v)
-        if not leave(tables, frozen, motion, work, end, shortest, depth):
+        if not leave(tables, frozen, ramps, motion, work, end, shortest, depth):
             return STUCK, logged
         if room > 0:
             log.end[logged], log.stop[logged], log.rate[logged] = motion.time[0], motion.counts[PENDING], motion.time[1]
@@ -350,7 +398,7 @@ def advance(
             put(log.area[logged], work.area)
             put(log.deepest[logged], work.deepest)
             logged += 1
-        if motion.counts[PENDING] == NO_SWITCH:
+        if motion.counts[PENDING] == NO_SWITCH and (ramps is None or motion.time[0] >= end):
             return DONE, logged
         if motion.counts[SWITCHES] > most:
             return TOO_MANY, logged
@@ -414,9 +462,9 @@ def advance_periods(
     """
     work = new_work(tables)
     while motion.counts[PERIODS] < count:
-        if not enter(tables, None, motion, work):
+        if not enter(tables, None, None, motion, work):
             return MISSING_SWITCH
-        if not leave(tables, None, motion, work, period, 0.0, False):
+        if not leave(tables, None, None, motion, work, period, 0.0, False):
             return STUCK
         if motion.counts[PENDING] == NO_SWITCH:
             done = motion.counts[PERIODS]

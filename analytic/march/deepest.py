@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numba import njit
 
-from analytic.march.gap_function import add_terms, at_positions
+from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions
 from analytic.march.step_bound import first_root_of_bound
 from analytic.march.tables import Tables
 from analytic.march.terms import drift_at_stops, turn_exactly
@@ -63,14 +63,46 @@ def find_deepest(
     for k in range(deepest.size):
         deepest[k] = 0.0
         if tables.closed[slot, k]:
-            deepest[k] = _deepest_of(tables, slot, k, duration, theta.copy(), term.copy(), drift)
+            deepest[k] = deepest_of(tables, slot, k, duration, theta.copy(), term.copy(), drift, None)
 
 
 @njit(cache=True)
-def _deepest_of(
-    tables: Tables, slot: int, k: int, duration: float, theta: ComplexArray, term: ComplexArray, drift: FloatArray
+def deepest_of(
+    tables: Tables,
+    slot: int,
+    k: int,
+    duration: float,
+    theta: ComplexArray,
+    term: ComplexArray,
+    drift: FloatArray,
+    rigid: Rigid | None,
 ) -> float:
-    """The deepest penetration of stop `k`, m; `theta` and `term` are those at the start, and changed in place."""
+    """The deepest penetration of one closed stop while one closed form holds.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    k : int
+        The stop.
+    duration : float
+        How long the closed form holds, s.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h) at its start, without unit; changed in place.
+    term : ComplexArray, shape (T,)
+        The c_t, kg^1/2 m, at its start; changed in place.
+    drift : FloatArray, shape (U, 3)
+        The coefficients of 1, s, s^2 of z, m over powers of s.
+    rigid : Rigid or None
+        What rigid-body modes add to it under forces that are linear in time.
+
+    Returns
+    -------
+    float
+        m; 0 where the stop is not pressed.
+    """
     u, sign, terms = tables.position[k], tables.sign[k], tables.terms[slot]
     root, weight, forced = tables.root[slot], tables.weight[slot, u], tables.forced[slot]
     fastest = tables.fastest[slot]
@@ -80,6 +112,8 @@ def _deepest_of(
     deepest, s = 0.0, 0.0
     while True:
         at_positions(forced, tables.omega, s, theta, drift, out)
+        if rigid is not None:
+            add_rigid(rigid, s, out)
         z, z1, z2, b3 = add_terms(weight, term, root, 0, terms)
         d, d1, d2 = sign * (out[u, 0] + z) - tables.gap[k], sign * (out[u, 1] + z1), sign * (out[u, 2] + z2)
         b3 += out[u, 3] + _TINY

@@ -11,6 +11,8 @@ import numpy as np
 from analytic.march.contacts import contacts_of
 from analytic.march.joint import Joint
 from analytic.march.march import March, Segment
+from analytic.march.ramp_segment import coordinates_on_ramps
+from analytic.march.ramps import RampTables, ramp_tables
 from analytic.march.tables import IntArray
 from analytic.march.terms import start_all_terms
 from analytic.modes.beam_functions import ComplexArray
@@ -38,6 +40,12 @@ class ModalField:
             for part in np.split(here, range(_AT_ONCE, here.size, _AT_ONCE)):
                 result[:, part] = self._in_state(state, which[part], x, t[part], dx, dt)
         return result
+
+    @cached_property
+    def _ramps(self) -> RampTables | None:
+        """The ramps in all states of the motion, if there are sampled forces."""
+        ramps = self.joint.problem.forces.ramps
+        return None if ramps is None else ramp_tables(self.joint, ramps)
 
     @cached_property
     def _starts(self) -> FloatArray:
@@ -68,14 +76,25 @@ class ModalField:
         omega = harmonics.omega[:, None]
         loads = omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2)
         constant = np.full((1, t.size), float(dt == 0))
-        return np.asarray(self.joint.residual(state)(x, dx).T @ np.concatenate([constant, loads]))
+        return np.asarray(self.joint.residual(state)(x, dx).T @ np.concatenate([constant, loads, self._sampled(t, dt)]))
+
+    def _sampled(self, t: FloatArray, dt: int) -> FloatArray:
+        """The dt-th derivative of the sampled forces at the times ``(m,)``, shape ``(R, m)``."""
+        ramps = self.joint.problem.forces.ramps
+        if ramps is None or dt == 2:
+            return np.zeros((len(self.joint.problem.forces.sampled), t.size))
+        return np.asarray(ramps.at(t)[dt].T)
 
     def _coordinates(self, state: ContactState, which: IntArray, t: FloatArray, dt: int) -> FloatArray:
         """q_i or its dt-th derivative at the times ``(m,)``, shape ``(N, m)``."""
         tables, slot, (segments, at) = self.joint.tables, self.joint.slot(state), np.unique(which, return_inverse=True)
-        n, terms = tables.modes[slot], tables.terms[slot]
+        n, terms = int(tables.modes[slot]), tables.terms[slot]
         q, v = (np.stack([getattr(self.segments[i], name) for i in segments]) for name in "qv")
         start, count = self._starts[segments], segments.size
+        if self._ramps is not None:
+            order, result = np.lexsort((t, at)), np.zeros((t.size, tables.kind.shape[1]))
+            coordinates_on_ramps(tables, self._ramps, slot, start, q, v, at[order], t[order], dt, result)
+            return np.asarray(result[np.argsort(order), :n].T)
         theta, c = np.zeros((count, tables.omega.size), dtype=complex), np.zeros((count, terms), dtype=complex)
         poly = np.zeros((count, n, 3))
         start_all_terms(tables, slot, start, q, v, theta, c, poly)

@@ -7,12 +7,86 @@ s^2 of z at the positions of the stops, m, and `out`, shape ``(U, 4)``, takes z,
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from numba import njit
 
 from analytic.march.switching import SUM
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
+
+_SHORT = 2.0  # of drag times time, without unit: up to it the fading powers are summed as series
+_SERIES = 22  # terms of those: the next is 2^22 4! / 26!, 3e-19 of the first
+
+
+class Rigid(NamedTuple):
+    """What rigid-body modes add to z at ``U`` positions while the force on them is linear in time.
+
+    Such a mode obeys q'' + drag q' = F + G s, so that its third derivative is j exp(-drag s) with j = G - drag q''(0):
+    beside the polynomial of q, q', q'' at s = 0 it moves by j times a fading power, `fading_powers`.  That stays exact
+    for a drag that is small, or 0, where the sum of exp(-drag s) and a polynomial is a difference of huge numbers.
+    """
+
+    jerk: FloatArray
+    """Third derivative of z at s = 0, m/s3, shape ``(U,)``."""
+    drag: float
+    """Twice the damping rate of the rigid-body modes, 1/s."""
+
+
+@njit(cache=True)
+def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, float]:
+    """exp(-drag s), and its integrals from 0 to s, once to four times: s^n / n! where there is no drag.
+
+    Parameters
+    ----------
+    drag : float
+        1/s, 0 or more.
+    s : float
+        The time, s.
+
+    Returns
+    -------
+    float, float, float, float, float
+        Without unit, s, s^2, s^3 and s^4.
+    """
+    x = drag * s
+    if x > _SHORT:
+        e = math.exp(-x)
+        e1 = -math.expm1(-x) / drag
+        e2 = (s - e1) / drag
+        e3 = (s * s / 2 - e2) / drag
+        return e, e1, e2, e3, (s * s * s / 6 - e3) / drag
+    e4, term, n = 1.0, 1.0, 4
+    while n < _SERIES + 4 and term != 0.0:
+        n += 1
+        term *= -x / n
+        e4 += term
+    e4 *= s * s * s * s / 24
+    e3 = s * s * s / 6 - drag * e4
+    e2 = s * s / 2 - drag * e3
+    e1 = s - drag * e2
+    return 1.0 - drag * e1, e1, e2, e3, e4
+
+
+@njit(cache=True)
+def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
+    """Add what rigid-body modes contribute to the displacement at the stops beside the polynomial.
+
+    Parameters
+    ----------
+    rigid : Rigid
+        The modes.
+    s : float
+        Time since the polynomial's, s.
+    out : FloatArray, shape (U, 4)
+        z, z', z'' and the bound on |z'''|, m over powers of s; added to.
+    """
+    e0, e1, e2, e3, _ = fading_powers(rigid.drag, s)
+    for u in range(out.shape[0]):
+        out[u, 0] += rigid.jerk[u] * e3
+        out[u, 1] += rigid.jerk[u] * e2
+        out[u, 2] += rigid.jerk[u] * e1
+        out[u, 3] += abs(rigid.jerk[u]) * e0
 
 
 @njit(cache=True, fastmath=SUM)

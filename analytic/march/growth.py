@@ -83,11 +83,11 @@ def _carry_to(
     while True:
         slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
         q_old, v_old = motion.q.copy(), motion.v.copy()
-        if not enter(tables, None, motion, work):
+        if not enter(tables, None, None, motion, work):
             return MISSING_SWITCH, now
         if stop >= 0:
             now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
-        if not leave(tables, None, motion, work, end, 0.0, False):
+        if not leave(tables, None, None, motion, work, end, 0.0, False):
             return STUCK, now
         flow(tables, motion.counts[SLOT], motion.time[0] - t, now)
         if motion.counts[PENDING] == NO_SWITCH:

@@ -50,7 +50,7 @@ class Joint:
         self.harmonics = harmonics_of(problem)
         self.family = family_of(problem)
         self.sizes = load_sizes(problem)
-        """Factors of the unit loads, shape ``(1 + H,)``."""
+        """Factors of the unit loads, shape ``(1 + H + R,)``."""
         self.counts = (free_modes, contact_modes)
         self._memory = memory_of(self.family, self.counts)
         self._at_stops: dict[ContactState, tuple[FloatArray, FloatArray]] = {}
@@ -97,7 +97,7 @@ class Joint:
         Returns
         -------
         Residual
-            1 + H shapes, m, the one of the constant load first.
+            1 + H + R shapes, m, the one of the constant load first, those of the sampled loads for each unit of load.
         """
         return self.modal(state).residual.scaled(self.sizes)
 
@@ -205,7 +205,8 @@ class Joint:
         self._scale(0, unit.natural, unit.damping_rate, unit.residual)
 
     def _grow(self, slots: int) -> None:
-        self.tables = grown(self.tables, empty_tables(self.problem, self.harmonics, max(self.counts), slots))
+        sampled = len(self.problem.forces.sampled)
+        self.tables = grown(self.tables, empty_tables(self.problem, self.harmonics, max(self.counts), slots, sampled))
 
     def _fill(self, slot: int) -> None:
         """Fill in a state that is met for the first time."""

@@ -11,7 +11,7 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
 Places = tuple[float | None, ...]
-"""Where each harmonic load acts: a position, m, or None for a load that is uniform along the beam."""
+"""Where each load that is not constant acts: a position, m, or None for one that is uniform along the beam."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def harmonics_of(problem: Problem) -> Harmonics:
 
 
 def load_sizes(problem: Problem) -> FloatArray:
-    """Factors of the unit loads: 1 for the constant one, then the amplitudes of the harmonic ones.
+    """Factors of the unit loads: 1 for the constant one, the amplitudes of the harmonic ones, 1 for the sampled ones.
 
     Parameters
     ----------
@@ -82,24 +82,25 @@ def load_sizes(problem: Problem) -> FloatArray:
 
     Returns
     -------
-    FloatArray, shape (1 + H,)
-        Without unit; then N/m for uniform loads, N for loads at points.
+    FloatArray, shape (1 + H + R,)
+        Without unit; then N/m for uniform loads, N for loads at points; then without unit, as samples have one.
     """
-    return np.array([1.0, *(force.amplitude for force in problem.forces.harmonic)])
+    forces = problem.forces
+    return np.array([1.0, *(force.amplitude for force in forces.harmonic), *(1.0 for _ in forces.sampled)])
 
 
 def unit_loads(problem: Problem, places: Places, state: ContactState, nodes: FloatArray) -> Loads:
-    """The loads in a contact state, the harmonic ones with unit amplitude.
+    """The loads in a contact state, those that are not constant of unit size.
 
-    Load 0 is constant: the forces k gap of the closed stops, and the constant forces.  Loads 1 ... H are those of the
-    harmonics, with an amplitude of 1 N/m or 1 N.
+    Load 0 is constant: the forces k gap of the closed stops, and the constant forces.  The others, harmonic or sampled,
+    have a size of 1 N/m or 1 N.
 
     Parameters
     ----------
     problem : Problem
         The problem with its constant forces; others that it has are not looked at.
     places : tuple of float or None
-        Where each harmonic load acts, m, or None for a uniform one.
+        Where each of the others acts, m, or None for a uniform one.
     state : ContactState
         The stops that are closed.
     nodes : FloatArray, shape (nodes,)
@@ -108,7 +109,7 @@ def unit_loads(problem: Problem, places: Places, state: ContactState, nodes: Flo
     Returns
     -------
     Loads
-        1 + H loads.
+        1 + H loads, or 1 + H + R with ``R`` sampled ones.
     """
     forces = np.zeros((1 + len(places), nodes.size))
 

@@ -23,6 +23,7 @@ from analytic.march.compiled import (
 )
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
+from analytic.march.ramps import RampState
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
@@ -116,10 +117,12 @@ def march(
     modes, stops = motion.q.size, motion.total.size
     log, full = new_log(_ROOM, modes, stops) if record else no_log(modes, stops), []
     parts = _PROGRESS_PARTS if progress is not None and not record else 1
+    ramps = RampState(joint) if joint.problem.forces.sampled else None
     for goal in [start + (end - start) * (i + 1) / parts for i in range(parts - 1)] + [end]:
         status = LOG_FULL
         while status != DONE:
-            status, logged = advance(joint.tables, None, motion, goal, log, depth, 0.0, max_switches)
+            on = None if ramps is None else ramps.tables
+            status, logged = advance(joint.tables, None, on, motion, goal, log, depth, 0.0, max_switches)
             if logged:
                 full.append(copied(log, logged))
             if status != DONE:

@@ -48,7 +48,7 @@ class Family:
     problem: Problem
     """The one with nothing but the constant part of its loads, which is zero for some."""
     places: Places
-    """Where the ``H`` harmonic loads act."""
+    """Where the ``H`` harmonic loads act, and then the sampled ones."""
 
     def __reduce__(self) -> tuple[object, ...]:
         return _family, (self.problem, self.places)
@@ -132,12 +132,13 @@ def family_of(problem: Problem) -> Family:
     steps = tuple(StepLoad(x=load.x, force=load.constant) for load in problem.point_loads)
     parts = {name: getattr(problem, name) for name in ("beam", "supports", "stops", "damping")}
     still = Problem.model_construct(**parts, point_loads=steps)  # of parts that fit together: they were validated
-    return _family(still, tuple(force.x for force in problem.forces.harmonic))
+    forces = problem.forces
+    return _family(still, tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled))
 
 
 @lru_cache(maxsize=_FAMILIES)
 def _family(problem: Problem, places: Places) -> Family:
-    """The family of a problem without harmonic loads, and of places where such loads act."""
+    """The family of a problem with constant loads only, and of places where others act."""
     return Family(problem, places)
 
 

@@ -32,7 +32,7 @@ import math
 import numpy as np
 from numba import njit
 
-from analytic.march.gap_function import add_terms, at_positions
+from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions, fading_powers
 from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
 from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
@@ -92,21 +92,82 @@ def follow(
         The time, s, the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), its h', m/s, and the number of
         steps.
     """
+    positions, terms = tables.forced.shape[1], tables.terms[slot]
+    drift, tail = np.zeros((positions, 3)), np.zeros((positions, terms + 1))
+    start_theta, start_term, shift = theta.copy(), term[:terms].copy(), np.zeros(tables.sign.size)
+    drift_at_stops(tables, slot, poly, drift)
+    bound_tails(tables.weight[slot], term, terms, tail)
+    s, which, rate, looks = search(tables, slot, horizon, drift, None, tail, fresh, True, shift, theta, term, False)
+    for k in range(area.size):
+        area[k] = 0.0
+    add_areas(tables, slot, s, start_theta, start_term, theta, term, drift, None, area)
+    for k in range(area.size):
+        area[k] = max(area[k], 0.0)
+    return s, which, rate, looks
+
+
+@njit(cache=True)
+def search(
+    tables: Tables,
+    slot: int,
+    horizon: float,
+    drift: FloatArray,
+    rigid: Rigid | None,
+    tail: FloatArray,
+    fresh: BoolArray,
+    beginning: bool,
+    shift: FloatArray,
+    theta: ComplexArray,
+    term: ComplexArray,
+    at_end: bool,
+) -> tuple[float, int, float, int]:
+    """Look for the first switch along one closed form; `follow` says what it gives, and what is not said here.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    horizon : float
+        s.
+    drift : FloatArray, shape (U, 3)
+        The coefficients of 1, s, s^2 of z, m over powers of s.
+    rigid : Rigid or None
+        What rigid-body modes add to it under forces that are linear in time; see `analytic.march.gap_function`.
+    tail : FloatArray, shape (U, T + 1)
+        What the terms from each on may sum to, m.
+    fresh : BoolArray, shape (P,)
+        Whether each stop switched a moment ago; it counts at the beginning of a state only.
+    beginning : bool
+        Whether the state begins here, and does not go on from another closed form.
+    shift : FloatArray, shape (P,)
+        How far above 0 each gap function starts, m; written at the beginning of a state, and read where it goes on.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h) at the start, without unit; turned to the end.
+    term : ComplexArray, shape (T,)
+        The c_t, kg^1/2 m; turned to the end.
+    at_end : bool
+        Whether phases and terms need not be turned to the horizon, if no stop switches, because they are known there.
+
+    Returns
+    -------
+    float, int, float, int
+        The time, s, the stop, its h', m/s, and the number of steps.
+    """
     stops, positions = tables.sign.size, tables.forced.shape[1]
     terms, fastest = tables.terms[slot], tables.fastest[slot]
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
-    drift, tail, out = np.zeros((positions, 3)), np.zeros((positions, terms + 1)), np.zeros((positions, 4))
-    shift, resolution, sharp = np.zeros(stops), RESOLUTION * tables.unit, SHARP * tables.unit
-    start_theta, start_term = theta.copy(), term[:terms].copy()
-    drift_at_stops(tables, slot, poly, drift)
-    _bound_tails(weight, term, terms, tail)
+    out, resolution, sharp = np.zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
     s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
     first = 0
     while True:
         # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
         at_positions(forced, omega, s, theta, drift, out)
-        summed, want = 0, terms if looks == 0 or close else min(_FIRST_MODES, terms)
+        if rigid is not None:
+            add_rigid(rigid, s, out)
+        summed, want = 0, terms if (beginning and looks == 0) or close else min(_FIRST_MODES, terms)
         while True:
             far = True
             for u in range(positions):
@@ -127,7 +188,7 @@ def follow(
             if far:
                 break
             want = min(2 * summed, terms)
-        if stops > 0 and looks == 0:
+        if stops > 0 and looks == 0 and beginning:
             _first_look(tables, slot, fresh, out, tail, theta, shift)
         tau, which, there = horizon - s, NO_SWITCH, False
         for i in range(stops):
@@ -147,7 +208,8 @@ def follow(
         looks += 1
         close = tau < _CLOSE * tables.unit
         if which == NO_SWITCH:
-            turn_exactly(root, omega, terms, tau, term, theta)
+            if not at_end:
+                turn_exactly(root, omega, terms, tau, term, theta)
             s = horizon
             break
         if tau * fastest <= SERIES or there or tau < step[-1]:
@@ -157,6 +219,8 @@ def follow(
                 k, u = which, tables.position[which]
                 orientation = -tables.sign[k] if tables.closed[slot, k] else tables.sign[k]
                 at_positions(forced, omega, s, theta, drift, out)
+                if rigid is not None:
+                    add_rigid(rigid, s, out)
                 rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, 0, terms)[1])
                 break
         else:
@@ -167,13 +231,24 @@ def follow(
         if looks >= _MAX_STEPS:
             which = NO_PROGRESS
             break
-    _areas(tables, slot, s, start_theta, start_term, theta, term, drift, area)
     return s, which, rate, looks
 
 
 @njit(cache=True, fastmath=SUM)
-def _bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatArray) -> None:
-    """Write what the terms from each on may sum to at each position, m, shape ``(U, T + 1)``."""
+def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatArray) -> None:
+    """Write what the terms from each on may sum to at each position.
+
+    Parameters
+    ----------
+    weight : FloatArray, shape (U, T)
+        The mode of each term there, kg^-1/2.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term, kg^1/2 m.
+    terms : int
+        Number of terms; arrays of shape ``(T,)`` may be longer.
+    tail : FloatArray, shape (U, T + 1)
+        m; written, but for the last column, which is 0.
+    """
     for t in range(terms - 1, -1, -1):
         size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
         for u in range(tail.shape[0]):
@@ -208,7 +283,7 @@ def _first_look(
 
 
 @njit(cache=True, inline="always")
-def _areas(
+def add_areas(
     tables: Tables,
     slot: int,
     s: float,
@@ -217,15 +292,31 @@ def _areas(
     theta: ComplexArray,
     term: ComplexArray,
     drift: FloatArray,
+    rigid: Rigid | None,
     area: FloatArray,
 ) -> None:
-    """Time integral of the penetration of each closed stop over `s`, s, from the antiderivative of every term.
+    """Add the time integral of the penetration of each closed stop, from the antiderivative of every term.
 
-    `theta0` and `term0` are phases and terms at the start, `theta` and `term` at the end; `area`, m s, ``(P,)``, is
-    written.
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    s : float
+        How long the closed form holds, s.
+    theta0, term0 : ComplexArray, shape (H,) and (T,)
+        Phases, without unit, and terms, kg^1/2 m, at its start.
+    theta, term : ComplexArray, shape (H,) and (T,)
+        The same at its end.
+    drift : FloatArray, shape (U, 3)
+        The coefficients of 1, s, s^2 of z, m over powers of s.
+    rigid : Rigid or None
+        What rigid-body modes add to it under forces that are linear in time.
+    area : FloatArray, shape (P,)
+        m s; added to for each closed stop.
     """
     for k in range(area.size):
-        area[k] = 0.0
         if not tables.closed[slot, k]:
             continue
         u = tables.position[k]
@@ -236,4 +327,6 @@ def _areas(
             z += weight[t] * (change.real * over.real - change.imag * over.imag)
         for h in range(theta.size):
             z -= (forced[h] * (theta[h] - theta0[h])).real / tables.omega[h]
-        area[k] = max(tables.sign[k] * z - tables.gap[k] * s, 0.0)
+        if rigid is not None:
+            z += rigid.jerk[u] * fading_powers(rigid.drag, s)[4]
+        area[k] += tables.sign[k] * z - tables.gap[k] * s

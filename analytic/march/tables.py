@@ -68,7 +68,10 @@ class FlatState(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """``S`` slots, at most ``N`` modes and ``T = 2 N`` terms each, ``P`` stops at ``U`` positions, ``H`` harmonics."""
+    """``S`` slots, at most ``N`` modes and ``T = 2 N`` terms, ``P`` stops at ``U`` positions, ``H`` harmonics.
+
+    There are ``R`` sampled loads, linear between knots; see `analytic.march.ramps`.
+    """
 
     modes: IntArray
     """Number of modes, shape ``(S,)``; 0 in a slot that has no state yet."""
@@ -91,7 +94,8 @@ class Tables(NamedTuple):
     harmonic: ComplexArray
     """Complex amplitudes of the answer to the harmonics, kg^1/2 m, shape ``(S, H, N)``."""
     force: FloatArray
-    """Constant modal force first, then the amplitudes of the harmonics, kg^1/2 m/s^2, shape ``(S, 1 + H, N)``."""
+    """Constant modal force first, then the amplitudes of the harmonics, kg^1/2 m/s^2, then those of the sampled loads,
+    kg^-1/2 N for each unit of load, shape ``(S, 1 + H + R, N)``."""
     weight: FloatArray
     """The mode of each term at the positions of the stops, kg^-1/2, shape ``(S, U, T)``."""
     forced: ComplexArray
@@ -105,7 +109,7 @@ class Tables(NamedTuple):
     carry: FloatArray
     """S_ij of (36), (41) for that switch, without unit, shape ``(S, P, N, N)``."""
     carry_residual: FloatArray
-    """S0 and Sh of that switch, kg^1/2 m, shape ``(S, P, 1 + H, N)``."""
+    """S0 and Sh of that switch, kg^1/2 m, those of sampled loads for each unit of load, ``(S, P, 1 + H + R, N)``."""
     omega: FloatArray
     """Angular frequencies of the harmonics, rad/s, shape ``(H,)``."""
     phase: FloatArray
@@ -231,7 +235,7 @@ class UnitTables(NamedTuple):
     damping_rate: FloatArray
     """Damping rates zeta omega, 1/s, shape ``(S, N)``."""
     residual: FloatArray
-    """Residual shapes at the stops' positions, the constant one first, m for each unit of load, ``(S, U, 1 + H)``."""
+    """Residual shapes at the stops' positions, constant one first, m for each unit of load, ``(S, U, 1 + H + R)``."""
 
 
 @lru_cache(maxsize=_UNIT_TABLES)
@@ -320,7 +324,7 @@ def count_in(state: ContactState, counts: tuple[int, int]) -> int:
     return counts[0] if state == FREE else counts[1]
 
 
-def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) -> Tables:
+def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, sampled: int = 0) -> Tables:
     """Tables without a state.
 
     Parameters
@@ -333,6 +337,8 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) 
         Most modes in a state, ``N``.
     slots : int
         Number of slots ``S``.
+    sampled : int
+        Number ``R`` of its sampled loads, which have rows after those of the harmonic ones.
 
     Returns
     -------
@@ -341,7 +347,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) 
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
-    S, N, T = slots, size, 2 * size
+    S, N, T, R = slots, size, 2 * size, sampled
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),
@@ -353,14 +359,14 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int) 
         turn=np.zeros((S, steps.size, T), dtype=complex),
         static=np.zeros((S, N, 3)),
         harmonic=np.zeros((S, H, N), dtype=complex),
-        force=np.zeros((S, 1 + H, N)),
+        force=np.zeros((S, 1 + H + R, N)),
         weight=np.zeros((S, U, T)),
         forced=np.zeros((S, U, H), dtype=complex),
         constant=np.zeros((S, U)),
         closed=np.zeros((S, P), dtype=np.bool_),
         next_slot=np.full((S, P), -1, dtype=np.int64),
         carry=np.zeros((S, P, N, N)),
-        carry_residual=np.zeros((S, P, 1 + H, N)),
+        carry_residual=np.zeros((S, P, 1 + H + R, N)),
         omega=harmonics.omega,
         phase=harmonics.phase,
         harmonic_turn=np.exp(1j * np.outer(steps, harmonics.omega)),
@@ -432,17 +438,18 @@ def scale(
         Of ``S`` slots, without switches unless they are of unit loads too.
     natural, damping_rate : ndarray, shape (S, N)
         Natural angular frequencies, rad/s, and damping rates zeta omega, 1/s.
-    residual : ndarray, shape (S, U, 1 + H)
+    residual : ndarray, shape (S, U, 1 + H + R)
         Residual shapes at the positions of the stops, m for each unit of load.
-    sizes : ndarray, shape (1 + H,)
+    sizes : ndarray, shape (1 + H + R,)
         Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
     """
     omega, N = away_from_resonance(natural, damping_rate, tables.omega), natural.shape[1]
+    waves = slice(1, 1 + tables.omega.size)
     tables.force[slots] *= sizes[:, None]
     tables.carry_residual[slots] *= sizes[:, None]
-    tables.harmonic[slots] = forced_answer(tables.force[slots, 1:], omega, damping_rate, tables.omega)
+    tables.harmonic[slots] = forced_answer(tables.force[slots, waves], omega, damping_rate, tables.omega)
     moved = tables.weight[slots, :, :N] @ tables.harmonic[slots].transpose(0, 2, 1)
-    tables.forced[slots] = moved + residual[:, :, 1:] * sizes[1:]
+    tables.forced[slots] = moved + residual[:, :, waves] * sizes[waves]
     if omega is not natural:
         for row, i in np.argwhere(omega != natural):
             _move(tables, slots.start + int(row), int(i), omega[row, i : i + 1], damping_rate[row, i : i + 1])
@@ -474,4 +481,13 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
     own = Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in unit.tables)
     turn = np.exp(1j * np.outer(unit.tables.step, harmonics.omega))
     unit_time = unit_of_time(unit.tables.step, harmonics)
-    return own._replace(omega=harmonics.omega, phase=harmonics.phase, harmonic_turn=turn, unit=unit_time)
+    H = harmonics.omega.size
+    harmonic, forced = (np.ascontiguousarray(part) for part in (own.harmonic[:, :H], own.forced[:, :, :H]))
+    return own._replace(
+        omega=harmonics.omega,
+        phase=harmonics.phase,
+        harmonic_turn=turn,
+        unit=unit_time,
+        harmonic=harmonic,
+        forced=forced,
+    )

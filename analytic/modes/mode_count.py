@@ -6,10 +6,10 @@ in error is their inertia: relative to the force of a closed stop of stiffness k
     e_N = k sum_{i > N} Phi_i(x_stop)^2 / omega_i^2 . (omega_c / omega_N)^2
 
 The first factor is the share of the left-out modes in the compliance that the stop feels, the second the inertia
-neglected at the fastest frequency omega_c that drives the contact.  That is the excitation's, the lowest elastic one
-with the stops closed, or the contact's own: a beam that meets a stop with the speed v takes the modal speeds
-k Phi_i v / omega_i^2 from it, so the modes left out of the contact lack the force k^2 v sum Phi_i^2 sin(omega_i t) /
-omega_i^3, whose impulse, over that of the impact, is e_N with
+neglected at the fastest frequency omega_c that drives the contact.  That is the excitation's (of a record its usual
+rate), the lowest elastic one with the stops closed, or the contact's own: a beam that meets a stop with the speed v
+takes the modal speeds k Phi_i v / omega_i^2 from it, so the modes left out of the contact lack the force
+k^2 v sum Phi_i^2 sin(omega_i t) / omega_i^3, whose impulse, over that of the impact, is e_N with
 
     omega_c^2 = 4 k c / M,
 
@@ -130,7 +130,7 @@ def _criterion(problem: Problem) -> _Criterion:
     return _Criterion(
         problem=problem,
         family=family_of(problem),
-        fastest=float(harmonics_of(problem).omega.max(initial=0.0)),
+        fastest=float(harmonics_of(problem).omega.max(initial=problem.forces.usual_rate)),
         contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
     )
 

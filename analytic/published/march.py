@@ -62,7 +62,7 @@ def march_published(
     status = LOG_FULL
     while status != DONE:
         frozen = joint.frozen(motion)
-        status, logged = advance(joint.tables, frozen, motion.moving, end, log, True, shortest, MOST_SWITCHES)
+        status, logged = advance(joint.tables, frozen, None, motion.moving, end, log, True, shortest, MOST_SWITCHES)
         full.append(copied(log, logged))
         settle_status(joint, motion.moving, status, MOST_SWITCHES)
         if progress is not None:

@@ -62,7 +62,7 @@ def settle(
     """
     stops = motion.total.size
     while motion.counts[PERIODS] < rows.shape[0]:
-        status, _ = advance(tables, frozen, motion, period, log, False, shortest, most)
+        status, _ = advance(tables, frozen, None, motion, period, log, False, shortest, most)
         if status != DONE:
             return status, 0
         n, slot = motion.counts[PERIODS], motion.counts[SLOT]

@@ -165,12 +165,13 @@ class PublishedScheme:
         Raises
         ------
         InputError
-            If `duration` is not positive and finite.
+            If `duration` is not positive and finite, or longer than a record.
         SolverError
             If the march cannot go on.
         """
-        if not (math.isfinite(duration) and duration > 0):
-            raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
+        problem.check_duration(duration)
+        if problem.records:
+            raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
         from analytic.published.field import history_of
         from analytic.published.initial_state import started
         from analytic.published.joint import PublishedJoint

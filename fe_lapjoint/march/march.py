@@ -21,6 +21,7 @@ from fe_lapjoint.march.gaps import Coordinates, FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.ramp_flow import flow_of
 from fe_lapjoint.march.system import SAMPLES
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
@@ -241,10 +242,13 @@ def _advance(
     """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end."""
     system = model.system(state)
     orientation, offset = model.orientation(state), model.offset(state)
+    if system.ramps is not None:  # a window ends at the next knot at the latest
+        end = min(end, system.ramps.ramps.until(t))
+        step = step / 2 ** max(0, math.ceil(math.log2(step / (end - t)))) if end > t else step
     count = min(SAMPLES, max(1, math.ceil((end - t) / step)))
     until = min(t + count * step, end)
     if model.method == "exact":
-        flow = Flow(system, t, *y.reshape(2, -1))
+        flow = flow_of(system, t, *y.reshape(2, -1))
         switch: Switch | None = None
         if orientation.size:
             # The flow goes on beyond the end of the window, so the last step may, too.

@@ -19,6 +19,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
+from lapjoint.problem.forces import Ramps
 
 ComplexArray = npt.NDArray[np.complex128]
 IndexArray = npt.NDArray[np.intp]
@@ -30,6 +31,31 @@ _NEAR = 0.25
 """Relative distance of a^2 and omega^2 below which the two exponentials of a mode nearly cancel."""
 _DETUNE = 1e-7
 """The fraction by which an undamped frequency is moved that a load meets exactly: the secular growth stays."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModalRamps:
+    """The sampled forces of a problem on the modes of one contact state."""
+
+    ramps: Ramps
+    shares: FloatArray
+    """Modal force for each unit of load, kg^-1/2, or kg^-1/2 m along the beam, shape ``(n, R)``."""
+
+    def at(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """The modal forces, and how fast they change, at a time; at a knot after it.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        FloatArray, FloatArray, each of shape (n,)
+            kg^1/2 m/s2 and kg^1/2 m/s3.
+        """
+        force, slope = self.ramps.at(np.array([t]))
+        return self.shares @ force[0], self.shares @ slope[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +81,8 @@ class System:
     """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
     positions: FloatArray
     """Where the stops are, m, shape ``(P,)``."""
+    ramps: ModalRamps | None = None
+    """The sampled forces, if there are any."""
 
     @cached_property
     def oscillating(self) -> npt.NDArray[np.bool_]:
@@ -308,6 +336,8 @@ class System:
         """
         q, v = y[: self.omega.size], y[self.omega.size :]
         force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
+        if self.ramps is not None:
+            force += self.ramps.at(t)[0]
         return np.concatenate([v, force - 2 * self.damping_rate * v - self.omega**2 * q])
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
@@ -358,7 +388,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
     for step in problem.forces.constant:
         f0 += step.force * assembly.reading(step.x)
-    shapes = [assembly.uniform_load if load.x is None else assembly.reading(load.x) for load in loads]
+    shapes = [_shape(assembly, load.x) for load in loads]
     columns = [load.amplitude * shape for load, shape in zip(loads, shapes, strict=True)]
     return System(
         state=state,
@@ -371,7 +401,21 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         phase=np.array([load.phase for load in loads]),
         stops=assembly.stop_rows @ vectors,
         positions=np.array([assembly.place(stop.x) for stop in problem.stops], dtype=float),
+        ramps=_modal_ramps(assembly, vectors),
     )
+
+
+def _shape(assembly: Assembly, x: float | None) -> FloatArray:
+    """A unit load at a position, m, or along the beam for None, on the free degrees of freedom, shape ``(n,)``."""
+    return assembly.uniform_load if x is None else assembly.reading(x)
+
+
+def _modal_ramps(assembly: Assembly, vectors: FloatArray) -> ModalRamps | None:
+    """The sampled forces on modes, which are columns ``(n, n)``; None without any."""
+    forces = assembly.problem.forces
+    if forces.ramps is None:
+        return None
+    return ModalRamps(forces.ramps, vectors.T @ np.stack([_shape(assembly, it.x) for it in forces.sampled], axis=1))
 
 
 def _damping_rates(assembly: Assembly, omega: FloatArray) -> FloatArray:

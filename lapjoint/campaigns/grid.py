@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.problem import Problem, StepLoad
+from lapjoint.problem import Problem, RecordBaseMotion, RecordLoad, StepLoad
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.forces import multiple_of
 from lapjoint.problem.override import assign, path_keys
@@ -217,6 +217,8 @@ class Grid:
         if axis.path != FREQUENCY:
             return [(axis.path, value)]
         if not self._frequencies:
+            if self.problem.records:
+                self.problem.require_excitation_frequency(f"axis {FREQUENCY}")
             message = "nothing excites this problem; give it a base_motion or a periodic load"
             raise InputError(f"axis {FREQUENCY}: {message}")
         own = self._frequencies.get(FREQUENCY, self.problem.excitation_frequency)
@@ -226,8 +228,9 @@ class Grid:
     def _frequencies(self) -> dict[str, float]:
         """The angular frequencies of all periodic parts, rad/s, by their paths."""
         base, loads = self.problem.base_motion, self.problem.point_loads
-        found = {} if base is None else {FREQUENCY: base.angular_frequency}
-        periodic = {i: load.angular_frequency for i, load in enumerate(loads) if not isinstance(load, StepLoad)}
+        found = {} if base is None or isinstance(base, RecordBaseMotion) else {FREQUENCY: base.angular_frequency}
+        others = StepLoad | RecordLoad
+        periodic = {i: load.angular_frequency for i, load in enumerate(loads) if not isinstance(load, others)}
         return found | {f"point_loads.{i}.angular_frequency": omega for i, omega in periodic.items()}
 
     def check(self) -> None:

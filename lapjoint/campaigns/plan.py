@@ -173,7 +173,8 @@ class Plan:
     def identity(self) -> dict[str, Any]:
         """What distinguishes this sweep from any other, as values that JSON can hold; floats are written exactly."""
         return {
-            "problem": to_toml(self.grid.problem),
+            "problem": to_toml(self.grid.problem, samples=False),
+            **{f"samples of {path}": record.digest for path, record in self.grid.problem.records.items()},
             "axes": {axis.path: list(axis.values) for axis in self.grid.axes},
             "solver": self.solver,
             "options": dict(self.options),

@@ -46,7 +46,7 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
     if isinstance(stops, list) and len(stops) > MOST_STOPS and not large_allowed():
         limit = f"more than {MOST_STOPS} are taken only with --large, for the work grows with their number"
         raise InputError(f"{source}: stops: there are {len(stops)}; {limit}")
-    return files.problem_from_tables(tables, source)
+    return files.problem_from_tables(tables, source, "." if kind == "preset" and colon else Path(source).parent)
 
 
 def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
@@ -224,10 +224,17 @@ def series_from(
     return wanted
 
 
-def check_duration(duration: float) -> None:
+def check_duration(duration: float | None) -> None:
     """Refuse a duration that is not positive and finite."""
-    if not 0 < duration < float("inf"):
+    if duration is not None and not 0 < duration < float("inf"):
         raise InputError(f"--duration {duration:g}: must be positive and finite, in s")
+
+
+def duration_of(problem: Problem, duration: float | None) -> float:
+    """The duration that is asked for, or that of the shortest record, s."""
+    if duration is None and not problem.records:
+        raise InputError("--duration: is missing; only a problem with a record has a duration of its own")
+    return problem.longest if duration is None else duration
 
 
 def check_file(option: str, path: str | None, *endings: str) -> None:

@@ -68,7 +68,7 @@ class Lapjoint(click.Group):
         """Run the command; see the module's head for the exit status."""
         try:
             with warnings.catch_warnings():
-                _show_damage()
+                _show_warnings()
                 return super().invoke(ctx)
         except (click.ClickException, click.Abort, click.exceptions.Exit):
             raise
@@ -109,19 +109,20 @@ def _not_written(error: OSError) -> int:
     return _said(f"{error.filename or 'output'}: cannot be written: {error.strerror or error}", NOT_WRITTEN)
 
 
-def _show_damage() -> None:
-    """Print what is said of damaged files as all messages are."""
-    from lapjoint.errors import DamageWarning
+def _show_warnings() -> None:
+    """Print what is said of damaged files and of records as all messages are."""
+    from lapjoint.errors import DamageWarning, RecordWarning
 
     show: Any = warnings.showwarning
 
     def show_in_a_line(message: Warning | str, category: type[Warning], *where: Any, **kept: Any) -> None:
-        if issubclass(category, DamageWarning):
+        if issubclass(category, DamageWarning | RecordWarning):
             _said(str(message), 0)
         else:
             show(message, category, *where, **kept)
 
-    warnings.simplefilter("always", DamageWarning)
+    for ours in (DamageWarning, RecordWarning):
+        warnings.simplefilter("always", ours)
     warnings.showwarning = show_in_a_line
 
 

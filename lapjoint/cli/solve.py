@@ -63,7 +63,7 @@ def modes(
 @click.command()
 @problem_options
 @solver_options
-@click.option("--duration", type=float, required=True, help="Time to simulate from the initial state, s.")
+@click.option("--duration", type=float, help="Time to simulate from the initial state, s; by default a record's.")
 @click.option("--contacts", "contacts_path", metavar="FILE", help="Write all contacts to FILE: .csv or .json.")
 @series_options
 @errors_option
@@ -71,7 +71,7 @@ def modes(
 def simulate(
     problem: str,
     overrides: tuple[str, ...],
-    duration: float,
+    duration: float | None,
     errors: bool,
     contacts_path: str | None,
     series_path: str | None,
@@ -91,8 +91,9 @@ def simulate(
     arguments.check_duration(duration)
     this = arguments.problem_from(problem, overrides)
     arguments.check_drawing(this, figure, draw)
-    wanted = arguments.series_from(this, series_path, at, quantity, rate, duration)
-    history = find_motion(this, arguments.solver_from(**solver), duration, errors)
+    lasting = arguments.duration_of(this, duration)
+    wanted = arguments.series_from(this, series_path, at, quantity, rate, lasting)
+    history = find_motion(this, arguments.solver_from(**solver), lasting, errors)
     printing.print_history(history)
     write_results(history, contacts_path, series_path, wanted, figure, draw)
 

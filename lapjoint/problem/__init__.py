@@ -33,6 +33,7 @@ from lapjoint.problem.initial import (
 )
 from lapjoint.problem.presets import paper_joint, sdnl104
 from lapjoint.problem.problem import Problem
+from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, SpringStiffness
 from lapjoint.problem.supports_and_stops import Side, Stop, Support
 
@@ -59,6 +60,8 @@ __all__ = [
     "PolynomialShape",
     "Positive",
     "Problem",
+    "RecordBaseMotion",
+    "RecordLoad",
     "Rectangle",
     "SampledShape",
     "Section",

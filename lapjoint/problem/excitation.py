@@ -1,6 +1,7 @@
-"""The kinds of excitation: periodic motion of the base, and constant or periodic loads at points.
+"""The kinds of excitation: periodic motion of the base, constant or periodic loads at points, and records of both.
 
-Each says of which waves it consists; `lapjoint.problem.forces` makes one list of all of them, which solvers read.
+Each says of which waves or samples it consists; `lapjoint.problem.forces` makes one list of all of them, which solvers
+read.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
+from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, Whole
 
 MOST_MULTIPLE = 10_000
@@ -211,9 +213,11 @@ def _sine_by_default(part: Any) -> Any:
 
 
 _Kinds = Field(discriminator="kind")
-AnyBaseMotion = Annotated[BaseMotion | HarmonicsBaseMotion, _Kinds, BeforeValidator(_sine_by_default)]
+AnyBaseMotion = Annotated[
+    BaseMotion | HarmonicsBaseMotion | RecordBaseMotion, _Kinds, BeforeValidator(_sine_by_default)
+]
 """A base motion of any kind."""
-PointLoad = Annotated[StepLoad | SineLoad | HarmonicsLoad, _Kinds, BeforeValidator(_sine_by_default)]
+PointLoad = Annotated[StepLoad | SineLoad | HarmonicsLoad | RecordLoad, _Kinds, BeforeValidator(_sine_by_default)]
 """A point load of any kind."""
 
 

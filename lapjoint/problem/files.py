@@ -6,6 +6,7 @@ with the fewest digits that give the same number back, and an infinite stiffness
 
 from __future__ import annotations
 
+import os
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,6 +20,7 @@ from lapjoint.input_files import read_file
 from lapjoint.output_files import write_file
 from lapjoint.problem.messages import explain
 from lapjoint.problem.problem import Problem
+from lapjoint.problem.samples import Samples
 from lapjoint.problem.schema import Part
 
 _KINDS = ("kind", "shape")  # the keys that tell parts of a union apart: always written
@@ -42,7 +44,7 @@ def read_problem(path: str | Path) -> Problem:
     InputError
         If there is no such file, or it is not a valid problem; one line for each fault.
     """
-    return problem_from_tables(read_tables(path), str(path))
+    return problem_from_tables(read_tables(path), str(path), Path(path).parent)
 
 
 def write_problem(problem: Problem, path: str | Path) -> None:
@@ -60,7 +62,7 @@ def write_problem(problem: Problem, path: str | Path) -> None:
     OutputError
         If no file can be written there, or the disk is full.
     """
-    write_file(path, to_toml(problem))
+    write_file(path, to_toml(problem, Path(path).parent))
 
 
 def read_tables(path: str | Path) -> dict[str, Any]:
@@ -122,7 +124,7 @@ def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
         raise InputError(f"{source}: is not valid TOML: {error}") from None
 
 
-def problem_from_tables(tables: Mapping[str, Any], source: str = "problem") -> Problem:
+def problem_from_tables(tables: Mapping[str, Any], source: str = "problem", folder: str | Path = ".") -> Problem:
     """A validated problem from tables as TOML holds them.
 
     Parameters
@@ -131,6 +133,8 @@ def problem_from_tables(tables: Mapping[str, Any], source: str = "problem") -> P
         Tables, lists, numbers and texts, nested as in a file.
     source : str
         Name of the tables; messages begin with it.
+    folder : path
+        Folder from which files of samples are looked for.
 
     Returns
     -------
@@ -143,7 +147,7 @@ def problem_from_tables(tables: Mapping[str, Any], source: str = "problem") -> P
         With one line for each fault.
     """
     try:
-        return Problem.model_validate(tables)
+        return Problem.model_validate(tables, context={"folder": str(folder)})
     except ValidationError as error:
         faults = explain(error, tables, Problem).split("\n")
         if len(faults) == 1:
@@ -173,20 +177,47 @@ def from_toml(text: str) -> Problem:
     return problem_from_tables(tables_from_toml(text))
 
 
-def to_toml(problem: Problem) -> str:
+def to_toml(problem: Problem, folder: str | Path | None = None, *, samples: bool = True) -> str:
     """A problem as TOML, without what is None or the default.
+
+    Samples that were read from a file stay there, and are named by their file and their digest.
 
     Parameters
     ----------
     problem : Problem
         What is written.
+    folder : path, optional
+        Where the text will be: files of samples are named from there.  By default their names stay as they are.
+    samples : bool
+        Whether to write samples that have no file, and the digests of those that have one.
 
     Returns
     -------
     str
         A text from which `from_toml` gives the same problem.
     """
-    return tomli_w.dumps(problem_tables(problem))
+    return tomli_w.dumps(_plain(problem_tables(problem), folder, samples))
+
+
+def _plain(value: Any, folder: str | Path | None, samples: bool) -> Any:
+    """Tables as text can hold them: samples as lists, or where they are."""
+    if isinstance(value, list):
+        return [_plain(item, folder, samples) for item in value]
+    if isinstance(value, Samples):
+        return value.array.tolist()
+    if not isinstance(value, dict):
+        return value
+    kept = dict(value)
+    source = kept["values"].source if isinstance(kept.get("values"), Samples) else None
+    if source is not None:
+        if folder is not None:
+            kept["file"] = os.path.relpath(Path(source.folder) / source.file, folder)
+        del kept["values"]
+        kept.pop("times", None)
+    if not samples:
+        for key in ("values", "times", "sha256"):
+            kept.pop(key, None)
+    return {key: _plain(item, folder, samples) for key, item in kept.items()}
 
 
 def problem_tables(problem: Problem) -> dict[str, Any]:
@@ -220,7 +251,7 @@ def _value(value: Any) -> Any:
         return _table(value)
     if isinstance(value, tuple):
         return [_value(item) for item in value]
-    return value
+    return value  # Samples, too: `problem_from_tables` takes them as they are
 
 
 def json_schema() -> dict[str, Any]:
@@ -250,5 +281,5 @@ def problem_tables_json(problem: Problem) -> dict[str, Any]:
             return [plain(item) for item in value]
         return "inf" if value == float("inf") else value
 
-    result: dict[str, Any] = plain(problem_tables(problem))
+    result: dict[str, Any] = plain(_plain(problem_tables(problem), None, True))
     return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, Self
@@ -10,15 +11,21 @@ from typing import Any, Self
 import numpy as np
 from pydantic import model_validator
 
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.messages import shown
+from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
 from lapjoint.problem.supports_and_stops import Stop, Support
+
+_CANTILEVER = 1.8751040687119611  # beta L of the first mode: the least root of cosh x cos x = -1
+_ROUNDINGS = 1e-12  # relative: so much may a duration exceed that of a record, by the rounding of both
+_SAMPLES_A_PERIOD = 10
+"""Of the slowest bending: with fewer, straight lines between samples miss its acceleration by some percent."""
 
 
 class Problem(Part):
@@ -43,6 +50,8 @@ class Problem(Part):
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
             raise ValueError("\n".join(faults))
+        for line in _too_slow(self):
+            warnings.warn(line, RecordWarning, stacklevel=2)
         return self
 
     @property
@@ -84,6 +93,8 @@ class Problem(Part):
         """
         if self.excitation_frequency is not None:
             return self.excitation_frequency
+        if self.records:
+            raise InputError(f"{purpose}: {next(iter(self.records))} is a record, which has no period; simulate it")
         found = _angular_frequencies(self)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
@@ -135,6 +146,41 @@ class Problem(Part):
             raise InputError(f"x = {x:g}: lies outside the beam; allowed are 0 to {self.beam.length:g} m")
         return float(x)
 
+    @property
+    def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
+        """All recorded excitation, by its path."""
+        found: dict[str, RecordBaseMotion | RecordLoad] = {}
+        if isinstance(self.base_motion, RecordBaseMotion):
+            found["base_motion"] = self.base_motion
+        return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RecordLoad)}
+
+    @property
+    def longest(self) -> float:
+        """Until when the motion can be simulated, s: the end of the shortest record, or infinite."""
+        return min((record.duration for record in self.records.values()), default=math.inf)
+
+    def check_duration(self, duration: float) -> None:
+        """Refuse to simulate what is not known, or is no time.
+
+        Parameters
+        ----------
+        duration : float
+            How long, s.
+
+        Raises
+        ------
+        InputError
+            If it is not positive and finite, or ends after a record.
+        """
+        if not (math.isfinite(duration) and duration > 0):
+            raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
+        if duration > self.longest * (1 + _ROUNDINGS):
+            path, record = min(self.records.items(), key=lambda item: item[1].duration)
+            raise InputError(
+                f"duration = {duration!r}: the record of {path} ends at {record.duration:.12g} s; allowed are times up "
+                "to then"
+            )
+
     def replace(self, **changes: Any) -> Problem:
         """A validated copy with some of the top-level parts changed.
 
@@ -159,9 +205,11 @@ class Problem(Part):
 def _angular_frequencies(problem: Problem) -> dict[str, float]:
     """Angular frequencies, rad/s, of base motion and periodic loads that are not zero, by their paths."""
     base, loads = problem.base_motion, problem.point_loads
-    found = {} if base is None or not _moves(base.waves) else {"base_motion": base.angular_frequency}
+    found: dict[str, float] = {}
+    if not (base is None or isinstance(base, RecordBaseMotion)) and _moves(base.waves):
+        found["base_motion"] = base.angular_frequency
     for i, load in enumerate(loads):
-        if not isinstance(load, StepLoad) and _moves(load.waves):
+        if not isinstance(load, StepLoad | RecordLoad) and _moves(load.waves):
             found[f"point_loads[{i}]"] = load.angular_frequency
     return found
 
@@ -184,6 +232,19 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
     for i, name in enumerate(problem.stop_names):
         if first.setdefault(name, i) < i:
             yield f"stops[{i}].name = {shown(name)}: is the name of stops[{first[name]}] too"
+
+
+def _too_slow(problem: Problem) -> Iterator[str]:
+    """Records with few samples in a period of the slowest bending, that of a cantilever."""
+    beam = problem.beam
+    slowest = _CANTILEVER**2 * math.sqrt(beam.EI / beam.m) / beam.length**2 / (2 * math.pi)
+    for path, record in problem.records.items():
+        rate = (record.time.size - 1) / record.duration
+        if rate < _SAMPLES_A_PERIOD * slowest:
+            yield (
+                f"{path}: has {rate:.3g} samples a second, and the beam bends at {slowest:.3g} Hz or more: what lies "
+                "between samples decides how its modes are driven"
+            )
 
 
 def _too_large(problem: Problem) -> Iterator[str]:

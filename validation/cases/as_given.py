@@ -262,7 +262,7 @@ def presets() -> Iterator[Check]:
     yield against("SDNL104: density", drop.beam.material.density, of["density"])
     yield against("SDNL104: gap", drop.stops[0].gap, of["gap"])
     yield against("SDNL104: stiffness", drop.stops[0].stiffness, of["stiffness"])
-    yield against("SDNL104: force", drop.point_loads[0].force, of["force"])  # type: ignore[union-attr]
+    yield against("SDNL104: force", drop.point_loads[0].force, of["force"])  # type: ignore[union-attr, arg-type]
     yield same("SDNL104: side", drop.stops[0].sign, -1, "1")
 
 

@@ -46,7 +46,8 @@ def frequencies(problem: Problem, level: Level, say: Say) -> CaseResult:
 def transient(problem: Problem, level: Level, say: Say) -> CaseResult:
     """The first contacts from the initial state."""
     say("from the initial state")
-    checks, exact, fe = compare_contacts(problem, PERIODS * longest_period(problem), 8, 48 if level == "quick" else 64)
+    duration = min(PERIODS * longest_period(problem), problem.longest)
+    checks, exact, fe = compare_contacts(problem, duration, 8, 48 if level == "quick" else 64)
     return CaseResult(
         "transient",
         "First contacts from the initial state",

@@ -18,8 +18,8 @@ FE = (
         "a factor",
         "fe_lapjoint.march.system",
         "The inertia load of the moving base is a thousandth too large.",
-        old="shapes = [assembly.uniform_load if",
-        new="shapes = [1.001 * assembly.uniform_load if",
+        old="return assembly.uniform_load if",
+        new="return 1.001 * assembly.uniform_load if",
     ),
     Fault(
         "fe-torsion-soft",

@@ -220,7 +220,11 @@ FAULTS: list[tuple[str, str, str]] = [
         GOOD + CLAMP + '[initial]\nkind = "polynomial"\ndisplacement = [1.0]',
         "initial.displacement: moves supports[0]",
     ),
-    ("kind of base", GOOD + '[base_motion]\nkind = "square"', 'base_motion.kind = "square": allowed: harmonics, sine'),
+    (
+        "kind of base",
+        GOOD + '[base_motion]\nkind = "square"',
+        'base_motion.kind = "square": allowed: harmonics, record, sine',
+    ),
     (
         "no frequency",
         GOOD + "[base_motion]\namplitude = 1.0",

@@ -1,0 +1,452 @@
+"""One state under forces that are linear between knots, up to the first switch: as `analytic.march.segment`.
+
+From knot to knot the motion is another closed form, see `analytic.march.ramps`.  Each is searched as any other, up to
+the next knot; a knot switches nothing, and the gap functions go on there.
+
+Arguments are named as in `analytic.march.terms`; `ramps` are the `RampTables`, and `body`, shape ``(2, 4)``, holds q
+and its first three derivatives of the rigid-body modes at the start of the present closed form, kg^1/2 m over powers
+of s.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from analytic.march.deepest import deepest_of
+from analytic.march.gap_function import Rigid, fading_powers
+from analytic.march.oscillator import OSCILLATING, SPLIT
+from analytic.march.ramps import LOGGED, RampTables
+from analytic.march.segment import NO_SWITCH, add_areas, bound_tails, search
+from analytic.march.tables import BoolArray, IntArray, Tables
+from analytic.march.terms import set_phases, turn_exactly
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.problem import FloatArray
+
+_ROUNDINGS = 1e-15  # of the time: two knots that are the spacing apart may be so much nearer or further
+
+
+@njit(cache=True)
+def interval_at(ramps: RampTables, first: int, t: float) -> int:
+    """Between which knots a time is; at a knot, after it.
+
+    Parameters
+    ----------
+    ramps : RampTables
+        The ramps.
+    first : int
+        An interval that is not after it.
+    t : float
+        The time, s.
+
+    Returns
+    -------
+    int
+        From 0 to K - 2: before the first knot and after the last one the nearest ramp goes on.
+    """
+    j = first
+    while j < ramps.time.size - 2 and ramps.time[j + 1] <= t:
+        j += 1
+    return j
+
+
+@njit(cache=True)
+def start_on_ramps(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    j: int,
+    t: float,
+    theta: ComplexArray,
+    q: FloatArray,
+    v: FloatArray,
+    term: ComplexArray,
+    body: FloatArray,
+) -> None:
+    """Write the constants of (32) of a state that starts from given displacements and velocities.
+
+    Parameters
+    ----------
+    tables, ramps : Tables, RampTables
+        The states of the joint, and the ramps.
+    slot, j : int
+        The state, and between which knots it starts.
+    t : float
+        When, s.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h) then, without unit.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, then.
+    term : ComplexArray, shape (T,)
+        The c_t, kg^1/2 m; written.
+    body : FloatArray, shape (2, 4)
+        The rigid-body modes; written.
+    """
+    n, H, R = tables.modes[slot], theta.size, ramps.slope.shape[1]
+    extra = n
+    for i in range(n):
+        x, y = q[i], v[i]
+        for h in range(H):
+            wave = tables.harmonic[slot, h, i] * theta[h]
+            x -= wave.imag
+            y -= tables.omega[h] * wave.real
+        force, slope = tables.force[slot, 0, i], 0.0
+        if ramps.rigid[slot, 0] != i and ramps.rigid[slot, 1] != i:
+            x -= tables.static[slot, i, 0]
+            for r in range(R):
+                g = ramps.slope[j, r]
+                f = ramps.force[j, r] + g * (t - ramps.time[j])
+                x -= f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
+                y -= g * ramps.gain[slot, r, i]
+            if tables.kind[slot, i] == OSCILLATING:
+                root = tables.root[slot, i]
+                term[i] = complex(x, -(y - root.real * x) / root.imag)
+            else:
+                first, second = tables.root[slot, i].real, tables.root[slot, extra].real
+                term[i] = (y - second * x) / (first - second)
+                term[extra] = (first * x - y) / (first - second)
+                extra += 1
+            continue
+        term[i] = 0.0
+        if tables.kind[slot, i] == SPLIT:
+            term[extra] = 0.0
+            extra += 1
+        for r in range(R):
+            g, p = ramps.slope[j, r], tables.force[slot, 1 + H + r, i]
+            force += p * (ramps.force[j, r] + g * (t - ramps.time[j]))
+            slope += p * g
+        b = 0 if ramps.rigid[slot, 0] == i else 1
+        body[b, 0], body[b, 1], body[b, 2] = x, y, force - ramps.drag[slot] * y
+        body[b, 3] = slope - ramps.drag[slot] * body[b, 2]
+
+
+@njit(cache=True)
+def over_knot(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    j: int,
+    s: float,
+    theta: ComplexArray,
+    term: ComplexArray,
+    body: FloatArray,
+) -> None:
+    """Let the slope of the forces change at the end of an interval; the terms are those at its end already.
+
+    Parameters
+    ----------
+    tables, ramps : Tables, RampTables
+        The states of the joint, and the ramps.
+    slot, j : int
+        The state, and the interval that begins.
+    s : float
+        How long the closed form before it lasted, s.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit; written.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
+    body : FloatArray, shape (2, 4)
+        The rigid-body modes at the start of the closed form before; changed to those now.
+    """
+    set_phases(tables, ramps.time[j], theta)
+    move_body(ramps.drag[slot], s, body)
+    for r in range(ramps.slope.shape[1]):
+        change, kick = ramps.slope[j, r] - ramps.slope[j - 1, r], ramps.kick[slot, r]
+        for t in range(tables.terms[slot]):
+            term[t] += change * kick[t]
+        for b in range(2):
+            if ramps.rigid[slot, b] >= 0:
+                body[b, 3] += change * tables.force[slot, 1 + theta.size + r, ramps.rigid[slot, b]]
+
+
+@njit(cache=True)
+def move_body(drag: float, s: float, body: FloatArray) -> None:
+    """Move the rigid-body modes on by a time without a knot.
+
+    Parameters
+    ----------
+    drag : float
+        Twice their damping rate, 1/s.
+    s : float
+        The time, s.
+    body : FloatArray, shape (2, 4)
+        q, q', q'' and q''' of each, kg^1/2 m over powers of s; changed in place.
+    """
+    e0, e1, e2, e3, _ = fading_powers(drag, s)
+    for b in range(2):
+        x, y, a, jerk = body[b, 0], body[b, 1], body[b, 2], body[b, 3]
+        body[b, 0] = x + s * (y + s * a / 2) + jerk * e3
+        body[b, 1] = y + s * a + jerk * e2
+        body[b, 2], body[b, 3] = a + jerk * e1, jerk * e0
+
+
+@njit(cache=True)
+def state_on_ramps(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    j: int,
+    t: float,
+    theta: ComplexArray,
+    term: ComplexArray,
+    body: FloatArray,
+    order: int,
+    q: FloatArray,
+) -> None:
+    """Write a time derivative of the modal displacements that belong to terms and phases.
+
+    Parameters
+    ----------
+    tables, ramps : Tables, RampTables
+        The states of the joint, and the ramps.
+    slot, j : int
+        The state, and the interval.
+    t : float
+        The time, s.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h) then, without unit.
+    term : ComplexArray, shape (T,)
+        c_t exp(lambda_t s) of each term then, kg^1/2 m.
+    body : FloatArray, shape (2, 4)
+        The rigid-body modes then.
+    order : int
+        Which derivative, 0 to 2.
+    q : FloatArray, shape (N,)
+        kg^1/2 m over s^order; written.
+    """
+    for i in range(tables.modes[slot]):
+        x = tables.static[slot, i, 0] if order == 0 else 0.0
+        for h in range(theta.size):
+            wave, w = tables.harmonic[slot, h, i] * theta[h], tables.omega[h]
+            x += wave.imag if order == 0 else (w * wave.real if order == 1 else -w * w * wave.imag)
+        for r in range(ramps.slope.shape[1]):
+            g = ramps.slope[j, r]
+            if order == 0:
+                f = ramps.force[j, r] + g * (t - ramps.time[j])
+                x += f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
+            elif order == 1:
+                x += g * ramps.gain[slot, r, i]
+        q[i] = x
+    for k in range(tables.terms[slot]):
+        root, value = tables.root[slot, k], term[k]
+        for _ in range(order):
+            value *= root
+        q[tables.mode_of[slot, k]] += value.real
+    for b in range(2):
+        if ramps.rigid[slot, b] >= 0:
+            q[ramps.rigid[slot, b]] += body[b, order]
+
+
+@njit(cache=True)
+def _polynomial(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    j: int,
+    t: float,
+    body: FloatArray,
+    drift: FloatArray,
+    jerk: FloatArray,
+) -> None:
+    """Write z at the stops' positions but for terms and harmonics: `drift`, ``(U, 3)``, and its third derivative."""
+    for u in range(jerk.size):
+        drift[u, 0], drift[u, 1], drift[u, 2], jerk[u] = ramps.still[slot, u], 0.0, 0.0, 0.0
+        for r in range(ramps.slope.shape[1]):
+            g, gain = ramps.slope[j, r], ramps.gain_at_stops[slot, u, r]
+            drift[u, 0] += (ramps.force[j, r] + g * (t - ramps.time[j])) * gain + g * ramps.lag_at_stops[slot, u, r]
+            drift[u, 1] += g * gain
+        for b in range(2):
+            if ramps.rigid[slot, b] >= 0:
+                weight = tables.weight[slot, u, ramps.rigid[slot, b]]
+                drift[u, 0] += weight * body[b, 0]
+                drift[u, 1] += weight * body[b, 1]
+                drift[u, 2] += weight * body[b, 2] / 2
+                jerk[u] += weight * body[b, 3]
+
+
+@njit(cache=True)
+def follow_ramps(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    start: float,
+    end: float,
+    fresh: BoolArray,
+    depth: bool,
+    theta: ComplexArray,
+    term: ComplexArray,
+    q: FloatArray,
+    v: FloatArray,
+    area: FloatArray,
+    deepest: FloatArray,
+) -> tuple[float, int, float]:
+    """Follow one state up to its first switch, to a time, or over `LOGGED` knots.
+
+    Parameters
+    ----------
+    tables, ramps : Tables, RampTables
+        The states of the joint, and the ramps; `ramps.interval` and `ramps.shift` are changed.
+    slot : int
+        The state.
+    start, end : float
+        From when, and until when at the latest, s.
+    fresh : BoolArray, shape (P,)
+        Whether each stop switched a moment ago; see `analytic.march.segment.follow`.
+    depth : bool
+        Whether to find the deepest penetrations.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h) at the start, without unit; turned to the end.
+    term : ComplexArray, shape (T,)
+        Takes the c_t exp(lambda_t s) at the end, kg^1/2 m.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start; replaced by those at the end.
+    area : FloatArray, shape (P,)
+        Takes the time integral of the penetration of each closed stop, m s.
+    deepest : FloatArray, shape (P,)
+        Takes the deepest penetration of each, m, if `depth`.
+
+    Returns
+    -------
+    float, int, float
+        When it ends, s, the stop that switches then (NO_SWITCH, NO_PROGRESS), and its h', m/s.
+    """
+    positions, terms, stops = tables.weight.shape[1], tables.terms[slot], area.size
+    drift, jerk, tail = np.zeros((positions, 3)), np.zeros(positions), np.zeros((positions, terms + 1))
+    rigid, body = Rigid(jerk, ramps.drag[slot]), np.zeros((2, 4))
+    theta0, term0, none = theta.copy(), term.copy(), np.zeros(0, dtype=np.complex128)
+    last, any_closed = ramps.time.size - 2, False
+    for k in range(stops):
+        area[k] = 0.0
+        deepest[k] = 0.0
+        any_closed = any_closed or tables.closed[slot, k]
+    j = interval_at(ramps, ramps.interval[0], start)
+    beginning, base, which, rate = not ramps.goes_on[0], start, NO_SWITCH, 0.0
+    start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
+    while True:
+        until = min(ramps.time[j + 1], end) if j < last else end
+        width = until - base
+        whole = base == ramps.time[j] and j < last and until == ramps.time[j + 1]
+        whole = whole and abs(width - ramps.spacing) <= _ROUNDINGS * until
+        if whole:
+            width = ramps.spacing
+        _polynomial(tables, ramps, slot, j, base, body, drift, jerk)
+        bound_tails(tables.weight[slot], term, terms, tail)
+        for k in range(terms):
+            term0[k] = term[k]
+        for h in range(theta.size):
+            theta0[h] = theta[h]
+        s, which, rate, _ = search(
+            tables, slot, width, drift, rigid, tail, fresh, beginning, ramps.shift, theta, term, whole
+        )
+        if which == NO_SWITCH and whole:
+            for k in range(terms):
+                term[k] = term0[k] * ramps.whole[slot, k]
+            turn_exactly(none, tables.omega, 0, width, none, theta)
+        beginning = False
+        if any_closed:
+            add_areas(tables, slot, s, theta0, term0, theta, term, drift, rigid, area)
+            for k in range(stops):
+                if depth and tables.closed[slot, k]:
+                    deepest[k] = max(
+                        deepest[k], deepest_of(tables, slot, k, s, theta0.copy(), term0.copy(), drift, rigid)
+                    )
+        if which != NO_SWITCH or until == end or j == last:
+            base = until if which == NO_SWITCH else base + s
+            move_body(ramps.drag[slot], s, body)
+            break
+        base, j = until, j + 1
+        over_knot(tables, ramps, slot, j, s, theta, term, body)
+        if j % LOGGED == 0:
+            break
+    state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 0, q)
+    state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 1, v)
+    for k in range(stops):
+        area[k] = max(area[k], 0.0)
+    ramps.interval[0], ramps.goes_on[0] = j, True
+    return base, which, rate
+
+
+@njit(cache=True)
+def carry_ramps(
+    tables: Tables, ramps: RampTables, slot: int, stop: int, t: float, harmonics: int, q: FloatArray, v: FloatArray
+) -> None:
+    """Add what the left-out modes carry over a switch under the ramps; see `analytic.march.switching.switch`.
+
+    Parameters
+    ----------
+    tables, ramps : Tables, RampTables
+        The states of the joint, and the ramps.
+    slot : int
+        The state before the switch.
+    stop : int
+        The stop that opens or closes.
+    t : float
+        When, s.
+    harmonics : int
+        Number of harmonics.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, after the switch; added to.
+    """
+    j, onto = interval_at(ramps, ramps.interval[0], t), tables.carry_residual[slot, stop]
+    for r in range(ramps.slope.shape[1]):
+        g = ramps.slope[j, r]
+        f = ramps.force[j, r] + g * (t - ramps.time[j])
+        for i in range(tables.modes[tables.next_slot[slot, stop]]):
+            q[i] += f * onto[1 + harmonics + r, i]
+            v[i] += g * onto[1 + harmonics + r, i]
+
+
+@njit(cache=True)
+def coordinates_on_ramps(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    start: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    which: IntArray,
+    t: FloatArray,
+    order: int,
+    result: FloatArray,
+) -> None:
+    """Write a time derivative of the modal displacements at ``m`` times in ``M`` segments of one state.
+
+    Parameters
+    ----------
+    tables, ramps : Tables, RampTables
+        The states of the joint, and the ramps.
+    slot : int
+        The state.
+    start : FloatArray, shape (M,)
+        When each segment starts, s.
+    q, v : FloatArray, shape (M, N)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, then.
+    which : IntArray, shape (m,)
+        The segment of each time, ascending.
+    t : FloatArray, shape (m,)
+        The times, s, ascending.
+    order : int
+        Which derivative, 0 to 2.
+    result : FloatArray, shape (m, N)
+        kg^1/2 m over s^order; written.
+    """
+    theta = np.zeros(tables.omega.size, dtype=np.complex128)
+    term, none = np.zeros(tables.root.shape[1], dtype=np.complex128), np.zeros(0, dtype=np.complex128)
+    body, terms, j, base = np.zeros((2, 4)), tables.terms[slot], 0, 0.0
+    for i in range(t.size):
+        if i == 0 or which[i] != which[i - 1]:
+            base = start[which[i]]
+            j = interval_at(ramps, j, base)
+            set_phases(tables, base, theta)
+            start_on_ramps(tables, ramps, slot, j, base, theta, q[which[i]], v[which[i]], term, body)
+        while j < ramps.time.size - 2 and ramps.time[j + 1] <= t[i]:
+            s = ramps.time[j + 1] - base
+            turn_exactly(tables.root[slot], tables.omega[:0], terms, s, term, none)
+            j += 1
+            base = ramps.time[j]
+            over_knot(tables, ramps, slot, j, s, theta, term, body)
+        now, moved = term.copy(), body.copy()
+        turn_exactly(tables.root[slot], tables.omega[:0], terms, t[i] - base, now, none)
+        move_body(ramps.drag[slot], t[i] - base, moved)
+        set_phases(tables, t[i], theta)
+        state_on_ramps(tables, ramps, slot, j, t[i], theta, now, moved, order, result[i])

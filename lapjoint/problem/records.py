@@ -1,0 +1,266 @@
+"""Recorded excitation: the motion of the base, or a force at a point, from a file or from arrays.
+
+Times count from the first sample.  What lies between samples is in `lapjoint.problem.recorded_motion`; a force is
+linear there.
+"""
+
+from __future__ import annotations
+
+import warnings
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, ValidationInfo, model_validator
+
+from lapjoint.errors import RecordWarning
+from lapjoint.problem.messages import shown
+from lapjoint.problem.record_files import read_columns
+from lapjoint.problem.recorded_motion import RecordedMotion, motion_through
+from lapjoint.problem.samples import Samples, Source
+from lapjoint.problem.schema import FloatArray, NonNegative, Part, Positive, Whole
+
+G = 9.80665  # m/s2, the standard acceleration of free fall (CGPM 1901)
+INCH, POUND = 0.0254, 0.45359237  # m and kg, the international inch and pound (1959)
+UNITS: dict[str, dict[str, float]] = {
+    "acceleration": {"m/s2": 1.0, "mm/s2": 1e-3, "cm/s2": 1e-2, "g": G, "mg": 1e-3 * G, "in/s2": INCH},
+    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": INCH},
+    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH},
+    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND * G},
+}
+"""SI units in each allowed unit; the first is the default."""
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
+"""Seconds in each allowed unit of time."""
+ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
+"""Which t-derivative of the motion a quantity is."""
+LARGEST = {"acceleration": 2e6, "velocity": 5e3, "displacement": 5e2, "force": 1e9}
+"""A thousand times what the largest shakers reach, 200 g, 5 m/s, 0.5 m and 1 MN: more is a wrong unit."""
+
+
+class Record(Part):
+    """Samples over time, from a CSV file or from arrays."""
+
+    file: str | None = None
+    """CSV file, relative to the folder of the problem file; or else values."""
+    column: Annotated[Whole | str | None, Field(union_mode="left_to_right")] = None
+    """Column of the values by its number from 1 or its name; the first that is not the time by default."""
+    time_column: Annotated[Whole | str | None, Field(union_mode="left_to_right")] = None
+    """Column of the times by its number from 1 or its name; or else rate."""
+    skip: Annotated[Whole, Field(ge=0)] = 0
+    """Lines of the file to leave out before names of columns and samples."""
+    delimiter: Literal[",", ";", "\t", " "] | None = None
+    """What stands between columns: comma, semicolon, tab or space; found out by default."""
+    values: Samples | None = None
+    """The samples, where there is no file."""
+    times: Samples | None = None
+    """Their times, where there is no file; or else rate."""
+    rate: Positive | None = None
+    """Samples per second, where there are no times."""
+    unit: str | None = None
+    """Unit of the samples, e.g. g, mm/s, um, kN; SI by default."""
+    time_unit: str = "s"
+    """Unit of the times: s, ms, us or min."""
+    remove: Literal["nothing", "offset", "drift"] = "nothing"
+    """What to take out of the samples: their mean over time (offset), or the straight line nearest to them (drift)."""
+    sha256: str | None = None
+    """Digest of the samples of a file: if it is given, a file whose samples have another one is refused."""
+
+    @property
+    def _measured(self) -> str:
+        """Which of `UNITS` the samples are."""
+        raise NotImplementedError
+
+    @model_validator(mode="after")
+    def _complete(self, info: ValidationInfo) -> Self:
+        self._take_file((info.context or {}).get("folder", "."))
+        if self.values is None:
+            raise ValueError("file: is missing; allowed are the path of a CSV file, or values in its place")
+        self._check_units()
+        self._check_times(self.values)
+        size = float(np.max(np.abs(self.values.array))) * self._factor
+        if not np.isfinite(size * size):
+            raise ValueError(f"values: the largest is {size:g}, and its square must be finite")
+        if size > LARGEST[self._measured]:
+            base = next(iter(UNITS[self._measured]))
+            warnings.warn(
+                f"record of {self._measured}: its largest sample is {size:.3g} {base}, a thousand times what shakers "
+                f"reach; is unit = {shown(self.unit or base)} right?",
+                RecordWarning,
+                stacklevel=2,
+            )
+        return self
+
+    def _take_file(self, folder: str) -> None:
+        """Read the file, unless its samples came with the tables."""
+        own = None if self.values is None else self.values.source
+        if self.file is None:
+            if self.values is not None and own is not None:  # the file was taken out of the tables
+                raise ValueError("file: is missing; its samples are there without it")
+            return
+        if self.values is not None and own is None:
+            raise ValueError("file, values: give one of them")
+        source = Source(
+            folder if own is None else own.folder, self.file, self.column, self.time_column, self.skip, self.delimiter
+        )
+        if own != source:
+            values, times = read_columns(source)
+            self.__dict__.update(values=values, times=times)
+        found, stated = self.digest, self.sha256 if own in (None, source) else None
+        if stated not in (None, found):
+            raise ValueError(f"sha256 = {shown(stated)}: {shown(self.file)} has changed: its samples now have {found}")
+        self.__dict__.update(sha256=found)
+
+    def _check_units(self) -> None:
+        allowed = UNITS[self._measured]
+        if self.unit is not None and self.unit not in allowed:
+            raise ValueError(
+                f"unit = {shown(self.unit)}: is no unit of {self._measured}; allowed: {', '.join(allowed)}"
+            )
+        if self.time_unit not in TIME_UNITS:
+            raise ValueError(f"time_unit = {shown(self.time_unit)}: allowed: {', '.join(TIME_UNITS)}")
+
+    def _check_times(self, values: Samples) -> None:
+        timed = "time_column" if self.file is not None else "times"
+        if (self.times is None) == (self.rate is None):
+            raise ValueError(f"rate, {timed}: give one of them")
+        if len(values) < 2:
+            raise ValueError(f"values: there is {len(values)} sample; at least 2 are needed")
+        if not np.all(np.isfinite(values.array)):
+            first = int(np.flatnonzero(~np.isfinite(values.array))[0])
+            raise ValueError(f"values[{first}] = {values.array[first]:g}: must be a finite number")
+        if self.times is None:
+            return
+        t = self.times.array
+        if t.size != values.array.size:
+            raise ValueError(f"times: there are {t.size}, and {values.array.size} values")
+        if not np.all(np.isfinite(t)):
+            raise ValueError(f"times[{int(np.flatnonzero(~np.isfinite(t))[0])}]: must be a finite number")
+        bad = np.flatnonzero(np.diff(t) <= 0)
+        if bad.size:
+            i = int(bad[0])
+            what = "is there twice" if t[i + 1] == t[i] else f"comes after {t[i]:.12g}"
+            raise ValueError(f"{timed}: {t[i + 1]:.12g} {what} (sample {i + 2}); times must ascend")
+
+    @property
+    def _factor(self) -> float:
+        allowed = UNITS[self._measured]
+        return allowed[self.unit or next(iter(allowed))]
+
+    @property
+    def time(self) -> FloatArray:
+        """When the samples are, s from the first one, shape ``(n,)``."""
+        assert self.values is not None
+        if self.times is None:
+            assert self.rate is not None
+            return np.arange(len(self.values)) / self.rate
+        return np.asarray((self.times.array - self.times.array[0]) * TIME_UNITS[self.time_unit])
+
+    @property
+    def duration(self) -> float:
+        """From the first sample to the last, s."""
+        return float(self.time[-1])
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the samples, and of their times if they have some."""
+        assert self.values is not None
+        if self.times is None:
+            return self.values.digest
+        return Samples(np.concatenate([self.values.array, self.times.array])).digest
+
+    @property
+    def waves(self) -> tuple[Any, ...]:
+        """The waves of which it consists: none."""
+        return ()
+
+
+class RecordBaseMotion(Record):
+    """Recorded motion of the base: acceleration, velocity or displacement over time."""
+
+    kind: Literal["record"] = "record"
+    quantity: Literal["acceleration", "velocity", "displacement"]
+    """What the samples are."""
+
+    @property
+    def _measured(self) -> str:
+        return self.quantity
+
+    @cached_property
+    def motion(self) -> RecordedMotion:
+        """The motion of the base, with a continuous acceleration that is linear between knots."""
+        found = self._as_recorded
+        if self.remove == "nothing":
+            return found
+        value, slope = found.line(ORDER[self.quantity])
+        return found.without(ORDER[self.quantity], value, slope if self.remove == "drift" else 0.0)
+
+    @cached_property
+    def _as_recorded(self) -> RecordedMotion:
+        assert self.values is not None
+        return motion_through(self.time, self.values.array * self._factor, ORDER[self.quantity])
+
+    def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
+        """y(t), or a derivative of it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s, within the record.
+        derivative : int
+            Which t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            m, m/s or m/s2.
+        """
+        return self.motion.at(t, derivative)
+
+    @property
+    def remark(self) -> str:
+        """The offset and the drift of the record, in a line."""
+        unit = next(iter(UNITS[self.quantity]))
+        offset, slope = self._as_recorded.line(ORDER[self.quantity])
+        end = np.array([self.motion.time[-1]])
+        y, v = (float(self.motion.at(end, n)[0]) for n in (0, 1))
+        return (
+            f"record of {self.quantity}, {self.duration:g} s: mean {offset:.3g} {unit}, trend {slope:.3g} {unit}/s, "
+            f"removed: {self.remove}; the base ends at {y:.3g} m with {v:.3g} m/s"
+        )
+
+
+class RecordLoad(Record):
+    """A recorded transverse force at a point."""
+
+    kind: Literal["record"] = "record"
+    x: NonNegative
+    """Position, m, within the beam."""
+
+    @property
+    def _measured(self) -> str:
+        return "force"
+
+    @property
+    def constant(self) -> float:
+        """The part that is constant, N: none."""
+        return 0.0
+
+    @property
+    def force(self) -> FloatArray:
+        """The force at the samples, N, positive upwards, shape ``(n,)``."""
+        assert self.values is not None
+        f = np.asarray(self.values.array * self._factor)
+        if self.remove == "nothing":
+            return f
+        line = RecordedMotion(self.time, f, (0.0, 0.0)).line(2)
+        value, slope = line if self.remove == "drift" else (line[0], 0.0)
+        return np.asarray(f - value - slope * (self.time - self.duration / 2))
+
+    @property
+    def remark(self) -> str:
+        """The offset and the drift of the record, in a line."""
+        assert self.values is not None
+        offset, slope = RecordedMotion(self.time, self.values.array * self._factor, (0.0, 0.0)).line(2)
+        return (
+            f"record of force, {self.duration:g} s: mean {offset:.3g} N, trend {slope:.3g} N/s, removed: {self.remove}"
+        )

@@ -1,0 +1,107 @@
+"""Long lists of numbers as one part of a problem: immutable, compared by their values, known by a digest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lapjoint.problem.schema import FloatArray
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+
+
+class Source(NamedTuple):
+    """Where samples were read."""
+
+    folder: str
+    """Folder from which `file` is looked for."""
+    file: str
+    """The file, as the problem names it."""
+    column: int | str | None
+    time_column: int | str | None
+    skip: int
+    delimiter: str | None
+
+
+class Samples:
+    """Numbers in a row.
+
+    Parameters
+    ----------
+    values : sequence of float, shape (n,)
+        The numbers, in whatever unit.
+    source : Source, optional
+        Where they were read.
+
+    Raises
+    ------
+    ValueError
+        If they are not numbers in a row.
+    """
+
+    def __init__(self, values: Sequence[float] | FloatArray, source: Source | None = None) -> None:
+        if any(isinstance(value, str | bool) for value in _few(values)):
+            raise ValueError("must be a list of numbers")
+        try:
+            array = np.array(values, dtype=float)
+        except (TypeError, ValueError):
+            raise ValueError("must be a list of numbers") from None
+        if array.ndim != 1:
+            raise ValueError(f"must be a list of numbers, one after the other, and has the shape {array.shape}")
+        array.flags.writeable = False
+        self.array: FloatArray = array
+        """The numbers, not to be written to, shape ``(n,)``."""
+        self.source = source
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the numbers as little-endian doubles, in hexadecimal digits."""
+        return sha256(self.array.astype("<f8").tobytes()).hexdigest()
+
+    def __len__(self) -> int:
+        return self.array.size
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Samples) and np.array_equal(self.array, other.array)
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __repr__(self) -> str:
+        return f"Samples({len(self)} numbers, {self.digest[:8]})"
+
+    def __copy__(self) -> Samples:
+        return self
+
+    def __deepcopy__(self, memo: Any) -> Samples:
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Samples, (self.array, self.source)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_plain_validator_function(_samples)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "array", "items": {"type": "number"}}
+
+
+def _samples(value: Any) -> Samples:
+    """What was given as samples."""
+    return value if isinstance(value, Samples) else Samples(value)
+
+
+def _few(values: Any) -> Any:
+    """The values to look at one by one: none of an array of numbers, and a text for what is no list at all."""
+    if isinstance(values, np.ndarray):
+        return () if values.dtype.kind in "fiu" else [""]
+    return values if isinstance(values, list | tuple) else [""]
