@@ -19,7 +19,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.errors import InputError
-from lapjoint.figures.sampling import heading, one_position
+from lapjoint.figures.sampling import heading, times_drawn
 from lapjoint.figures.style import COLOURS, GREY, THIN, entitle, new_axes, style
 from lapjoint.problem import FloatArray, Problem
 
@@ -37,6 +37,9 @@ _HARMONICS = 20
 """Least number of multiples of the excitation frequency that are drawn where no number is asked for."""
 _FEWEST, _MOST = 2**10, 2**18
 """Number of samples of the transform: the first trial, and the number after which no doubling follows."""
+
+_STATIONS = 33
+"""Number of places among which the one that moves most is found."""
 
 
 @dataclass(frozen=True)
@@ -75,12 +78,12 @@ def plot_spectrum(
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     x : float, optional
-        Position, m; by default the tip.
+        Position, m; by default that of `most_moved`, which the legend names.
     harmonics : int, optional
         Largest multiple of the excitation frequency to be drawn; where the excitation has no period, largest
         multiple of the frequency with the largest amplitude.  By default 20, or twice the excitation's own largest.
     label : str, optional
-        Name of the spectrum in the legend; by default the position.
+        Name of the spectrum in the legend, before its position.
 
     Returns
     -------
@@ -92,12 +95,12 @@ def plot_spectrum(
     InputError
         If the position is outside the beam, `harmonics` less than 1, or the history has no duration.
     """
-    place = one_position(history.problem, history.problem.beam.length if x is None else x)
+    place = most_moved(history) if x is None else history.problem.require_position(x)
     found = spectrum(history, place, _default_harmonics(history.problem) if harmonics is None else harmonics)
     axes = new_axes(height=2.6) if axes is None else axes
     omega, amplitude = found.angular_frequencies, 1e3 * found.amplitudes
     floor = float(np.max(amplitude)) * 10.0**-DECADES
-    name = label or f"x = {place:g} m"
+    name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
     earlier = [line for line in axes.lines if not str(line.get_label()).startswith(_EXCITATION)]
     colour = COLOURS[len(earlier) % len(COLOURS)]
     if found.periods:
@@ -112,6 +115,35 @@ def plot_spectrum(
     axes.set_ylabel("amplitude of z [mm]")
     entitle(axes, f"{heading(history)}\n{_how(history, found)}" if label is None else "")
     return axes
+
+
+def most_moved(history: History) -> float:
+    """The place, of `_STATIONS` equidistant ones, whose displacement departs most from its mean, by root mean square.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+
+    Returns
+    -------
+    float
+        Position, m; of places that only rounding parts, the farthest from the root.
+
+    Raises
+    ------
+    InputError
+        If the history has no duration.
+    """
+    _require_duration(history)
+    x = np.linspace(0.0, history.problem.beam.length, _STATIONS)
+    swing = np.std(history.displacement(x, times_drawn(history, _FEWEST)), axis=1)
+    return float(x[np.flatnonzero(swing >= (1 - TOLERANCE) * np.max(swing))[-1]])
+
+
+def _require_duration(history: History) -> None:
+    if not history.end > history.start:
+        raise InputError(f"history: runs from {history.start:g} to {history.end:g} s; a spectrum needs a duration")
 
 
 def _default_harmonics(problem: Problem) -> int:
@@ -155,8 +187,7 @@ def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
     """
     if harmonics < 1:
         raise InputError(f"harmonics = {harmonics}: must be 1 or more")
-    if not history.end > history.start:
-        raise InputError(f"history: runs from {history.start:g} to {history.end:g} s; a spectrum needs a duration")
+    _require_duration(history)
     periods, mismatch = repeating_periods(history)
     if periods:
         return _fourier(history, x, periods, mismatch, harmonics * periods + 1)

@@ -132,7 +132,7 @@ def test_the_excitation_is_marked_once(history: History) -> None:
     plot_spectrum(sine(history, 1.0), axes, label="again")
     marks = [line for line in axes.lines if str(line.get_label()).startswith("excitation")]
     assert [mark.get_xdata()[0] for mark in marks] == [OMEGA]
-    colours = {line.get_color() for line in axes.lines if line.get_label() in ("x = 0.5 m", "again")}
+    colours = {line.get_color() for line in axes.lines if line.get_label() in ("x = 0.5 m", "again, x = 1 m")}
     assert len(colours) == 2
 
 
@@ -166,3 +166,13 @@ def test_a_beam_at_rest_has_a_line_at_zero_and_says_so(history: History, omega: 
     assert [text.get_text() for text in axes.texts] == ["at rest"]
     assert axes.get_yscale() == "linear"
     assert set(np.asarray(axes.lines[0].get_ydata())) == {0.0}
+
+
+def test_the_spectrum_is_of_the_place_that_moves_most(history: History) -> None:
+    def pinned(x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
+        return np.outer(1e-3 * np.sin(math.pi * x), np.sin(2 * math.pi * t))
+
+    middle = plot_spectrum(replace(history, field=pinned), label="pinned")
+    assert "pinned, x = 0.5 m" in {str(line.get_label()) for line in middle.lines}
+    assert middle.get_ylim()[1] > 1.0  # mm; the tip does not move but for rounding
+    assert "x = 1 m" in {str(line.get_label()) for line in plot_spectrum(history).lines}
