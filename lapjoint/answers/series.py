@@ -127,7 +127,7 @@ def time_series(
         "Conventions": "CF-1.11",
         "format_version": FORMAT_VERSION,
         "title": f"Time series of: {problem.title or 'a joint'}",
-        "problem": to_toml(problem),
+        "problem": to_toml(problem, samples=False),  # an attribute holds 64 KB
         "solver": history.solver,
         "rate": float(rate),
         "rate_units": "Hz",

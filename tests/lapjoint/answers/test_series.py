@@ -19,6 +19,7 @@ from lapjoint.answers.series import MOST_VALUES, PER_PERIOD, QUANTITIES
 from lapjoint.netcdf_files import is_whole
 from lapjoint.problem import Material, Rectangle
 from lapjoint.problem.files import from_toml
+from lapjoint.problem.records import RecordBaseMotion
 
 E, HEIGHT = 24e3, 0.1
 BASE = BaseMotion(amplitude=0.5, angular_frequency=3.0, phase=0.2)
@@ -175,3 +176,14 @@ def test_each_refusal_is_one_clear_message(history: History) -> None:
             time_series(history, **{"rate": 10.0, **wanted})  # type: ignore[arg-type]
     with pytest.raises(InputError, match="quantity 'force': there are no stops"):
         time_series(replace(history, problem=history.problem.replace(stops=())), quantities=["force"], rate=10)
+
+
+def test_a_long_record_fits_into_the_file(history: History, tmp_path: Path) -> None:
+    time = np.linspace(0.0, 1.0, 20_001)
+    record = RecordBaseMotion(quantity="acceleration", times=time, values=np.sin(OMEGA * time))
+    shaken = replace(history, problem=history.problem.replace(base_motion=record))
+    found = time_series(shaken, quantities=["absolute_acceleration"], rate=100.0)
+    write_series(found, tmp_path / "a.nc")
+    assert is_whole((tmp_path / "a.nc").read_bytes())
+    own = history.acceleration(found.x.values, found.time.values)
+    np.testing.assert_allclose(found.absolute_acceleration.values, own + np.sin(OMEGA * found.time.values), atol=1e-6)
