@@ -1,7 +1,7 @@
 """Time series of a motion: chosen quantities at chosen places, at equidistant times, in memory and in files.
 
 The default rate has `PER_PERIOD` samples in a period of the fastest frequency that the answer holds: that of its
-fastest mode or of its fastest force, whichever is higher.
+fastest mode or of its fastest force, whichever is higher; and no fewer than a record that drives the beam.
 """
 
 from __future__ import annotations
@@ -249,17 +249,20 @@ def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
 
 
 def _default_rate(history: History) -> tuple[float, str]:
-    """The rate, Hz, that is enough for the fastest frequency of the answer, and a sentence that says so."""
+    """The rate, Hz, that is enough for the fastest frequency of the answer, and a phrase that says why."""
     if history.highest_mode is None:
         raise InputError(f"rate: {history.solver} does not say how fast its fastest mode is; give a rate, in Hz")
-    fastest = max(history.highest_mode, history.problem.forces.fastest)
+    forces = history.problem.forces
+    fastest = max(history.highest_mode, forces.fastest)
     if not fastest:
         raise InputError("rate: nothing vibrates in this motion; give a rate, in Hz")
     whose = "mode of the solver" if fastest == history.highest_mode else "force"
     text = (
         f"{PER_PERIOD:g} samples in a period of the fastest frequency of the answer, {fastest:.6g} rad/s of a {whose}"
     )
-    return PER_PERIOD * fastest / (2 * math.pi), text
+    rate = PER_PERIOD * fastest / (2 * math.pi)
+    recorded = 0.0 if forces.ramps is None else 1 / float(np.median(np.diff(forces.ramps.time)))
+    return (rate, text) if rate >= recorded else (recorded, "as many as the record of the excitation has")
 
 
 def _count(problem: Problem, places: list[float], chosen: list[str], rate: float, duration: float) -> int:

@@ -187,3 +187,13 @@ def test_a_long_record_fits_into_the_file(history: History, tmp_path: Path) -> N
     assert is_whole((tmp_path / "a.nc").read_bytes())
     own = history.acceleration(found.x.values, found.time.values)
     np.testing.assert_allclose(found.absolute_acceleration.values, own + np.sin(OMEGA * found.time.values), atol=1e-6)
+
+
+@pytest.mark.parametrize(("samples", "rate"), [(501, 500.0), (11, PER_PERIOD * 40.0 / (2 * math.pi))])
+def test_by_default_no_sample_of_a_record_is_passed_over(history: History, samples: int, rate: float) -> None:
+    time = np.linspace(0.0, 1.0, samples)
+    record = RecordBaseMotion(quantity="acceleration", times=time, values=np.sin(OMEGA * time))
+    shaken = replace(history, problem=history.problem.replace(base_motion=record), highest_mode=40.0)
+    found = time_series(shaken)
+    assert found.rate == pytest.approx(rate)
+    assert ("record" in found.rate_source) == (samples == 501)
