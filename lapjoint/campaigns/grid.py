@@ -52,6 +52,7 @@ UNITS = {
     "coefficient": "N s m-2",
     "angular_frequency": "rad s-1",
     "phase": "rad",
+    "rate": "Hz",
     "force": "N",
 }
 """Units of the fields of a problem, by the last key of their path."""
