@@ -38,6 +38,7 @@ _MODULES = {
     "certified-steps": "certified_steps",
     "grazing": "grazing",
     "transient": "transient",
+    "slow-modes": "slow_modes",
     "as-published": "as_published",
     "steady": "steady",
     "peaks": "peaks",

@@ -25,6 +25,7 @@ from validation.uncertainty import Refined, factor_of_safety, observed_order, re
 from validation.verdict import Check, Criterion, ErrorSource, Estimate, Kind, Verdict
 
 TEST = Refined(ErrorSource.REFINEMENT, "test")
+CASES = Path(suite.__file__).parent / "cases"
 
 
 def check(a: float, b: float, u: float, **options: object) -> Check:
@@ -163,3 +164,8 @@ def test_sources_of_error_follow_from_what_was_refined_and_not_from_a_name() -> 
     assert refined_by(analytic.Solver(n_modes=7)).source is ErrorSource.MODES
     assert refined_by(analytic.PublishedScheme()).source is ErrorSource.REFINEMENT
     assert Estimate(1.0, 0.1, "", Kind.PUBLISHED).contributions == ((Kind.PUBLISHED, 0.1),)
+
+
+def test_every_case_is_in_the_suite() -> None:
+    modules = {path.stem for path in CASES.glob("*.py") if "\ndef run(level: Level, say: Say)" in path.read_text()}
+    assert modules == set(suite.modules_of(()))
