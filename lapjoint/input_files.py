@@ -1,4 +1,4 @@
-"""Files that a user names are read here: a problem, a dataset.
+"""Files that a user names are read here: a problem, a dataset, a record.
 
 What is no regular file, such as a pipe, is read too, for shells make one of `<(command)`.  But it may have no end, as
 `/dev/zero` has none, and would fill the memory until the system ends the process; so it is read up to a limit.
@@ -17,13 +17,15 @@ MOST_FROM_PIPES = 100_000_000
 of 5000 points."""
 
 
-def read_file(path: str | Path) -> bytes:
+def read_file(path: str | Path, name: str = "") -> bytes:
     """Everything that a file holds.
 
     Parameters
     ----------
     path : str or Path
         The file; a pipe or a device, too.
+    name : str, optional
+        What messages call it; by default the path.
 
     Returns
     -------
@@ -35,6 +37,7 @@ def read_file(path: str | Path) -> bytes:
     InputError
         If it cannot be read, or is a pipe or a device that gives more than `MOST_FROM_PIPES` bytes.
     """
+    name = name or str(path)
     try:
         with open(path, "rb") as file:
             if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
@@ -42,7 +45,7 @@ def read_file(path: str | Path) -> bytes:
             raw = file.read(MOST_FROM_PIPES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"{path}: cannot be read: {reason}") from None
+        raise InputError(f"{name}: cannot be read: {reason}") from None
     if len(raw) > MOST_FROM_PIPES:
-        raise InputError(f"{path}: is no file, and gives more than {MOST_FROM_PIPES // 10**6} MB; it may have no end")
+        raise InputError(f"{name}: is no file, and gives more than {MOST_FROM_PIPES // 10**6} MB; it may have no end")
     return raw

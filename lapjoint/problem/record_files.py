@@ -6,6 +6,8 @@ import csv
 import math
 from pathlib import Path
 
+from lapjoint.errors import InputError
+from lapjoint.input_files import read_file
 from lapjoint.problem.messages import shown
 from lapjoint.problem.samples import Samples, Source
 
@@ -38,14 +40,11 @@ def read_columns(source: Source) -> tuple[Samples, Samples | None]:
     """
     path = Path(source.folder) / source.file
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        text = read_file(path, f"file = {shown(source.file)}").decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"file = {shown(source.file)}: is not a text file in UTF-8") from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise ValueError(
-            f"file = {shown(source.file)}: cannot be read: {reason}; it is looked for in {path.parent}"
-        ) from None
+    except InputError as error:
+        raise ValueError(f"{error}; it is looked for in {path.parent}") from None
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if i > source.skip]
     lines = [(i, line) for i, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not lines:

@@ -53,3 +53,10 @@ def test_what_cannot_be_read_is_named(read: object, tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "missing", "a\0b"):
         with pytest.raises(InputError, match="cannot be read: "):
             read(path)
+
+
+@ENDLESS
+def test_a_record_that_has_no_end_is_refused() -> None:
+    record = {"kind": "record", "quantity": "acceleration", "rate": 1000.0, "file": "/dev/zero"}
+    with pytest.raises(ValueError, match=r"file = \"/dev/zero\": is no file, and gives more than 100 MB"):
+        paper_joint().replace(base_motion=record)
