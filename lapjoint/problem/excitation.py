@@ -75,7 +75,38 @@ _AtLeastOne = Field(json_schema_extra={"minItems": 1})  # a min_length would cou
 _EachOnce = AfterValidator(_each_multiple_once)
 
 
-class BaseMotion(Part):
+class _PeriodicBaseMotion(Part):
+    """A motion of the base that consists of waves."""
+
+    @property
+    def waves(self) -> tuple[Wave, ...]:
+        """The waves of which y(t) consists."""
+        raise NotImplementedError
+
+    def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
+        """y(t), or a derivative of it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s.
+        derivative : int
+            Which t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            m, m/s or m/s2.
+        """
+        total = np.zeros(np.shape(t))
+        for wave in self.waves:
+            angle = wave.angular_frequency * t + wave.phase
+            turned = (np.sin(angle), np.cos(angle), -np.sin(angle))[derivative]
+            total += wave.amplitude * wave.angular_frequency**derivative * turned
+        return total
+
+
+class BaseMotion(_PeriodicBaseMotion):
     """Harmonic motion of the base, y(t) = amplitude sin(angular_frequency t + phase)."""
 
     kind: Literal["sine"] = "sine"
@@ -91,25 +122,8 @@ class BaseMotion(Part):
         """The waves of which y(t) consists."""
         return (Wave(self.amplitude, self.angular_frequency, self.phase),)
 
-    def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """y(t), or a derivative of it.
 
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            m, m/s or m/s2.
-        """
-        return _sum_of(self.waves, t, derivative)
-
-
-class HarmonicsBaseMotion(Part):
+class HarmonicsBaseMotion(_PeriodicBaseMotion):
     """Periodic motion of the base, y(t) = sum of amplitude sin(multiple angular_frequency t + phase)."""
 
     kind: Literal["harmonics"] = "harmonics"
@@ -122,23 +136,6 @@ class HarmonicsBaseMotion(Part):
     def waves(self) -> tuple[Wave, ...]:
         """The waves of which y(t) consists."""
         return tuple(Wave(one.amplitude, one.multiple * self.angular_frequency, one.phase) for one in self.harmonics)
-
-    def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """y(t), or a derivative of it.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            m, m/s or m/s2.
-        """
-        return _sum_of(self.waves, t, derivative)
 
 
 class StepLoad(Part):
@@ -219,13 +216,3 @@ AnyBaseMotion = Annotated[
 """A base motion of any kind."""
 PointLoad = Annotated[StepLoad | SineLoad | HarmonicsLoad | RecordLoad, _Kinds, BeforeValidator(_sine_by_default)]
 """A point load of any kind."""
-
-
-def _sum_of(waves: tuple[Wave, ...], t: FloatArray, derivative: int) -> FloatArray:
-    """The sum of waves at times ``(m,)``, or a derivative of it."""
-    total = np.zeros(np.shape(t))
-    for wave in waves:
-        angle = wave.angular_frequency * t + wave.phase
-        turned = (np.sin(angle), np.cos(angle), -np.sin(angle))[derivative]
-        total += wave.amplitude * wave.angular_frequency**derivative * turned
-    return total
