@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 from importlib.metadata import entry_points
 from typing import Any, Protocol, runtime_checkable
@@ -132,6 +132,37 @@ class Solver(Protocol):
         -------
         Solver
             A new solver; all its other options are the same.
+        """
+
+
+@runtime_checkable
+class Streams(Protocol):
+    """A solver that can hand on a motion in stretches, so that a long one needs no more memory than a short one."""
+
+    def stream(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> Iterator[History]:
+        """The motion from the problem's initial state, stretch by stretch.
+
+        Parameters
+        ----------
+        problem : Problem
+            The joint, its excitation and its initial state.
+        duration : float
+            Length of the motion, s.
+        progress : callable, optional
+            Called now and then with the time marched and the duration, s.
+
+        Yields
+        ------
+        History
+            Each begins where the one before ends; the first at 0, the last ends at `duration`.  A contact that goes on
+            over an end is in both, marked as open there.  No errors are estimated.
+
+        Raises
+        ------
+        InputError
+            If the solver cannot treat such a problem.
+        SolverError
+            If the march cannot go on.
         """
 
 
