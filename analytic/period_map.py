@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from analytic.ensemble import JointEnsemble
 from analytic.march import Coordinates, Joint, March, gap_view, march, march_linearised, march_periods, measure_growth
 from analytic.march.field import history_of
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.march import joined
+from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -160,6 +164,21 @@ class PeriodMap:
             for slot, part in zip(found.slots.tolist(), found.coordinates, strict=True)
         )
         return Followed(points, self._impulses(found.penetrations), found.switches, found.growth, found.deviation)
+
+    def ensemble(self, points: Sequence[SectionPoint]) -> JointEnsemble:
+        """Many section points that march on in one compiled call. See `lapjoint.orbits.ensemble.Many.ensemble`."""
+        return JointEnsemble(self.joint, self.period, [_coordinates(point) for point in points])
+
+    def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
+        """Static shapes of unit forces. See `lapjoint.orbits.displaced.DisplacedStarts.static_shapes`."""
+        shapes, compliance = static_shapes(self.joint, origin.state, places)
+        still = np.zeros_like(shapes)
+        both = np.concatenate([shapes, still], axis=1), np.concatenate([still, shapes], axis=1)
+        return StaticShapes(*both, compliance)
+
+    def energy(self, origin: SectionPoint) -> FloatArray:
+        """Energy of deviations. See `lapjoint.orbits.displaced.DisplacedStarts.energy`."""
+        return free_energy(self.joint, origin.state)
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""

@@ -23,6 +23,7 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -201,6 +202,21 @@ class PeriodMap:
             switches += motion.switches
             points.append(point)
         return Followed(tuple(points), impulses, switches, growth, deviation)
+
+    def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
+        """Static shapes of unit forces. See `lapjoint.orbits.displaced.DisplacedStarts.static_shapes`."""
+        assembly = self.model.assembly
+        rows = np.array([assembly.reading(float(x)) for x in places])
+        bent = np.linalg.solve(assembly.stiffness(FREE), rows.T)
+        shapes = bent.T @ self.model.weighted(FREE)
+        still = np.zeros_like(shapes)
+        both = np.concatenate([shapes, still], axis=1), np.concatenate([still, shapes], axis=1)
+        return StaticShapes(*both, rows @ bent)
+
+    def energy(self, origin: SectionPoint) -> FloatArray:
+        """Energy of deviations. See `lapjoint.orbits.displaced.DisplacedStarts.energy`."""
+        omega = self.model.system(FREE).omega
+        return np.diag(np.concatenate([omega**2, np.ones_like(omega)]))
 
     def modal(self, point: SectionPoint) -> FloatArray:
         """(q, q') of a section point in the modes of its contact state.

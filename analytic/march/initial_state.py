@@ -151,12 +151,34 @@ def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordin
     """
     if state == begin.state:
         return begin
-    passage, theta, omega = joint.passage(begin.state, state), joint.harmonics.theta(0.0), joint.harmonics.omega
-    return Coordinates(
-        state,
-        passage.S @ begin.q + np.concatenate([[1.0], np.sin(theta)]) @ passage.residual,
-        passage.S @ begin.v + (omega * np.cos(theta)) @ passage.residual[1:],
-    )
+    return Coordinates(state, *carried_over(joint, begin.state, state, begin.q, begin.v))
+
+
+def carried_over(
+    joint: Joint, old: ContactState, new: ContactState, q: FloatArray, v: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Modal coordinates at a multiple of the period, in the modes of another contact state.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+    old, new : ContactState
+        The state in whose modes they are given, and the one in whose modes they are wanted.
+    q, v : FloatArray, shape (..., n_old)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, of one motion or of many.
+
+    Returns
+    -------
+    tuple of FloatArray, shape (..., n_new)
+        The same motions in the modes of `new`; what these cannot hold is left out.
+    """
+    passage, theta, omega = joint.passage(old, new), joint.harmonics.theta(0.0), joint.harmonics.omega
+    left_out = np.concatenate([[1.0], np.sin(theta)]) @ passage.residual
+    moving = (omega * np.cos(theta)) @ passage.residual[1:]
+    if q.ndim == 1:  # a product of a matrix and a vector, to the bits that it has always had
+        return passage.S @ q + left_out, passage.S @ v + moving
+    return q @ passage.S.T + left_out, v @ passage.S.T + moving
 
 
 def _fitted(values: FloatArray, size: int) -> FloatArray:

@@ -1,12 +1,28 @@
-"""Many answers: steady states over a grid of problems, by many workers, kept in a journal and given as a dataset.
+"""Many answers: steady states over a grid of problems, or where many starts end, by many workers, kept in a journal and
+given as a dataset.
 
 >>> from lapjoint import FREQUENCY, Axis, paper_joint, sweep
 >>> curve = sweep(paper_joint(), [Axis(FREQUENCY, range(400, 600, 10))], workers=2, out="curve.nc")  # doctest: +SKIP
 >>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
 """
 
+from lapjoint.campaigns.basin_plan import BasinPlan
+from lapjoint.campaigns.basin_running import basins, solve_basins, stored_basins
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.running import run, solve, stored, sweep
 
-__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "run", "solve", "stored", "sweep"]
+__all__ = [
+    "FREQUENCY",
+    "Axis",
+    "BasinPlan",
+    "Grid",
+    "Plan",
+    "basins",
+    "run",
+    "solve",
+    "solve_basins",
+    "stored",
+    "stored_basins",
+    "sweep",
+]

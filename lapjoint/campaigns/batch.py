@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.point import Point, plain_section, point_of, section_from
 from lapjoint.errors import InputError, SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.solver import Solver, make_solver
+
+if TYPE_CHECKING:
+    from lapjoint.campaigns.plan import Plan
 
 BATCH_SECONDS = 1.0
 """Time after which a batch is handed back, finished or not, s: it is as much work as a crash can lose."""
@@ -39,7 +42,7 @@ class Batch:
 class Solved:
     """The cells of a batch that are done, and what is left of the batch."""
 
-    points: dict[int, Point]
+    points: dict[int, Any]
     """What was found, by the number of the cell."""
     section: dict[str, Any] | None
     """Section point from which the next cell of a chain starts, as `plain_section` gives it."""
@@ -48,12 +51,12 @@ class Solved:
 
 
 @in_one_thread
-def solve_batch(plan: Plan, batch: Batch) -> Solved:
+def solve_batch(plan: Campaign, batch: Batch) -> Solved:
     """Solve the cells of a batch until all are done or `BATCH_SECONDS` are over, and at least one.
 
     Parameters
     ----------
-    plan : Plan
+    plan : Campaign
         The sweep.
     batch : Batch
         Cells to be solved, in their sequence.
@@ -68,12 +71,11 @@ def solve_batch(plan: Plan, batch: Batch) -> Solved:
     InputError
         If a point has no valid problem; the message names it.
     """
-    solver = _solver(plan)
     deadline = time.monotonic() + BATCH_SECONDS
-    points: dict[int, Point] = {}
+    points: dict[int, Any] = {}
     section = batch.section
     for cell in batch.cells:
-        points[cell], section = _solve(plan, solver, cell, section if batch.chained else None)
+        points[cell], section = plan.solve(cell, section if batch.chained else None)
         if time.monotonic() > deadline:
             break
     return Solved(points, section, after(batch, len(points), section))
@@ -100,12 +102,12 @@ def after(batch: Batch, done: int, section: dict[str, Any] | None) -> Batch | No
     return replace(batch, cells=left, section=section if batch.chained else None) if left else None
 
 
-def batches(plan: Plan, done: set[int], sections: dict[int, dict[str, Any] | None], length: int) -> Iterator[Batch]:
+def batches(plan: Campaign, done: set[int], sections: dict[int, dict[str, Any] | None], length: int) -> Iterator[Batch]:
     """Batches of the cells that are not done: the rest of each chain, or at most `length` independent cells.
 
     Parameters
     ----------
-    plan : Plan
+    plan : Campaign
         The sweep.
     done : set of int
         Numbers of the cells that are done.
@@ -132,13 +134,33 @@ def batches(plan: Plan, done: set[int], sections: dict[int, dict[str, Any] | Non
         yield Batch(tuple(left[i : i + length]))
 
 
-def _solve(
-    plan: Plan, solver: Solver, cell: int, section: dict[str, Any] | None
-) -> tuple[Point, dict[str, Any] | None]:
-    """What was found for a cell, and the section point from which the next cell of a chain starts.
+def steady_cell(plan: Plan, cell: int, section: dict[str, Any] | None) -> tuple[Point, dict[str, Any] | None]:
+    """The steady state of a cell of a sweep, and the section point from which the next cell of a chain starts.
 
     Where the solver gives up, this is the section point from which the cell itself started.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    cell : int
+        Number of the cell.
+    section : dict of str to Any, or None
+        Section point from which it starts, as `plain_section` gives it; None for the initial state of its problem.
+
+    Returns
+    -------
+    Point
+        What was found.
+    dict of str to Any, or None
+        Section point from which the next cell of a chain starts; None where there is no chain.
+
+    Raises
+    ------
+    InputError
+        If there is no valid problem at this point; the message names it.
     """
+    solver = made_solver(plan.solver, plan.options)
     try:
         problem = plan.problem_at(cell, solver)
         start = None if section is None else section_from(section)
@@ -159,8 +181,21 @@ def _made(name: str, options: str) -> Solver:
     return make_solver(name, **json.loads(options))
 
 
-def _solver(plan: Plan) -> Solver:
-    """The solver of a plan, made once in each process."""
+def made_solver(name: str, options: Mapping[str, Any]) -> Solver:
+    """A solver, made once in each process.
+
+    Parameters
+    ----------
+    name : str
+        Its entry-point name.
+    options : mapping of str to Any
+        Its numerical options.
+
+    Returns
+    -------
+    Solver
+        The same object at every call, as long as it is kept.
+    """
     import json
 
-    return _made(plan.solver, json.dumps(dict(plan.options), sort_keys=True))
+    return _made(name, json.dumps(dict(options), sort_keys=True))

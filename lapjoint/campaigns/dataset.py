@@ -30,6 +30,8 @@ SAME_MOTION = 1e-3
 """Two motions are the same if their impulses differ by at most this, relative to the largest impulse at the point:
 more than the numerical error of an impulse, and less than different motions differ."""
 
+SWEEP, BASINS = "a sweep", "a search for basins"
+"""What a file is the result of, as messages say it; files of basins say so in their attribute ``contents``."""
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF-4 file, which is an HDF5 file."""
 _DAMAGED = "is damaged: its content does not fit its checksum; the sweep that made it, with --force, computes it again"
@@ -257,14 +259,38 @@ def read_curve(path: str | Path) -> xr.Dataset:
         If there is no such file, it is not the result of a sweep, it is damaged, or an older or newer version of
         lapjoint wrote it in another format.
     """
+    return read_contents(path, SWEEP)
+
+
+def read_contents(path: str | Path, contents: str = "") -> xr.Dataset:
+    """Read the dataset of a campaign from a NetCDF file into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    contents : str
+        What it must be the result of, `SWEEP` or `BASINS`; empty for either.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is something else, it is damaged, or of another format version.
+    """
     import xarray as xr
 
     raw = read_file(path)
     if not is_whole(raw):
         raise InputError(f"{path}: {_reason_for(raw)}")
     found = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")
-    if "fingerprint" not in found.attrs:
-        raise InputError(f"{path}: is not the result of a sweep")
+    kind = found.attrs.get("contents", SWEEP)
+    if "fingerprint" not in found.attrs or (contents and kind != contents):
+        raise InputError(f"{path}: is not the result of {contents or SWEEP}")
     reason = refusal(found.attrs.get("format_version", 1))
     if reason:
         raise InputError(f"{path}: {reason}")

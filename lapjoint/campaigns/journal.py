@@ -22,9 +22,8 @@ from io import FileIO
 from pathlib import Path
 from typing import Any
 
+from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
-from lapjoint.campaigns.plan import Plan
-from lapjoint.campaigns.point import Point
 from lapjoint.errors import DamageWarning, InputError
 from lapjoint.output_files import unwritable
 
@@ -55,7 +54,7 @@ class Journal:
 
     Parameters
     ----------
-    plan : Plan
+    plan : Campaign
         The sweep.
     out : str or Path
         The file that the sweep writes when it is done.
@@ -75,10 +74,10 @@ class Journal:
         If lines of the journal are damaged; they are dropped, and the points that they held are not in `points`.
     """
 
-    def __init__(self, plan: Plan, out: str | Path, *, force: bool = False) -> None:
+    def __init__(self, plan: Campaign, out: str | Path, *, force: bool = False) -> None:
         self.plan = plan
         self.path = journal_path(out)
-        self.points: dict[int, Point] = {}
+        self.points: dict[int, Any] = {}
         self.sections: dict[int, dict[str, Any] | None] = {}
         """Section point from which a chain goes on, by the last cell of each batch; None where there is no chain."""
         self._file = _open_locked(self.path)
@@ -88,12 +87,12 @@ class Journal:
             self._file.close()
             raise
 
-    def append(self, points: Mapping[int, Point], section: dict[str, Any] | None = None) -> None:
+    def append(self, points: Mapping[int, Any], section: dict[str, Any] | None = None) -> None:
         """Keep points: they are on the disk when this returns.
 
         Parameters
         ----------
-        points : mapping of int to Point
+        points : mapping of int to answer
             What was found, by the number of the cell.
         section : dict of str to Any, optional
             Section point from which the chain goes on after the last of these cells, as `plain_section` gives it.
@@ -124,16 +123,19 @@ class Journal:
         """A message for a sweep that stops here: it reads the file, because an interrupt can come at any moment."""
         self._load(force=False)
         if not self.points:
-            return f"none of {self.plan.size} points was done"
-        return f"{len(self.points)} of {self.plan.size} points are kept in {self.path}; the same command resumes"
+            return f"none of {self.plan.size} {self.plan.counted} was done"
+        kept = f"{len(self.points)} of {self.plan.size} {self.plan.counted} are kept in {self.path}"
+        return f"{kept}; the same command resumes"
 
     def _read(self, force: bool) -> None:
         """Take the points in the file, and leave in it only what is whole."""
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
-            kept = f"{len(self.points)} of {self.plan.size} points are whole, and the others are computed again"
-            warnings.warn(f"{self.path}: {what}; {kept}", DamageWarning, stacklevel=2)
+            kept = f"{len(self.points)} of {self.plan.size} {self.plan.counted} are whole"
+            warnings.warn(
+                f"{self.path}: {what}; {kept}, and the others are computed again", DamageWarning, stacklevel=2
+            )
         if not self._file.seek(0, os.SEEK_END):
             self._write(self._header)
         elif damaged or not whole:
@@ -190,7 +192,7 @@ class Journal:
 
     def _take(self, line: dict[str, Any]) -> None:
         cells = line["cells"]
-        self.points.update({cell: Point(**fields) for cell, fields in zip(cells, line["points"], strict=True)})
+        self.points.update({cell: self.plan.answer(fields) for cell, fields in zip(cells, line["points"], strict=True)})
         self.sections[cells[-1]] = line.get("section")
 
     def _write(self, line: bytes) -> None:

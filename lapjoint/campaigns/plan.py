@@ -15,11 +15,13 @@ from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from itertools import product
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
+from lapjoint.campaigns.batch import steady_cell
 from lapjoint.campaigns.grid import Grid
+from lapjoint.campaigns.point import Point
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
@@ -65,6 +67,8 @@ class Plan:
         If a parameter is not allowed.
     """
 
+    counted: ClassVar[str] = "points"
+
     grid: Grid
     solver: str = "analytic"
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -77,8 +81,8 @@ class Plan:
     def __post_init__(self) -> None:
         if self.start not in get_args(Start):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
-        _check_integer("starts", self.starts, 1, MOST_STARTS)
-        _check_integer("seed", self.seed, 0, 2**63 - 1)
+        check_integer("starts", self.starts, 1, MOST_STARTS)
+        check_integer("seed", self.seed, 0, 2**63 - 1)
         if self.chained and self.starts > 1:
             raise InputError(f"starts = {self.starts}: must be 1 with start = {self.start!r}, which follows one motion")
 
@@ -169,6 +173,18 @@ class Plan:
         self.grid.check()
         return solver
 
+    def solve(self, cell: int, section: dict[str, Any] | None) -> tuple[Point, dict[str, Any] | None]:
+        """Find the steady state of a cell. See `lapjoint.campaigns.campaign.Campaign.solve`."""
+        return steady_cell(self, cell, section)
+
+    def given_up(self, cell: int, reason: str) -> Point:
+        """A cell without an answer. See `lapjoint.campaigns.campaign.Campaign.given_up`."""
+        return Point(message=reason)
+
+    def answer(self, fields: Mapping[str, Any]) -> Point:
+        """A cell from the journal. See `lapjoint.campaigns.campaign.Campaign.answer`."""
+        return Point(**fields)
+
     @cached_property
     def identity(self) -> dict[str, Any]:
         """What distinguishes this sweep from any other, as values that JSON can hold; floats are written exactly."""
@@ -189,11 +205,34 @@ class Plan:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
-        try:
-            text = json.dumps(self.identity)
-        except TypeError as error:
-            raise InputError(f"options = {dict(self.options)!r}: cannot be written to a file: {error}") from None
-        return sha256(text.encode()).hexdigest()
+        return fingerprint_of(self.identity, self.options)
+
+
+def fingerprint_of(identity: Mapping[str, Any], options: Mapping[str, Any]) -> str:
+    """A digest of what distinguishes a campaign.
+
+    Parameters
+    ----------
+    identity : mapping of str to Any
+        What does, as values that JSON can hold if the options are such.
+    options : mapping of str to Any
+        Numerical options of its solver.
+
+    Returns
+    -------
+    str
+        Hexadecimal digits.
+
+    Raises
+    ------
+    InputError
+        If an option cannot be written to a file.
+    """
+    try:
+        text = json.dumps(identity)
+    except TypeError as error:
+        raise InputError(f"options = {dict(options)!r}: cannot be written to a file: {error}") from None
+    return sha256(text.encode()).hexdigest()
 
 
 def versions() -> dict[str, str]:
@@ -208,6 +247,22 @@ def versions() -> dict[str, str]:
     return {name: installed(name) for name in PACKAGES} | {"python": platform.python_version()}
 
 
-def _check_integer(name: str, value: object, low: int, high: int) -> None:
+def check_integer(name: str, value: object, low: int, high: int) -> None:
+    """Refuse what is no integer in a range.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in the message.
+    value : object
+        The value.
+    low, high : int
+        Least and largest that are allowed.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InputError(f"{name} = {value!r}: must be an integer from {low} to {high}")

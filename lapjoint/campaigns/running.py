@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.batch import after, batches, solve_batch
+from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.plan import Plan, Start
@@ -198,31 +200,60 @@ def solve(
         _work(plan, points, None, workers, scheduler, progress)
         return dataset_of(plan, points)
     journal = Journal(plan, out, force=force)
-    try:
+    with resumable(journal):
         _work(plan, journal.points, journal, workers, scheduler, progress)
         dataset = dataset_of(plan, journal.points)
         write_curve(dataset, out)
         journal.remove()
+    return dataset
+
+
+@contextmanager
+def resumable(journal: Journal) -> Iterator[None]:
+    """Work that a journal keeps: errors and Ctrl-C say how much is kept, and the journal is released at the end.
+
+    Parameters
+    ----------
+    journal : Journal
+        The journal.
+
+    Yields
+    ------
+    None
+        While the work goes on.
+
+    Raises
+    ------
+    OutputError, SolverError
+        What was raised within, with how much is kept.
+    Interrupted
+        After Ctrl-C.
+    """
+    try:
+        yield
     except (OutputError, SolverError) as error:
         raise type(error)(f"{error}; {journal.kept()}") from None
     except KeyboardInterrupt:
         raise Interrupted(f"interrupted: {journal.kept()}") from None
     finally:
         journal.close()
-    return dataset
 
 
-def stored(plan: Plan, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
+def stored(
+    plan: Campaign, out: str | Path, *, force: bool = False, read: Callable[[str | Path], xr.Dataset] | None = None
+) -> xr.Dataset | None:
     """The finished dataset of a sweep, if its file is there.
 
     Parameters
     ----------
-    plan : Plan
+    plan : Campaign
         The sweep.
     out : str or Path
         File of the dataset.
     force : bool
         Whether the file may be something else, to be thrown away.
+    read : callable, optional
+        Reads such a file, or raises an `InputError`; `read_curve` by default.
 
     Returns
     -------
@@ -239,7 +270,7 @@ def stored(plan: Plan, out: str | Path, *, force: bool = False) -> xr.Dataset | 
     if not Path(out).exists():
         return None
     try:
-        found = read_curve(out)
+        found = (read or read_curve)(out)
     except InputError:
         if force:
             return None
@@ -276,11 +307,25 @@ def _work(
         length = max(1, min(length, plan.size // (4 * workers)))
     todo = list(batches(plan, set(points), journal.sections if journal else {}, length))
     if todo:
-        _send(plan, todo, workers, scheduler, deliver)
+        send(plan, todo, workers, scheduler, deliver)
 
 
-def _send(plan: Plan, todo: list[Batch], workers: Workers, scheduler: str | None, deliver: Deliver) -> None:
-    """Send the batches to the workers."""
+def send(plan: Campaign, todo: list[Batch], workers: Workers, scheduler: str | None, deliver: Deliver) -> None:
+    """Send batches to the workers.
+
+    Parameters
+    ----------
+    plan : Campaign
+        The sweep.
+    todo : list of Batch
+        The work, at least one batch.
+    workers : int or map-like callable
+        Number of processes, or a function like `map`.
+    scheduler : str, or None
+        Address of a dask scheduler whose workers do the work instead.
+    deliver : callable
+        Takes each `Solved`, in any sequence.
+    """
     if scheduler is not None:
         from lapjoint.campaigns.cluster import work_on_cluster
 
@@ -293,7 +338,7 @@ def _send(plan: Plan, todo: list[Batch], workers: Workers, scheduler: str | None
         work_here(plan, todo, deliver)
 
 
-def _after_first_cell(plan: Plan, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
+def _after_first_cell(plan: Campaign, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
     """Solve the first cell in this process, and give the batches that are left for the workers.
 
     The first cell makes numba compile the march and store the machine code on the disk.  The workers then load it,

@@ -96,13 +96,21 @@ def sweep(
 @click.option("-o", "--output", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
 def plot(curve: str, figure: str | None, wide: bool) -> None:
-    """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
-    from lapjoint.campaigns.dataset import read_curve
+    """Draw what a sweep or `lapjoint basins` found, from its file CURVE.
+
+    Of a sweep, the impulse of each stop over the excitation frequency; of basins, which motion each start ends in, or
+    the share of each motion.
+    """
+    from lapjoint.campaigns.dataset import BASINS, read_contents
     from lapjoint.cli import arguments
-    from lapjoint.figures import plot_curve, plot_curve_wide, save
+    from lapjoint.figures import plot_basins, plot_curve, plot_curve_wide, save
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
     arguments.check_file("--output", path, *FIGURES)
-    dataset = read_curve(curve)
-    save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
+    dataset = read_contents(curve)
+    if dataset.attrs.get("contents") == BASINS:
+        arguments.refuse("is of sweeps", wide=wide)
+        save(plot_basins(dataset), path)
+    else:
+        save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
     echo(f"Wrote {path}")

@@ -39,7 +39,7 @@ CURVED = 0.5
 _SHIFTS = 3.0
 """Number of shifts |X e_k| / r of a switch: nearer to it than this, in time, whether the stop is closed depends on the
 shift, so the distance is not looked at.  Two shifts make orbits marginal, and cost twice as much marching."""
-_RATE = 0.5
+RATE = 0.5
 """Share of the rate at a switch that a deviation may change: so the switch keeps its direction."""
 _FIRST, _MOST = 16, 1024
 """Numbers of deviations that are looked at together, at first and at most: blocks make use of fast matrix products."""
@@ -102,7 +102,7 @@ def forecast(
         block = np.concatenate([block, power @ block], axis=1)
         power, count = power @ power, 2 * count
     while True:
-        broken = np.flatnonzero(~_sound(watch, watch.deviated(block), share))
+        broken = np.flatnonzero(~sound(watch, watch.deviated(block), share))
         if broken.size:
             fails = done + int(broken[-1]) + 1
         done += block.shape[1]
@@ -118,8 +118,23 @@ def forecast(
             power = power @ power
 
 
-def _sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
-    """Whether each deviation meets all conditions, shape ``(K,)``."""
+def sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
+    """Whether each of ``K`` deviations meets all conditions of this module's head, at one k.
+
+    Parameters
+    ----------
+    watch : Watch
+        The orbit's distances from its stops.
+    deviated : Deviated
+        What the deviations come to along the orbit, or bounds on it.
+    share : float
+        Share c of the distance to a stop that a deviation may take: `LINEAR` or `CURVED`.
+
+    Returns
+    -------
+    ndarray of bool, shape (K,)
+        Whether each does.
+    """
     switches, intervals = watch.switches, watch.intervals
     return np.asarray(
         sound_columns(
@@ -134,7 +149,7 @@ def _sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
             switches.rate,
             switches.curvature,
             switches.spacing,
-            (share, _SHIFTS, _RATE),
+            (share, _SHIFTS, RATE),
         )
     )
 
@@ -165,4 +180,4 @@ def _decays(
         return np.asarray(np.hypot(*np.split(values, 2, axis=1)).sum(axis=1, keepdims=True))
 
     worst = Deviated(bound(both.largest), bound(both.at_switches), bound(both.rates))
-    return bool(_sound(watch, worst, share)[0])
+    return bool(sound(watch, worst, share)[0])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import Orbit, find_orbit
 
-_PARTED = 1e-3
+PARTED = 1e-3
 """Longest step between the parts of a motion, over its size: of longer steps it cannot be told whether the map bends or
 jumps there."""
 _JUMP = 0.05
@@ -37,10 +37,10 @@ def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
     for count in range(half_periods.least, orbit.half_periods, half_periods.least):
         if orbit.half_periods % count:
             continue
-        if half_periods.apart(half_periods.marched(orbit.point, count), orbit.point) > _PARTED:
+        if half_periods.apart(half_periods.marched(orbit.point, count), orbit.point) > PARTED:
             continue
-        shorter = find_orbit(half_periods, orbit.point, count, _PARTED)
-        if shorter is not None and shorter.stable and half_periods.apart(shorter.point, orbit.point) <= 10 * _PARTED:
+        shorter = find_orbit(half_periods, orbit.point, count, PARTED)
+        if shorter is not None and shorter.stable and half_periods.apart(shorter.point, orbit.point) <= 10 * PARTED:
             return shorter
         parted = _parted(half_periods, orbit, count)
         if parted is not None:
@@ -59,25 +59,36 @@ def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None
     now = half_periods.linearised(point, count)
     step = map_.difference(now.end, point)
     first = residual = half_periods.relative(step, point)
-    if not 0 < first <= _PARTED:
+    if not 0 < first <= PARTED:
         return None
     found = Orbit(count, point, first, now)
     if not found.stable:
         return None
-    jumps, orders = False, [_order(now)]
+    jumps, orders = False, [switch_order(now)]
     for _ in range(orbit.half_periods // count - 1):
         before, linearised = now.end, now.matrix @ step
         now = half_periods.linearised(before, count)
         step = map_.difference(now.end, before)
-        orders.append(_order(now))
+        orders.append(switch_order(now))
         bend, residual = max(_JUMP, _BENDS * residual), half_periods.relative(step, before)
-        if not residual <= 2 * _PARTED or step.shape != linearised.shape:
+        if not residual <= 2 * PARTED or step.shape != linearised.shape:
             return None
         jumps |= map_.norm(step - linearised) > bend * map_.norm(step)
     swapped = len(set(orders)) > 1 and len({tuple(sorted(order)) for order in orders}) == 1
     return found if jumps and swapped else None
 
 
-def _order(found: Return) -> tuple[int, ...]:
-    """The stops that switch in a march, by time."""
+def switch_order(found: Return) -> tuple[int, ...]:
+    """The stops that switch in a march, by time.
+
+    Parameters
+    ----------
+    found : Return
+        The march.
+
+    Returns
+    -------
+    tuple of int
+        Indices into ``problem.stops``.
+    """
     return tuple(segment.switched for segment in found.linearised.segments if segment.switched >= 0)

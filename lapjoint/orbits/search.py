@@ -20,7 +20,7 @@ All effort is counted in periods and switches, so that no outcome depends on the
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -102,6 +102,51 @@ class Found:
     """What the march does."""
     acceptance: Acceptance
     """From where, and how late, the motion was accepted."""
+
+
+def near(half_periods: HalfPeriods, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
+    """Whether a deviation is within a share of the orbit's size, or some residuals of one that does not close.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    share : float
+        Of the size of the orbit's section point.
+    orbit : Orbit
+        The orbit.
+    deviation : FloatArray, shape (n,)
+        In the coordinates that belong to its section point.
+    """
+    return half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
+
+
+def as_linearised(
+    half_periods: HalfPeriods, orbit: Orbit, deviation: FloatArray, after: Callable[[], FloatArray]
+) -> bool:
+    """Whether a march comes nearer to an orbit by the step that the linearised map makes, well enough.
+
+    It must if the orbit has no switches and the march is bound for it.  Else, if M is the map's derivative, what it
+    misses is small against the step (I - M) e, which is that of no other fixed point, and against what the slowest
+    multiplier takes off the distance, or a motion of many more periods around the orbit would pass.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    orbit : Orbit
+        A stable orbit.
+    deviation : FloatArray, shape (n,)
+        The deviation e from it, in the coordinates that belong to its section point.
+    after : callable
+        Gives the deviation after one more period of the orbit, in the same coordinates, shape ``(n,)``; called only if
+        it is needed.
+    """
+    if not orbit.watch.switches.time.size or near(half_periods, _THERE, orbit, deviation):
+        return True
+    norm, mapped = half_periods.map.norm, orbit.last.matrix @ deviation
+    slower = _SLOWER * (1 - abs(orbit.leading)) * norm(deviation)
+    return norm(after() - mapped) <= min(_COURSE * norm(deviation - mapped), slower)
 
 
 class Search:
@@ -284,15 +329,11 @@ class Search:
             if forecast.bound and self._as_linearised(orbit, deviation):
                 return True
             wait = math.ceil(forecast.fails * orbit.half_periods / 2)
-            if wait > self._enough and self._within(_AT, orbit, deviation):
+            if wait > self._enough and near(self._half_periods, _AT, orbit, deviation):
                 return self._stays(orbit)
             wait = multiple * math.ceil(max(wait, self._marched // 8, 1) / multiple)
             if self._marched + wait > self._effort.max_periods or not self._on_course(orbit, deviation, wait):
                 return False
-
-    def _within(self, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
-        """Whether a deviation is within a share of the orbit's size, or some residuals of one that does not close."""
-        return self._half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
     def _stays(self, orbit: Orbit) -> bool:
         """March on until free vibration has decayed; whether the march is still at the orbit where it was at first.
@@ -305,22 +346,15 @@ class Search:
         if self._marched + wait > self._effort.max_periods:
             return False
         self._advance(wait)
-        return self._within(_AT, orbit, self._map.difference(self._point, orbit.point))
+        return near(self._half_periods, _AT, orbit, self._map.difference(self._point, orbit.point))
 
     def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
-        """Whether the next step of the march to the orbit is that of the linearised map, well enough.
+        """Whether the next step of the march to the orbit is that of the linearised map; see `as_linearised`."""
 
-        It must be if the orbit has no switches and the march is bound for it.  Else, if M is the map's derivative,
-        what it misses is small against the step (I - M) e, which is that of no other fixed point, and against what the
-        slowest multiplier takes off the distance, or a motion of many more periods around the orbit would pass.
-        """
-        if not orbit.watch.switches.time.size or self._within(_THERE, orbit, deviation):
-            return True
-        half_periods, map_ = self._half_periods, self._map
-        after = map_.difference(half_periods.marched(self._point, orbit.half_periods), orbit.point)
-        mapped = orbit.last.matrix @ deviation
-        slower = _SLOWER * (1 - abs(orbit.leading)) * map_.norm(deviation)
-        return map_.norm(after - mapped) <= min(_COURSE * map_.norm(deviation - mapped), slower)
+        def after() -> FloatArray:
+            return self._map.difference(self._half_periods.marched(self._point, orbit.half_periods), orbit.point)
+
+        return as_linearised(self._half_periods, orbit, deviation, after)
 
     def _on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
         """March on over some periods; whether the march keeps to the course that the linearised map predicts.

@@ -36,6 +36,7 @@ from lapjoint import (
 from lapjoint.answers import Contact, Modes, SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits import Effort, Passage, find_steady_state
+from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -184,6 +185,17 @@ class BarMap:
         if point.coordinates.shape != (2, 1) or point.nodes is not None:
             raise InputError("start: is no section point of a rigid bar")
         return self._settled(point.state, point.coordinates)
+
+    def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
+        """See `DisplacedStarts`; all places move alike."""
+        compliance = 1 / self.constants(ContactState())[2]
+        one = np.full((len(places), 1), compliance)
+        return StaticShapes(one * [1.0, 0.0], one * [0.0, 1.0], np.full((len(places), len(places)), compliance))
+
+    def energy(self, origin: SectionPoint) -> FloatArray:
+        """See `DisplacedStarts`."""
+        m, _, K, _ = self.constants(ContactState())
+        return np.diag([K, m])
 
     def impulse(self, stretch: Stretch, stop: int) -> float:
         """Time integral of a closed stop's force over a stretch, with the sign of the side, N s."""

@@ -1,0 +1,297 @@
+"""The plan of basins: which starts, of which problems, and how hard to look at each.
+
+Starts are the points of a grid in a plane, or random ones (`lapjoint.orbits.displaced`).  They are solved in *chunks*,
+so that many march at once.  For each problem there is a chunk of *scouts* first, some of the starts, evenly spread: the
+motions that they end in are its *library*, which every other chunk knows from the beginning.  What a chunk finds
+depends on the plan and on this library alone, neither on the sequence of the work nor on the number of workers.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from lapjoint.campaigns.basin_chunk import Chunk
+from lapjoint.campaigns.grid import Axis, Grid
+from lapjoint.campaigns.plan import check_integer, fingerprint_of, versions
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.files import to_toml
+from lapjoint.problem.plane import Plane
+
+CHUNK = 64
+"""Starts in a chunk: enough for one compiled call to be worth it, few enough for little to be lost by an interrupt."""
+SCOUTS = 16
+"""Most starts of a problem that are looked at before all others."""
+MOST_STARTS = 10_000_000
+"""Largest number of starts of all problems together, for the dataset to fit into memory."""
+EFFORT = 4000
+"""Most periods marched from a start by default, before it is left as it is."""
+MOST_PERIODS = 1_000_000
+"""Largest number of periods that may be asked for."""
+_WIDE = 3.0
+"""Half the width of a plane by default, over base amplitude and gap together: most motions are not much larger."""
+
+
+@dataclass(frozen=True)
+class BasinPlan:
+    """Everything that the answer depends on.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint, the excitation, and the initial state that starts are counted from.
+    solver : str
+        Entry-point name of the solver.
+    options : mapping
+        Numerical options of the solver.
+    plane : Plane or None
+        The plane of a grid of starts; None for random starts.
+    shape : tuple of int
+        Number of values of the plane's first coordinate, and of its second.
+    ranges : tuple of tuple of float, or None
+        First and last value of each coordinate, m or m/s; None for those of `default_ranges`.
+    energy : float or None
+        Bound on the energy of random starts, J; None for a grid.
+    starts : int
+        Number of random starts.
+    seed : int
+        Seed of the random starts.
+    effort : int
+        Most periods marched from each start.
+    over : Axis or None
+        A number of the problem, and the values for which all this is done.
+    libraries : tuple of str
+        The library of each problem, as `library_text` gives it, where they are known; no part of the identity.
+
+    Raises
+    ------
+    InputError
+        If a parameter is not allowed.
+    """
+
+    counted: ClassVar[str] = "chunks of starts"
+    chained: ClassVar[bool] = False
+
+    problem: Problem
+    solver: str = "analytic"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    plane: Plane | None = None
+    shape: tuple[int, int] = (40, 40)
+    ranges: tuple[tuple[float, float], tuple[float, float]] | None = None
+    energy: float | None = None
+    starts: int = 1000
+    seed: int = 0
+    effort: int = EFFORT
+    over: Axis | None = None
+    libraries: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if (self.plane is None) == (self.energy is None):
+            raise InputError("basins: give a plane of starts, or the energy of random ones, and not both")
+        for name, number in zip(("grid", "grid"), self.shape, strict=True):
+            check_integer(name, number, 1, MOST_STARTS)
+        check_integer("starts", self.starts, 1, MOST_STARTS)
+        check_integer("seed", self.seed, 0, 2**63 - 1)
+        check_integer("effort", self.effort, 1, MOST_PERIODS)
+        if self.energy is not None and not 0 < self.energy < math.inf:
+            raise InputError(f"energy = {self.energy!r}: must be positive and finite, in J")
+        for low, high in self.ranges or ():
+            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+                raise InputError(f"range = {low:g}:{high:g}: must have finite ends, the lower one first")
+        if self.count * self.values > MOST_STARTS:
+            raise InputError(f"basins: {self.count * self.values} starts; at most {MOST_STARTS} are allowed")
+
+    @property
+    def values(self) -> int:
+        """Number of problems: values of `over`, or 1."""
+        return 1 if self.over is None else len(self.over.values)
+
+    @property
+    def count(self) -> int:
+        """Number of starts of each problem."""
+        return self.starts if self.plane is None else self.shape[0] * self.shape[1]
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks of each problem, without that of the scouts."""
+        return -(-self.count // CHUNK)
+
+    @property
+    def size(self) -> int:
+        """Number of cells: first the scouts of each problem, then the chunks of the first, of the second ..."""
+        return self.values * (1 + self.chunks)
+
+    @cached_property
+    def grid(self) -> Grid | None:
+        """The problems along `over`, if there are several."""
+        return None if self.over is None else Grid(self.problem, (self.over,))
+
+    def problem_at(self, value: int) -> Problem:
+        """One of the problems.
+
+        Parameters
+        ----------
+        value : int
+            Its number along `over`.
+
+        Returns
+        -------
+        Problem
+            The problem with that value.
+
+        Raises
+        ------
+        InputError
+            If there is no valid problem there; the message names the value.
+        """
+        return self.problem if self.grid is None else self.grid.problem_at(value)
+
+    def default_ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of the plane's coordinates: some times the size of base motion and gap, and their velocity."""
+        problem, plane = self.problem, self.plane
+        assert plane is not None
+        gaps = [stop.gap for stop in problem.stops if stop.gap > 0]
+        base = problem.base_motion
+        size = (float(np.median(gaps)) if gaps else 1e-3 * problem.beam.length) + float(getattr(base, "amplitude", 0.0))
+        omega = problem.require_excitation_frequency("basins")
+        first, second = (_WIDE * size * (omega if one.kind == "v" else 1.0) for one in plane.coordinates)
+        return (-first, first), (-second, second)
+
+    @cached_property
+    def axes(self) -> tuple[FloatArray, FloatArray]:
+        """Values of the plane's coordinates, m or m/s, each of shape ``(n,)``; one value is the middle of its range."""
+        ranges = self.ranges or self.default_ranges()
+        first, second = (
+            np.linspace(low, high, n) if n > 1 else np.array([(low + high) / 2])
+            for (low, high), n in zip(ranges, self.shape, strict=True)
+        )
+        return first, second
+
+    def moved_by(self, start: int) -> tuple[float, float]:
+        """By how much a start of the grid is moved along both coordinates, m or m/s.
+
+        Parameters
+        ----------
+        start : int
+            Number of the start; the second coordinate is the fastest.
+
+        Returns
+        -------
+        tuple of float
+            The values of both coordinates.
+        """
+        i, j = divmod(start, self.shape[1])
+        return float(self.axes[0][i]), float(self.axes[1][j])
+
+    def cell(self, cell: int) -> tuple[int, range | tuple[int, ...]]:
+        """What a cell is.
+
+        Parameters
+        ----------
+        cell : int
+            Its number.
+
+        Returns
+        -------
+        int
+            The number of its problem.
+        range or tuple of int
+            The numbers of its starts.
+        """
+        if cell < self.values:
+            return cell, self._scouts
+        value, chunk = divmod(cell - self.values, self.chunks)
+        return value, range(chunk * CHUNK, min((chunk + 1) * CHUNK, self.count))
+
+    @cached_property
+    def _scouts(self) -> tuple[int, ...]:
+        """The starts that are looked at first."""
+        if self.plane is None or min(self.shape) < 2:
+            return tuple(np.unique(np.linspace(0, self.count - 1, min(SCOUTS, self.count)).astype(int)).tolist())
+        side = math.isqrt(SCOUTS)
+        rows, columns = (np.unique(np.linspace(0, n - 1, min(side, n)).astype(int)) for n in self.shape)
+        return tuple((rows[:, None] * self.shape[1] + columns).ravel().tolist())
+
+    def describe(self, cell: int) -> str:
+        """A text for messages that names a cell.
+
+        Parameters
+        ----------
+        cell : int
+            Its number.
+
+        Returns
+        -------
+        str
+            The text.
+        """
+        value, starts = self.cell(cell)
+        which = "scouts" if cell < self.values else f"starts {starts[0]} to {starts[-1]}"
+        return which if self.grid is None else f"{self.grid.describe(value)}, {which}"
+
+    def chains(self) -> Iterator[tuple[int, ...]]:
+        """No cell follows another. See `lapjoint.campaigns.campaign.Campaign.chains`."""
+        return iter(())
+
+    def solve(self, cell: int, section: dict[str, Any] | None) -> tuple[Chunk, None]:
+        """Find where the starts of a cell end. See `lapjoint.campaigns.campaign.Campaign.solve`."""
+        from lapjoint.campaigns.basin_solving import solve_chunk
+
+        try:
+            return solve_chunk(self, cell), None
+        except InputError as error:
+            raise InputError(f"{self.describe(cell)}: {error}" if self.grid else str(error)) from None
+
+    def given_up(self, cell: int, reason: str) -> Chunk:
+        """A chunk whose starts all failed. See `lapjoint.campaigns.campaign.Campaign.given_up`."""
+        return Chunk.failed(len(self.cell(cell)[1]), reason)
+
+    def answer(self, fields: Mapping[str, Any]) -> Chunk:
+        """A chunk from the journal. See `lapjoint.campaigns.campaign.Campaign.answer`."""
+        return Chunk(**fields)
+
+    @cached_property
+    def identity(self) -> dict[str, Any]:
+        """What distinguishes these basins from any other, as values that JSON can hold."""
+        return {
+            "problem": to_toml(self.problem, samples=False),
+            **{f"samples of {path}": record.digest for path, record in self.problem.records.items()},
+            "solver": self.solver,
+            "options": dict(self.options),
+            "plane": None if self.plane is None else str(self.plane),
+            "grid": None if self.plane is None else [axis.tolist() for axis in self.axes],
+            "energy": self.energy,
+            "starts": self.count,
+            "seed": self.seed if self.plane is None else None,
+            "effort": self.effort,
+            "over": None if self.over is None else {self.over.path: list(self.over.values)},
+            "versions": versions(),
+        }
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A digest of the identity, in hexadecimal digits."""
+        return fingerprint_of(self.identity, self.options)
+
+
+def library_text(chunk: Chunk) -> str:
+    """The motions of a chunk as one text, which is a key for what is made of them.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        A chunk of scouts.
+
+    Returns
+    -------
+    str
+        JSON.
+    """
+    return json.dumps(chunk.motions)

@@ -1,0 +1,86 @@
+"""The command ``lapjoint basins``: which motion each of many starts ends in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from lapjoint.cli.echo import echo
+from lapjoint.cli.options import FIGURES, problem_options, solver_options
+
+
+@click.command()
+@problem_options
+@solver_options
+@click.option(
+    "--plane",
+    metavar="A,B",
+    help="Starts in a plane: displacement z or velocity v at two places, m, as in z(2.5),v(2.5).",
+)
+@click.option("--grid", metavar="NxM", help="Number of values of A and B.  [default: 40x40]")
+@click.option(
+    "--range",
+    "ranges",
+    metavar="A:A,B:B",
+    help="First and last value of A and of B, m or m/s, as in -0.1:0.1,-20:20.  [default: by base motion and gap]",
+)
+@click.option("--energy", type=float, metavar="J", help="Random starts instead, of at most this energy.")
+@click.option("--starts", type=int, help="Number of random starts.  [default: 1000]")
+@click.option("--seed", type=int, help="Seed of the random starts.  [default: 0]")
+@click.option("--over", metavar="PATH", help="A number of the problem, as --set takes it: all this for each value.")
+@click.option("--from", "first", type=float, help="Its first value.")
+@click.option("--to", "last", type=float, help="Its last value.")
+@click.option("--count", type=int, help="Number of its values.")
+@click.option("--effort", type=int, metavar="PERIODS", help="Most periods marched from a start.  [default: 4000]")
+@click.option("--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option("--figure", metavar="FILE", help="Draw the basins to FILE: .png, .svg or .pdf.")
+@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
+@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
+@click.option("--force", is_flag=True, help="Throw away something else that is in FILE.")
+def basins(
+    problem: str,
+    overrides: tuple[str, ...],
+    solver_name: str,
+    n_modes: int | None,
+    elements: int | None,
+    options: tuple[str, ...],
+    out: str,
+    figure: str | None,
+    workers: int,
+    scheduler: str | None,
+    force: bool,
+    **chosen: Any,
+) -> None:
+    """Find which motion of PROBLEM each of many starts ends in.
+
+    Starts are the points of a grid in a --plane, or random ones of an --energy. Interrupted in any way, the same
+    command resumes.
+    """
+    from lapjoint.campaigns import solve_basins, stored_basins
+    from lapjoint.campaigns.basin_dataset import UNBOUND_CLASSES
+    from lapjoint.cli import arguments
+    from lapjoint.cli.basin_arguments import plan_from
+    from lapjoint.cli.basin_printing import print_basins
+    from lapjoint.cli.progress import shown_points
+
+    arguments.check_file("--out", out, ".nc")
+    arguments.check_file("--figure", figure, *FIGURES)
+    this = arguments.problem_from(problem, overrides)
+    plan = plan_from(this, solver_name, arguments.options_from(n_modes, elements, options), **chosen)
+    there = stored_basins(plan, out, force=force)
+    if there is None:
+        with shown_points("basins") as progress:
+            found = solve_basins(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+        echo(f"Wrote {out}")
+    else:
+        found = there
+        echo(f"{out}: holds these basins already, finished")
+    print_basins(found)
+    if figure is not None:
+        from lapjoint.figures import plot_basins, save
+
+        save(plot_basins(found), figure)
+        echo(f"Wrote {figure}")
+    failed = found.unbound_count.isel(unbound=len(UNBOUND_CLASSES) - 1)
+    click.get_current_context().exit(1 if bool((failed > 0).any()) else 0)

@@ -1,0 +1,49 @@
+"""What the motions of basins are called: by period multiple and impulse."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_DIGITS = (4, 6, 9)
+"""Significant digits of an impulse in a name: as few as tell the motions apart."""
+
+
+def motion_names(one: xr.Dataset) -> list[str]:
+    """A name for each motion of one problem.
+
+    Parameters
+    ----------
+    one : xarray.Dataset
+        Dataset of basins, for one value of what is varied.
+
+    Returns
+    -------
+    list of str
+        Period multiple and the impulse of the stop that tells motions apart most, ``1 period, P4 0.548 N s``; the
+        second of two mirror images says of which.
+    """
+    count = int((one.period_multiple.values > 0).sum())
+    for digits in _DIGITS:
+        names = [_name(one, i, digits) for i in range(count)]
+        if max(Counter(names).values(), default=1) == 1:
+            break
+    return names if count else []
+
+
+def _name(one: xr.Dataset, i: int, digits: int) -> str:
+    multiple = int(one.period_multiple.values[i])
+    name = f"{multiple} period" + "s" * (multiple > 1)
+    impulses = one.impulse.values[: int((one.period_multiple.values > 0).sum())]
+    if not impulses.shape[1] or not np.any(impulses[i]):
+        name += ", no contact"
+    else:
+        stop = int(np.argmax(np.ptp(impulses, axis=0))) if len(impulses) > 1 else int(np.argmax(np.abs(impulses[i])))
+        name += f", {one.stop_name.values[stop]} {impulses[i, stop]:.{digits}g} N s"
+    twin = int(one.twin.values[i])
+    return f"{name} (mirror image of {twin + 1})" if 0 <= twin < i else name

@@ -1,0 +1,132 @@
+"""Motions that were certified once, known again wherever a march comes to them: by their orbits, never by impulses.
+
+A motion of period multiple n has n section points, one a period.  The mirror image of a motion is a motion of its own,
+its twin, where the problem is its own mirror image and the motion is not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from lapjoint.answers.steady_state import Outcome, SectionPoint, impulses_per_period, periodic_outcome
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.newton import Orbit
+from lapjoint.orbits.trapping import Trap
+
+SAME_ORBIT = 1e-6
+"""Distance of two stable orbits over their size up to which they are one: each closes within 1e-9 of it."""
+
+
+@dataclass(frozen=True)
+class CertifiedMotion:
+    """A stable periodic motion."""
+
+    points: tuple[SectionPoint, ...]
+    """Its section points, one for each of its periods of the excitation."""
+    symmetric: bool
+    """Whether half of the motion mirrors the other half."""
+    outcome: Outcome
+    """Which periodic outcome it is."""
+    residual: float
+    """Distance between start and end, over the size of the motion."""
+    multiplier: complex
+    """The Floquet multiplier of largest modulus; of a conjugate pair, the one with the positive imaginary part."""
+    impulses: tuple[float, ...]
+    """Mean impulse of each stop over one excitation period, N s."""
+
+    @property
+    def period_multiple(self) -> int:
+        """Excitation periods after which it repeats."""
+        return len(self.points)
+
+
+def certified(half_periods: HalfPeriods, orbit: Orbit) -> CertifiedMotion:
+    """The motion of a stable orbit over its least period.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    orbit : Orbit
+        The orbit.
+
+    Returns
+    -------
+    CertifiedMotion
+        It begins where the orbit does.
+    """
+    period_map, multiple = half_periods.map, orbit.period_multiple
+    points = [orbit.point]
+    for _ in range(multiple - 1):
+        points.append(period_map.march(points[-1], 2).end)
+    history = period_map.history(orbit.point, multiple)
+    leading = complex(orbit.multipliers[0]) if orbit.multipliers.size else 0j
+    return CertifiedMotion(
+        points=tuple(points),
+        symmetric=orbit.symmetric or (not history.contacts and period_map.problem.forces.change_sign),
+        outcome=periodic_outcome(history),
+        residual=float(orbit.residual),
+        multiplier=complex(leading.real, abs(leading.imag)),
+        impulses=tuple(impulses_per_period(history, multiple).tolist()),
+    )
+
+
+def mirrored_motion(half_periods: HalfPeriods, motion: CertifiedMotion) -> CertifiedMotion | None:
+    """The mirror image of a motion, z -> -z half a period later.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    motion : CertifiedMotion
+        The motion.
+
+    Returns
+    -------
+    CertifiedMotion, or None
+        None if it is the motion itself, or the problem is not its own mirror image.
+    """
+    twins = half_periods.twins
+    if twins is None or motion.symmetric:
+        return None
+    points = tuple(half_periods.marched(point, 1) for point in motion.points)
+    impulses = tuple(-motion.impulses[twin] for twin in twins)
+    image = replace(motion, points=points, impulses=impulses)
+    return None if same_motion(half_periods, motion, image) else image
+
+
+def same_motion(half_periods: HalfPeriods, one: CertifiedMotion, other: CertifiedMotion) -> bool:
+    """Whether two certified motions are one, begun at any of its periods.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    one, other : CertifiedMotion
+        The motions.
+    """
+    if one.period_multiple != other.period_multiple:
+        return False
+    allowed = max(SAME_ORBIT, 10 * (one.residual + other.residual))
+    return any(half_periods.apart(one.points[0], point) <= allowed for point in other.points)
+
+
+def traps_of(half_periods: HalfPeriods, motion: CertifiedMotion) -> tuple[Trap, ...]:
+    """The traps of a motion, one for each of its section points.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    motion : CertifiedMotion
+        The motion.
+
+    Returns
+    -------
+    tuple of Trap
+        All over its whole period.
+    """
+    count = 2 * motion.period_multiple
+    return tuple(
+        Trap(Orbit(count, point, motion.residual, half_periods.linearised(point, count))) for point in motion.points
+    )

@@ -1,0 +1,200 @@
+r"""Starts other than rest: a section point moved by numbers that mean something at a place, or at random in all space.
+
+A unit force at a place a bends the joint without contact into its static shape G(x, a).  A *plane* of starts has two
+coordinates, each the displacement or the velocity at a place: with the displacements Z_i given at places a_i, the
+section point is moved by
+
+    z(x) = sum_i f_i G(x, a_i),    sum_i G(a_j, a_i) f_i = Z_j
+
+and its velocity likewise, so that each number is what the start is moved by at its place.  Random starts are drawn
+evenly from all deviations from a section point whose energy, bending and springs and motion of the joint without
+contact, does not exceed a bound; so the share of starts that ends in a motion is its share of that part of space.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.plane import Plane
+
+_HELD = 1e-9
+"""Of a unit motion: supports that resist a motion as a rigid body by less do not resist it."""
+_IMMOVABLE = 1e-12
+"""Compliance at a place, over L^3 / EI, below which a support holds it: rounding of the shapes is less."""
+_ALIKE = 1e-6
+"""Least determinant of the compliance at two places, over that of places far apart: nearer, they are one."""
+
+
+@dataclass(frozen=True)
+class StaticShapes:
+    """The joint without contact under a unit force at each of ``p`` places, as deviations of ``n`` coordinates."""
+
+    displacements: FloatArray
+    """Deviations that move a section point by each shape, for a force of 1 N, shape ``(p, n)``."""
+    velocities: FloatArray
+    """Deviations that give it each shape as a velocity, in m/s where the shape is in m, shape ``(p, n)``."""
+    compliance: FloatArray
+    """Displacement at each place by each shape, m/N, shape ``(p, p)``."""
+
+
+@runtime_checkable
+class DisplacedStarts(Protocol):
+    """A period map that knows the joint without contact well enough to start motions anywhere.
+
+    The joint without contact is held: no motion as a rigid body is free.
+    """
+
+    def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
+        """The static shapes of unit forces, as deviations from a section point.
+
+        Parameters
+        ----------
+        origin : SectionPoint
+            A point of this map.
+        places : FloatArray, shape (p,)
+            Where the forces act, m.
+
+        Returns
+        -------
+        StaticShapes
+            In the coordinates that belong to `origin`; what these cannot hold is left out.
+        """
+
+    def energy(self, origin: SectionPoint) -> FloatArray:
+        """The matrix A of the energy e . A e / 2 of a deviation e in the joint without contact.
+
+        Parameters
+        ----------
+        origin : SectionPoint
+            A point of this map.
+
+        Returns
+        -------
+        FloatArray, shape (n, n)
+            Symmetric and positive definite, J over the squared unit of deviations.
+        """
+
+
+def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint, plane: Plane) -> FloatArray:
+    """The deviations that move a section point by one unit of each coordinate of a plane, and by none of the other.
+
+    Parameters
+    ----------
+    period_map : DisplacedStarts
+        The motion of the problem.
+    problem : Problem
+        The problem.
+    origin : SectionPoint
+        The section point that is moved.
+    plane : Plane
+        The plane.
+
+    Returns
+    -------
+    FloatArray, shape (2, n)
+        Deviations for 1 m, or 1 m/s, in the coordinates that belong to `origin`.
+
+    Raises
+    ------
+    InputError
+        If the joint without contact is not held, a support holds a place, or both places are all but one.
+    """
+    plane.check(problem)
+    check_held(problem, "plane")
+    shapes = period_map.static_shapes(origin, np.array([one.place for one in plane.coordinates]))
+    compliance = shapes.compliance
+    soft = problem.beam.length**3 / problem.beam.EI
+    for one, own in zip(plane.coordinates, np.diag(compliance), strict=True):
+        if own <= _IMMOVABLE * soft:
+            raise InputError(f"plane = {str(plane)!r}: {one} cannot be moved, for a support holds it")
+    if plane.first.kind != plane.second.kind:
+        compliance = np.diag(np.diag(compliance))
+    elif np.linalg.det(compliance) <= _ALIKE * compliance[0, 0] * compliance[1, 1]:
+        raise InputError(f"plane = {str(plane)!r}: both places move alike; choose them farther apart")
+    rows = [
+        (shapes.displacements if one.kind == "z" else shapes.velocities)[i] for i, one in enumerate(plane.coordinates)
+    ]
+    return np.asarray(np.linalg.inv(compliance).T @ np.array(rows))
+
+
+def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) -> FloatArray:
+    """A deviation drawn evenly from all whose energy does not exceed a bound.
+
+    Parameters
+    ----------
+    roots : FloatArray, shape (n, n)
+        A matrix B with B^T A B = I for the matrix A of `DisplacedStarts.energy`; see `energy_roots`.
+    energy : float
+        The bound, J.
+    seed : tuple of int
+        Numbers that are not negative; the same seed gives the same deviation.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        In the coordinates of `roots`.
+    """
+    rng = np.random.default_rng(seed)
+    n = roots.shape[1]
+    direction = rng.standard_normal(n)
+    size = math.sqrt(2 * energy) * rng.random() ** (1 / n) / float(np.linalg.norm(direction))
+    return np.asarray(size * (roots @ direction))
+
+
+def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint) -> FloatArray:
+    """A matrix B that takes the unit ball to the deviations of an energy of at most 1/2 J.
+
+    Parameters
+    ----------
+    period_map : DisplacedStarts
+        The motion of the problem.
+    problem : Problem
+        The problem.
+    origin : SectionPoint
+        The section point from which deviations are counted.
+
+    Returns
+    -------
+    FloatArray, shape (n, n)
+        In the coordinates that belong to `origin`, for each root of 1 J.
+
+    Raises
+    ------
+    InputError
+        If the joint without contact is not held: then no energy bounds its motion.
+    """
+    check_held(problem, "energy")
+    lower = np.linalg.cholesky(period_map.energy(origin))
+    return np.asarray(np.linalg.inv(lower).T)
+
+
+def check_held(problem: Problem, what: str) -> None:
+    """Refuse a problem whose joint without contact is free to move as a rigid body.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    what : str
+        What needs a joint that is held, for the message.
+
+    Raises
+    ------
+    InputError
+        If its supports leave such a motion free.
+    """
+    L = problem.beam.length
+    rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
+    rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]
+    if not rows or np.linalg.matrix_rank(np.array(rows), tol=_HELD) < 2:
+        raise InputError(
+            f"{what}: without contact the supports leave the beam free to move as a rigid body, so that a force has no "
+            "static shape and no energy bounds its motion"
+        )

@@ -1,0 +1,97 @@
+"""A plane of starts: two coordinates, each the displacement or the velocity at a place, by which a state is moved."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from lapjoint.errors import InputError
+from lapjoint.problem.problem import Problem
+
+_COORDINATE = re.compile(r"\s*([zv])\s*\(\s*([^()\s]+)\s*\)\s*")
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One coordinate of a plane of starts: the displacement or the velocity at a place."""
+
+    kind: str
+    """"z": displacement, m; "v": velocity, m/s."""
+    place: float
+    """m from the root."""
+
+    def __str__(self) -> str:
+        return f"{self.kind}({self.place:.10g})"
+
+    @property
+    def units(self) -> str:
+        """Unit of its values, as CF writes it."""
+        return "m" if self.kind == "z" else "m s-1"
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Two coordinates by which a section point is moved."""
+
+    first: Coordinate
+    second: Coordinate
+
+    @staticmethod
+    def from_text(text: str) -> Plane:
+        """A plane from its text.
+
+        Parameters
+        ----------
+        text : str
+            Two coordinates with a comma between them, ``z(2.5),v(2.5)``.
+
+        Returns
+        -------
+        Plane
+            The plane.
+
+        Raises
+        ------
+        InputError
+            If the text is no such thing, or both coordinates are the same.
+        """
+        parts = text.split(",") if isinstance(text, str) else []
+        found = [_COORDINATE.fullmatch(part) for part in parts]
+        try:
+            coordinates = [Coordinate(one[1], float(one[2])) for one in found if one is not None]
+        except ValueError:
+            coordinates = []
+        if len(found) != 2 or len(coordinates) != 2:
+            raise InputError(
+                f"plane = {text!r}: must be two coordinates, displacement z or velocity v at a place, m, as in "
+                "z(2.5),v(2.5)"
+            )
+        if coordinates[0] == coordinates[1]:
+            raise InputError(f"plane = {text!r}: both coordinates are {coordinates[0]}; they must differ")
+        return Plane(*coordinates)
+
+    def __str__(self) -> str:
+        return f"{self.first},{self.second}"
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, Coordinate]:
+        """Both coordinates."""
+        return self.first, self.second
+
+    def check(self, problem: Problem) -> None:
+        """Refuse a plane that a problem does not have.
+
+        Parameters
+        ----------
+        problem : Problem
+            The problem.
+
+        Raises
+        ------
+        InputError
+            If a place is not on the beam.
+        """
+        length = problem.beam.length
+        for one in self.coordinates:
+            if not 0 <= one.place <= length:
+                raise InputError(f"plane = {str(self)!r}: {one} is not on the beam, which is {length:g} m long")
