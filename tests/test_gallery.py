@@ -22,6 +22,7 @@ SCRIPTS = sorted(path.stem for path in GALLERY.glob("*.py"))
 PICTURE = re.compile(r"!\[([^\]]+)\]\((\w+)(\.png|\.svg|\.gif)\)")
 MEASURED = re.compile(r"(-?[\d.]+) ± ([\d.]+)")
 COARSE: dict[str, dict[str, Any]] = {  # whole curves take longer: here a point now and then
+    "basins": {"points": 12},
     "figure_4": {"step": 100.0, "workers": 1},
     "first_result": {"step": 100.0, "fe_step": 500.0, "workers": 1},
 }
