@@ -3,7 +3,8 @@
 Chunks find motions independently, so the same motion may have been found in several.  Two are one if their orbits are.
 Where modes are truncated, the map jumps as two switches change their order, and parts one motion of the joint into
 several orbits that are hardly apart (`lapjoint.orbits.least_period`): these are one motion in the table.
-Motions of neighbouring problems belong to one branch if Newton's method leads from each to the other.
+Motions of neighbouring problems belong to one branch if Newton's method leads from each to the other, and both mirror
+themselves or neither does: where a symmetry breaks, other branches begin.
 """
 
 from __future__ import annotations
@@ -250,4 +251,7 @@ def _led_to(motion: CertifiedMotion, there: HalfPeriods, theirs: Sequence[Certif
     if orbit is None:
         return None
     at = replace(motion, points=(orbit.point,) * motion.period_multiple, residual=orbit.residual)
-    return next((j for j, other in enumerate(theirs) if same_motion(there, at, other)), None)
+    alike = (
+        j for j, other in enumerate(theirs) if other.symmetric == motion.symmetric and same_motion(there, at, other)
+    )
+    return next(alike, None)

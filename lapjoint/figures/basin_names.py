@@ -14,26 +14,31 @@ _DIGITS = (4, 6, 9)
 """Significant digits of an impulse in a name: as few as tell the motions apart."""
 
 
-def motion_names(one: xr.Dataset) -> list[str]:
+def motion_names(one: xr.Dataset, numbered: bool = True) -> list[str]:
     """A name for each motion of one problem.
 
     Parameters
     ----------
     one : xarray.Dataset
         Dataset of basins, for one value of what is varied.
+    numbered : bool
+        Whether each begins with the motion's number, from 1, and a mirror image says of which it is.
 
     Returns
     -------
     list of str
-        Period multiple and the impulse of the stop that tells motions apart most, ``1 period, P4 0.548 N s``; the
-        second of two mirror images says of which.
+        Period multiple and the impulse of the stop that tells motions apart most, ``1: 1 period, P4 0.548 N s``.
     """
     count = int((one.period_multiple.values > 0).sum())
     for digits in _DIGITS:
         names = [_name(one, i, digits) for i in range(count)]
         if max(Counter(names).values(), default=1) == 1:
             break
-    return names if count else []
+    if not numbered:
+        return names
+    twins = one.twin.values
+    images = [f" (mirror image of {int(twins[i]) + 1})" if 0 <= twins[i] < i else "" for i in range(count)]
+    return [f"{i + 1}: {names[i]}{images[i]}" for i in range(count)]
 
 
 def _name(one: xr.Dataset, i: int, digits: int) -> str:
@@ -45,5 +50,4 @@ def _name(one: xr.Dataset, i: int, digits: int) -> str:
     else:
         stop = int(np.argmax(np.ptp(impulses, axis=0))) if len(impulses) > 1 else int(np.argmax(np.abs(impulses[i])))
         name += f", {one.stop_name.values[stop]} {impulses[i, stop]:.{digits}g} N s"
-    twin = int(one.twin.values[i])
-    return f"{name} (mirror image of {twin + 1})" if 0 <= twin < i else name
+    return name

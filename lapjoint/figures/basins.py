@@ -167,14 +167,14 @@ def _draw_along(axes: Axes, dataset: xr.Dataset, name: str) -> None:
     for number in range(int(branch.max(initial=-1)) + 1):
         where, which = np.nonzero(branch == number)
         values = dataset.isel({name: int(where[0])})
-        label = f"{motion_names(values)[which[0]]} at {x[where[0]]:.4g}"
+        label = f"{motion_names(values, numbered=False)[which[0]]} at {x[where[0]]:.4g}"
         rows = [_share(dataset.isel({name: int(i)}), "", int(j)) for i, j in zip(where, which, strict=True)]
         _curve(axes, x[where], np.array(rows), literal(label), _colour(number), number)
     for i, kind in enumerate(dataset.unbound.values):
         if dataset.unbound_count.values[:, i].any():
             rows = [_share(dataset.isel({name: j}), "unbound_", i) for j in range(x.size)]
             _curve(axes, x, np.array(rows), str(kind), GREY, -1)
-    axes.set(ylim=(0.0, 1.0), ylabel="share of the starts")
+    axes.set(ylim=(-0.03, 1.03), ylabel="share of the starts")
     axes.set_xlabel(axis_label(dataset, name))
     entitle(axes, str(dataset.attrs["title"]))
 
@@ -184,4 +184,5 @@ def _curve(axes: Axes, x: np.ndarray, rows: np.ndarray, label: str, colour: Any,
     line = ":" if number < 0 else STYLES[number % len(STYLES)]
     marker = MARKERS[number % len(MARKERS)]
     axes.plot(x, rows[:, 0], color=colour, linestyle=line, marker=marker, label=label)
+    axes.vlines(x, rows[:, 1], rows[:, 2], colors=[colour], linewidth=1.0)
     axes.fill_between(x, rows[:, 1], rows[:, 2], **faint_if_thin(colour, 0.25))

@@ -45,13 +45,17 @@ def plane(motion: np.ndarray, table: dict[str, object]) -> xr.Dataset:
 
 def test_motions_are_named_by_period_multiple_and_impulse() -> None:
     found = motion_names(plane(np.zeros((2, 2), dtype=int), THREE))
-    assert found == ["1 period, no contact", "3 periods, P2 1.25 N s", "3 periods, P2 0.5 N s (mirror image of 2)"]
+    assert found == [
+        "1: 1 period, no contact",
+        "2: 3 periods, P2 1.25 N s",
+        "3: 3 periods, P2 0.5 N s (mirror image of 2)",
+    ]
 
 
 def test_motions_whose_impulses_hardly_differ_are_named_by_more_digits() -> None:
     table = motions([1, 1], [[1900.123, 0.0], [1900.124, 0.0]], [-1, -1])
     found = motion_names(plane(np.zeros((2, 2), dtype=int), table))
-    assert found == ["1 period, P2 1900.123 N s", "1 period, P2 1900.124 N s"]
+    assert found == ["1: 1 period, P2 1900.123 N s", "2: 1 period, P2 1900.124 N s"]
 
 
 @pytest.mark.parametrize("shape", [(7, 5), (1, 4), (3, 1)])
