@@ -34,6 +34,7 @@ _MODULES = {
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",
     "sdnl104": "sdnl104",
+    "sdnd101": "sdnd101",
     "one-mode": "one_mode",
     "certified-steps": "certified_steps",
     "grazing": "grazing",
