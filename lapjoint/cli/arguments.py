@@ -14,6 +14,7 @@ from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_s
 from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
+from lapjoint.cli.echo import echo
 from lapjoint.cli.options import large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
@@ -46,7 +47,10 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
     if isinstance(stops, list) and len(stops) > MOST_STOPS and not large_allowed():
         limit = f"more than {MOST_STOPS} are taken only with --large, for the work grows with their number"
         raise InputError(f"{source}: stops: there are {len(stops)}; {limit}")
-    return files.problem_from_tables(tables, source, "." if kind == "preset" and colon else Path(source).parent)
+    found = files.problem_from_tables(tables, source, "." if kind == "preset" and colon else Path(source).parent)
+    for hint in found.hints:
+        echo(f"lapjoint: hint: {hint}", err=True)
+    return found
 
 
 def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:

@@ -22,7 +22,6 @@ from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
 from lapjoint.problem.supports_and_stops import Stop, Support
 
-_CANTILEVER = 1.8751040687119611  # beta L of the first mode: the least root of cosh x cos x = -1
 _ROUNDINGS = 1e-12  # relative: so much may a duration exceed that of a record, by the rounding of both
 _SAMPLES_A_PERIOD = 10
 """Of the slowest bending: with fewer, straight lines between samples miss its acceleration by some percent."""
@@ -147,6 +146,13 @@ class Problem(Part):
         return float(x)
 
     @property
+    def hints(self) -> tuple[str, ...]:
+        """What looks like a slip of unit, a line for each; see `lapjoint.problem.hints`."""
+        from lapjoint.problem.hints import hints
+
+        return hints(self)
+
+    @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
         """All recorded excitation, by its path."""
         found: dict[str, RecordBaseMotion | RecordLoad] = {}
@@ -236,8 +242,7 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
 
 def _too_slow(problem: Problem) -> Iterator[str]:
     """Records with few samples in a period of the slowest bending, that of a cantilever."""
-    beam = problem.beam
-    slowest = _CANTILEVER**2 * math.sqrt(beam.EI / beam.m) / beam.length**2 / (2 * math.pi)
+    slowest = problem.beam.slowest_bending / (2 * math.pi)
     for path, record in problem.records.items():
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
