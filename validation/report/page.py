@@ -27,7 +27,7 @@ PRINT_SCRIPT = (
     'addEventListener("hashchange",show);addEventListener("DOMContentLoaded",show);'
 )
 """Opens the folded cases for printing, and what holds the target of a link, in browsers that do not by themselves."""
-PICTURED = ("steady", "ledger", "transient")
+PICTURED = ("ledger", "steady", "transient")
 """Cases whose first figure may stand on the first screen, the best first."""
 
 
