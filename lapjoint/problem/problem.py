@@ -203,10 +203,10 @@ class Problem(Part):
 
         Raises
         ------
-        pydantic.ValidationError
+        InputError
             If the parts do not fit together.
         """
-        return Problem.model_validate({name: getattr(self, name) for name in Problem.model_fields} | changes)
+        return Problem(**{name: getattr(self, name) for name in Problem.model_fields} | changes)
 
 
 def _angular_frequencies(problem: Problem) -> dict[str, float]:
