@@ -13,6 +13,8 @@ from lapjoint.problem.messages import in_sentences
 
 FloatArray = npt.NDArray[np.float64]
 """Real numbers in double precision; docstrings say shape and unit."""
+IntArray = npt.NDArray[np.int64]
+"""Whole numbers; docstrings say shape and what they count."""
 
 
 def _refuse_text_and_booleans(value: object) -> object:
