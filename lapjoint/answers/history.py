@@ -119,6 +119,11 @@ class History:
     highest_mode: float | None = None
     """Angular frequency of the fastest mode of which the solver made the motion, rad/s; None where it does not say."""
 
+    def _repr_html_(self) -> str:
+        from lapjoint.figures.notebook import html_of_history
+
+        return html_of_history(self)
+
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """z(x, t), the displacement relative to the base.
 
