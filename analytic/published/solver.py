@@ -172,6 +172,9 @@ class PublishedScheme:
         problem.check_duration(duration)
         if problem.records:
             raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
+        if problem.random:
+            path = next(iter(problem.random))
+            raise InputError(f"{path}: the published scheme knows no random excitation; allowed are sines")
         from analytic.published.field import history_of
         from analytic.published.initial_state import started
         from analytic.published.joint import PublishedJoint

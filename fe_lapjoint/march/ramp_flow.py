@@ -153,7 +153,7 @@ class RampFlow(Flow):
             return found
         # |p''| = |f exp(-2 a s) + g e1| up to the next knot, or a window further on.
         assert it.ramps is not None
-        ahead = min(it.ramps.ramps.until(self.start), it.ramps.ramps.time[-1]) - self.start
+        ahead = min(it.ramps.ramps.until(self.start), it.ramps.ramps.end) - self.start
         bound = np.abs(self._force) + np.abs(self._slope) * 2 * max(ahead, 0.0)
         share = np.abs(it.places[:, self._rigid]) @ bound[self._rigid]
         return Envelope(

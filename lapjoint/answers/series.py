@@ -256,8 +256,9 @@ def _default_rate(history: History) -> tuple[float, str]:
         f"{PER_PERIOD:g} samples in a period of the fastest frequency of the answer, {fastest:.6g} rad/s of a {whose}"
     )
     rate = PER_PERIOD * fastest / (2 * math.pi)
-    recorded = 0.0 if forces.ramps is None else 1 / float(np.median(np.diff(forces.ramps.time)))
-    return (rate, text) if rate >= recorded else (recorded, "as many as the record of the excitation has")
+    sampled = 0.0 if forces.ramps is None else forces.ramps.rate
+    whose = "the random excitation" if history.problem.random else "the record of the excitation"
+    return (rate, text) if rate >= sampled else (sampled, f"as many as {whose} has")
 
 
 def _count(problem: Problem, places: list[float], chosen: list[str], rate: float, duration: float) -> int:

@@ -64,8 +64,8 @@ def print_history(history: History) -> None:
     names, width = stop_column(problem)
     echo(plain(problem.title) or "Untitled problem")
     echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
-    for path, record in problem.records.items():
-        echo(f"{path}: {record.remark}")
+    for path, part in (problem.records | problem.random).items():
+        echo(f"{path}: {part.remark}")
     if contacts:
         heading = f"{'start [s]':>15}{'+-':>10}{'duration [s]':>15}{'impulse [N s]':>15}{'+-':>10}{'peak [N]':>13}"
         echo(f"\n{'stop':<{width}}{heading}")

@@ -11,14 +11,15 @@ from typing import Any, Self
 import numpy as np
 from pydantic import model_validator
 
-from lapjoint.errors import InputError, RecordWarning
+from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.messages import shown
-from lapjoint.problem.records import RecordBaseMotion, RecordLoad
+from lapjoint.problem.random_motion import Random, RandomBaseMotion, RandomLoad
+from lapjoint.problem.records import Record, RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
 from lapjoint.problem.supports_and_stops import Stop, Support
 
@@ -51,6 +52,8 @@ class Problem(Part):
             raise ValueError("\n".join(faults))
         for line in _too_slow(self):
             warnings.warn(line, RecordWarning, stacklevel=2)
+        for line in _too_low(self):
+            warnings.warn(line, ExcitationWarning, stacklevel=2)
         return self
 
     @property
@@ -94,6 +97,9 @@ class Problem(Part):
             return self.excitation_frequency
         if self.records:
             raise InputError(f"{purpose}: {next(iter(self.records))} is a record, which has no period; simulate it")
+        if self.random:
+            path = next(iter(self.random))
+            raise InputError(f"{purpose}: {path} is random, and has no period; simulate it, or ask for statistics")
         found = _angular_frequencies(self)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
@@ -162,6 +168,44 @@ class Problem(Part):
         return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RecordLoad)}
 
     @property
+    def random(self) -> dict[str, RandomBaseMotion | RandomLoad]:
+        """All random excitation, by its path."""
+        found: dict[str, RandomBaseMotion | RandomLoad] = {}
+        if isinstance(self.base_motion, RandomBaseMotion):
+            found["base_motion"] = self.base_motion
+        return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RandomLoad)}
+
+    def reseeded(self, seed: int) -> Problem:
+        """The same problem with another realisation of all that is random.
+
+        Parameters
+        ----------
+        seed : int
+            The seed of every random part, 0 or more; they are independent of each other.
+
+        Returns
+        -------
+        Problem
+            A validated copy.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            If the seed is not possible.
+        """
+
+        def other(part: Any) -> Any:
+            if not isinstance(part, Random):
+                return part
+            fields = {name: getattr(part, name) for name in type(part).model_fields}
+            return type(part).model_validate(fields | {"seed": seed})
+
+        with warnings.catch_warnings(action="ignore", category=ExcitationWarning):  # it was said of this problem
+            return self.replace(
+                base_motion=other(self.base_motion), point_loads=tuple(other(load) for load in self.point_loads)
+            )
+
+    @property
     def longest(self) -> float:
         """Until when the motion can be simulated, s: the end of the shortest record, or infinite."""
         return min((record.duration for record in self.records.values()), default=math.inf)
@@ -213,10 +257,10 @@ def _angular_frequencies(problem: Problem) -> dict[str, float]:
     """Angular frequencies, rad/s, of base motion and periodic loads that are not zero, by their paths."""
     base, loads = problem.base_motion, problem.point_loads
     found: dict[str, float] = {}
-    if not (base is None or isinstance(base, RecordBaseMotion)) and _moves(base.waves):
+    if not (base is None or isinstance(base, Record | Random)) and _moves(base.waves):
         found["base_motion"] = base.angular_frequency
     for i, load in enumerate(loads):
-        if not isinstance(load, StepLoad | RecordLoad) and _moves(load.waves):
+        if not isinstance(load, StepLoad | Record | Random) and _moves(load.waves):
             found[f"point_loads[{i}]"] = load.angular_frequency
     return found
 
@@ -250,6 +294,17 @@ def _too_slow(problem: Problem) -> Iterator[str]:
             yield (
                 f"{path}: has {rate:.3g} samples a second, and the beam bends at {slowest:.3g} Hz or more: what lies "
                 "between samples decides how its modes are driven"
+            )
+
+
+def _too_low(problem: Problem) -> Iterator[str]:
+    """Random excitation that ends below the slowest bending."""
+    slowest = problem.beam.slowest_bending / (2 * math.pi)
+    for path, part in problem.random.items():
+        if part.density.top < slowest:
+            yield (
+                f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "
+                "it drives no mode at its own frequency"
             )
 
 

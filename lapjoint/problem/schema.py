@@ -10,6 +10,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 FloatArray = npt.NDArray[np.float64]
 """Real numbers in double precision; docstrings say shape and unit."""
+IntArray = npt.NDArray[np.int64]
+"""Whole numbers; docstrings say shape and what they count."""
 
 
 def _refuse_text_and_booleans(value: object) -> object:

@@ -162,8 +162,9 @@ def check_problem(problem: Problem) -> None:
         raise InputError("point_loads: the OpenSees solver knows base motion only")
     if not isinstance(problem.initial, AtRest):
         raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
-    if problem.records:
-        raise InputError(f"{next(iter(problem.records))}: is a record; the OpenSees solver knows sums of sines only")
+    for what, parts in (("a record", problem.records), ("random", problem.random)):
+        if parts:
+            raise InputError(f"{next(iter(parts))}: is {what}; the OpenSees solver knows sums of sines only")
     base = problem.base_motion
     for i, wave in enumerate(() if base is None else base.waves):
         if base is not None and wave.phase:

@@ -223,7 +223,7 @@ FAULTS: list[tuple[str, str, str]] = [
     (
         "kind of base",
         GOOD + '[base_motion]\nkind = "square"',
-        'base_motion.kind = "square": allowed: harmonics, record, sine',
+        'base_motion.kind = "square": allowed: harmonics, random, record, sine',
     ),
     (
         "no frequency",
