@@ -206,7 +206,18 @@ class Plan:
         return dataset_of(self, points)
 
     def rehearse(self, solver: Solver) -> bool:
-        """Whether a short piece of work serves instead of the first cell: none does, for cells are short."""
+        """Whether a short piece of work serves instead of the first cell: none does, for cells are short.
+
+        Parameters
+        ----------
+        solver : Solver
+            Whose code the work would compile.
+
+        Returns
+        -------
+        bool
+            False.
+        """
         return False
 
     @cached_property
