@@ -9,7 +9,6 @@ import click
 from lapjoint.cli.echo import echo
 from lapjoint.cli.motions import find_motions
 from lapjoint.cli.options import large_allowed, motion_options, problem_options, solver_options
-from lapjoint.cli.solve import MODES
 
 
 @click.command()
@@ -54,6 +53,7 @@ def export(
     from lapjoint.cli.progress import shown_progress
     from lapjoint.scene import export_modes, export_motion
     from lapjoint.scene.layout import check_points
+    from lapjoint.solver import MODES
 
     arguments.check_directory(directory)
     check_points(points)

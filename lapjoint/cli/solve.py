@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 CONTACTS = (".csv", ".json")
 SERIES = (".nc", ".csv")
-MODES = 6
-"""Modes of a state that are printed or written where nobody says how many: a line of a terminal."""
 
 
 @click.command()
@@ -47,6 +45,7 @@ def modes(
 ) -> None:
     """Print natural frequencies of the contact states of PROBLEM, the lowest 6 or as many as --modes says."""
     from lapjoint.cli import arguments, printing
+    from lapjoint.solver import MODES
 
     arguments.check_file("--figure", figure, *FIGURES)
     arguments.check_file("--json", json_path)
