@@ -48,8 +48,9 @@ _HEAD = """# Mutants
 
 Changes drawn at random from the source of both solvers and of the ground: a sign, a factor of 1.001, a term dropped, an
 index off by one. Each goes through the cases that it takes to catch all [faults](faults.md) and two more, at the quick
-level, the cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not
-caught needs a check, or a reason why it changes no answer; those with a reason are called equivalent.
+level, until one disagrees: first the case that ended it when it was last run, then the others, the cheapest first. A
+crash, or a case that takes far too long, is told apart. What is not caught needs a check, or a reason why it changes no
+answer; those with a reason are called equivalent.
 
 The seed {seed} drew {draws}. {count} were judged on the source of commit {commit}: {found}. The source has moved on
 since: a name says what was changed, and where, at that commit.
@@ -171,7 +172,12 @@ def _asked(tree: Path, *question: str) -> str | None:
 
 
 def judged(
-    mutants: Mapping[Mutant, str], cases: Sequence[str], output: Path, console: Console, workers: int
+    mutants: Mapping[Mutant, str],
+    cases: Sequence[str],
+    first: Mapping[str, str],
+    output: Path,
+    console: Console,
+    workers: int,
 ) -> list[Outcome]:
     """Run the cases on each mutant until something disagrees.
 
@@ -181,6 +187,8 @@ def judged(
         What was drawn, and the commit from whose source.
     cases : sequence of str
         Modules of the cases.
+    first : mapping of str to str
+        The case that a mutant goes through first, by its identity.
     output : Path
         Folder that keeps the trials that are done.
     console : rich.console.Console
@@ -205,7 +213,7 @@ def judged(
             for name, mutant in by_name.items()
         )
         order = Order({case: seen.seconds for case, seen in baseline.items()})
-        for changed, seen in trials.judged(changes, order):
+        for changed, seen in trials.judged(changes, order, first):
             name = changed.label
             mutant = by_name[name]
             found[name] = Outcome(mutant, seen, known.get(name, ""), mutants[mutant])
@@ -241,12 +249,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.page is not None and not commit:
         parser.error("--page: the source is not that of a commit, which the page has to name")
     given.output.mkdir(parents=True, exist_ok=True)
-    before = {it.mutant.identity: it.drawn for it in recorded_run().outcomes}
+    before = {it.mutant.identity: it for it in recorded_run().outcomes}
+    first = {name: it.seen.case for name, it in before.items()}
     with sound_tree() as tree:
-        mutants = {it: before.get(it.identity, commit) for it in drawn(tree, given.seed, given.count, before)}
+        found = drawn(tree, given.seed, given.count, before)
+        mutants = {it: before[it.identity].drawn if it.identity in before else commit for it in found}
     usual = tuple(dict.fromkeys((*recorded()[1], *BESIDES))) if recorded()[1] else modules_of(())
     cases = modules_of(tuple(given.case)) if given.case else usual
-    run = Run(commit, given.seed, tuple(judged(mutants, cases, given.output, Console(), given.workers)))
+    run = Run(commit, given.seed, tuple(judged(mutants, cases, first, given.output, Console(), given.workers)))
     if not run.outcomes:
         return 1
     write_file(given.output / RECORD, run.text)
