@@ -12,6 +12,7 @@ _EXAMPLE = """\
 # A problem for `lapjoint`.  SI units: m, kg, s, N, rad; angular frequencies in rad/s.
 # x runs from the root (0) to the tip (length); z is the displacement relative to the base, positive upwards.
 # `lapjoint schema` prints every key that is allowed.
+schema_version = 1            # of the keys in this file; may be left out
 title = "Lap joint of Rahmani and Ervin (2014)"
 
 [beam]

@@ -23,7 +23,7 @@ from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples
 from lapjoint.problem.schema import Part
 
-_KINDS = ("kind", "shape")  # the keys that tell parts of a union apart: always written
+_ALWAYS = ("kind", "shape", "schema_version")  # what tells parts of a union and versions apart
 
 
 def read_problem(path: str | Path) -> Problem:
@@ -236,7 +236,7 @@ def _table(part: BaseModel) -> dict[str, Any]:
     table: dict[str, Any] = {}
     for name, info in type(part).model_fields.items():
         value = getattr(part, name)
-        if value is None or (name not in _KINDS and not info.is_required() and value == info.default):
+        if value is None or (name not in _ALWAYS and not info.is_required() and value == info.default):
             continue
         table[name] = _value(value)
     return table

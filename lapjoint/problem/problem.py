@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -28,9 +28,15 @@ _SAMPLES_A_PERIOD = 10
 """Of the slowest bending: with fewer, straight lines between samples miss its acceleration by some percent."""
 
 
+SCHEMA_VERSION: Literal[1] = 1
+"""It is raised whenever an older reader would misread a file, or refuse what an older one took."""
+
+
 class Problem(Part):
     """A beam with supports, stops, damping, excitation and an initial state."""
 
+    schema_version: Literal[1] = SCHEMA_VERSION
+    """Version of this schema; a file may state it, and one of another version is refused."""
     title: str = ""
     """What this problem is, in a line."""
     beam: Beam

@@ -266,7 +266,7 @@ def parameters_sheet(problem: Problem) -> Sheet:
     """
     rows: list[tuple[Cell, ...]] = []
     for key, part in problem_tables_json(problem).items():
-        if key == "title":
+        if key in ("title", "schema_version"):
             continue
         if isinstance(part, Sequence) and not isinstance(part, str):
             rows += [(f"{key}[{i}]", ", ".join(_values("", one))) for i, one in enumerate(part)]
