@@ -277,6 +277,13 @@ class System:
         """|r| of `rates_of_terms` but the constant, 1/s, shape ``(terms - 1,)``."""
         return np.asarray(np.abs(self.rates_of_terms[:-1]))
 
+    @cached_property
+    def swinging(self) -> FloatArray:
+        """|r| of `rates_of_terms` that `Flow.envelope` bounds by their amplitudes, else 0; 1/s, shape ``(terms,)``."""
+        sure = np.ones(self.rates_of_terms.size, dtype=bool)
+        sure[: self.which.size] = np.isin(self.which, self.bounded[0])
+        return np.where(sure, np.abs(self.rates_of_terms), 0.0)
+
     def waves(self, s: float | FloatArray) -> FloatArray:
         """exp(r s) of the rates r of `rates_of_terms`, conjugate, each as a pair of real numbers.
 

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ValidationError
 from lapjoint.errors import InputError
 from lapjoint.input_files import read_file
 from lapjoint.output_files import write_file
-from lapjoint.problem.messages import explain
+from lapjoint.problem.messages import in_sentences
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples
 from lapjoint.problem.schema import Part
@@ -149,11 +149,7 @@ def problem_from_tables(tables: Mapping[str, Any], source: str = "problem", fold
     try:
         return Problem.model_validate(tables, context={"folder": str(folder)})
     except ValidationError as error:
-        faults = explain(error, tables, Problem).split("\n")
-        if len(faults) == 1:
-            raise InputError(f"{source}: {faults[0]}") from None
-        lines = "\n".join(f"  {fault}" for fault in faults)
-        raise InputError(f"{source}: {len(faults)} faults\n{lines}") from None
+        raise InputError(in_sentences(error, tables, Problem, source)) from None
 
 
 def from_toml(text: str) -> Problem:

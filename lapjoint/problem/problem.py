@@ -23,7 +23,6 @@ from lapjoint.problem.records import Record, RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
 from lapjoint.problem.supports_and_stops import Stop, Support
 
-_CANTILEVER = 1.8751040687119611  # beta L of the first mode: the least root of cosh x cos x = -1
 _ROUNDINGS = 1e-12  # relative: so much may a duration exceed that of a record, by the rounding of both
 _SAMPLES_A_PERIOD = 10
 """Of the slowest bending: with fewer, straight lines between samples miss its acceleration by some percent."""
@@ -108,6 +107,7 @@ class Problem(Part):
         raise InputError(
             f"{purpose}: the excitation must have one angular_frequency, or whole multiples of the lowest; "
             + (there or "there is neither a base_motion with an amplitude nor a periodic load with a force")
+            + "; `lapjoint simulate`, and `simulate` in Python, follow any motion from its start"
         )
 
     def require_excitation_period(self, purpose: str) -> float:
@@ -151,6 +151,13 @@ class Problem(Part):
         if not 0.0 <= x <= self.beam.length:
             raise InputError(f"x = {x:g}: lies outside the beam; allowed are 0 to {self.beam.length:g} m")
         return float(x)
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """What looks like a slip of unit, a line for each; see `lapjoint.problem.hints`."""
+        from lapjoint.problem.hints import hints
+
+        return hints(self)
 
     @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
@@ -240,10 +247,10 @@ class Problem(Part):
 
         Raises
         ------
-        pydantic.ValidationError
+        InputError
             If the parts do not fit together.
         """
-        return Problem.model_validate({name: getattr(self, name) for name in Problem.model_fields} | changes)
+        return Problem(**{name: getattr(self, name) for name in Problem.model_fields} | changes)
 
 
 def _angular_frequencies(problem: Problem) -> dict[str, float]:
@@ -278,14 +285,9 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
             yield f"stops[{i}].name = {shown(name)}: is the name of stops[{first[name]}] too"
 
 
-def _slowest_bending(beam: Beam) -> float:
-    """The first frequency of the beam as a cantilever, Hz: with other supports it bends at this or faster."""
-    return _CANTILEVER**2 * math.sqrt(beam.EI / beam.m) / beam.length**2 / (2 * math.pi)
-
-
 def _too_slow(problem: Problem) -> Iterator[str]:
-    """Records with few samples in a period of the slowest bending."""
-    slowest = _slowest_bending(problem.beam)
+    """Records with few samples in a period of the slowest bending, that of a cantilever."""
+    slowest = problem.beam.slowest_bending / (2 * math.pi)
     for path, record in problem.records.items():
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
@@ -297,7 +299,7 @@ def _too_slow(problem: Problem) -> Iterator[str]:
 
 def _too_low(problem: Problem) -> Iterator[str]:
     """Random excitation that ends below the slowest bending."""
-    slowest = _slowest_bending(problem.beam)
+    slowest = problem.beam.slowest_bending / (2 * math.pi)
     for path, part in problem.random.items():
         if part.density.top < slowest:
             yield (

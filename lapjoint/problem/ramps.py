@@ -15,6 +15,8 @@ KNOTS = 4096
 """Intervals of the fastest random force in a block: 0.1 MB."""
 _EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
 _KEPT = 4  # blocks: a motion and the evaluation of its latest part are in two or three
+_CREST = 4.0
+"""Root mean squares that a Gaussian force exceeds for a part of 6e-5 of the time."""
 
 
 class SampledForce(Protocol):
@@ -35,6 +37,10 @@ class SampledForce(Protocol):
     @property
     def usual_rate(self) -> float:
         """The root mean square of the rate of change over that of the force, 1/s."""
+
+    @property
+    def size(self) -> float:
+        """What it hardly exceeds, N at a point, N/m along the beam."""
 
     def knots_within(self, start: float, end: float) -> FloatArray:
         """The knots from one time to another.
@@ -93,6 +99,11 @@ class RecordedForce:
         square = float(h @ (f[1:] ** 2 + f[1:] * f[:-1] + f[:-1] ** 2)) / 3
         return float(np.sqrt(np.sum(np.diff(f) ** 2 / h) / square)) if square > 0 else 0.0
 
+    @cached_property
+    def size(self) -> float:
+        """The largest magnitude, N at a point, N/m along the beam."""
+        return float(np.abs(self.values).max())
+
     def knots_within(self, start: float, end: float) -> FloatArray:
         """The knots from one time to another. See `SampledForce.knots_within`."""
         return np.asarray(self.knots[(self.knots >= start) & (self.knots <= end)])
@@ -128,6 +139,11 @@ class RandomForce:
         """The root mean square of the rate of change over that of the force, 1/s."""
         density = self.realisation.density
         return float(np.sqrt(density.moment(2) / density.moment(0)))
+
+    @property
+    def size(self) -> float:
+        """`_CREST` times its root mean square, N at a point, N/m along the beam."""
+        return _CREST * abs(self.factor) * float(np.sqrt(self.realisation.density.moment(0)))
 
     def knots_within(self, start: float, end: float) -> FloatArray:
         """The knots from one time to another. See `SampledForce.knots_within`."""

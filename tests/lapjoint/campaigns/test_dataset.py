@@ -176,7 +176,7 @@ def test_a_damaged_file_is_refused_in_one_sentence(tmp_path: Path) -> None:
         with pytest.raises(InputError) as error:
             read_curve(path)
         said.add(str(error.value).removeprefix(f"{path}: "))
-    reason = "its content does not fit its checksum; the sweep that made it, with --force, computes it again"
+    reason = "its content does not fit its checksum; what made it, with --force, computes it again"
     a_part = ("cannot be read: is not a NetCDF-4 file", "is not the result of a sweep, or only a part of it")
     older = "has no checksum, as an older lapjoint wrote it; this one reads format version 3 only"
     assert said <= {f"is damaged: {reason}", *a_part, older}
