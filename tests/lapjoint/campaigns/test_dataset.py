@@ -225,7 +225,8 @@ def test_a_third_field_is_drawn_at_its_first_value_and_the_figure_says_so() -> N
     this = Plan(Grid(JOINT, tuple(axes)))
     legend = plot_curve(dataset(this)).get_legend()
     assert legend is not None
-    assert legend.get_title().get_text().replace("\n", " ") == "gap (all stops) [m], paler to darker, damping ratio = 0.05"
+    title = legend.get_title().get_text().replace("\n", " ")
+    assert title == "gap (all stops) [m], paler to darker, damping ratio = 0.05"
     assert plot_curve_wide(dataset(this))[0].figure.get_suptitle() == "damping ratio = 0.05"
 
 
