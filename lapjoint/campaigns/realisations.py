@@ -173,7 +173,18 @@ class Realisations:
             return Realised(message=str(error)), None
 
     def rehearse(self, solver: Solver) -> bool:
-        """Whether everything was compiled by the march of a thousandth of the duration: it always is."""
+        """Whether everything was compiled by the march of a thousandth of the duration: it always is.
+
+        Parameters
+        ----------
+        solver : Solver
+            Marches it.
+
+        Returns
+        -------
+        bool
+            True.
+        """
         short = replace(self.measure(solver), duration=REHEARSAL * self.duration, settle=0.0, units=1)
         sums_of(short, solver, self.problem)
         return True
