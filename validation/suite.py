@@ -40,6 +40,8 @@ _MODULES = {
     "grazing": "grazing",
     "transient": "transient",
     "slow-modes": "slow_modes",
+    "random-linear": "random_linear",
+    "random-stops": "random_stops",
     "as-published": "as_published",
     "steady": "steady",
     "peaks": "peaks",
