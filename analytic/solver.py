@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 if TYPE_CHECKING:
     from analytic.period_map import PeriodMap
@@ -137,7 +137,7 @@ class Solver:
         return self.free_modes or common or 0, self.contact_modes or common or 0
 
     @in_one_thread
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest modes of a contact state, exact to rounding.
 
         Parameters
@@ -145,7 +145,7 @@ class Solver:
         problem : Problem
             What is solved.
         state : ContactState
-            The stops that are closed.
+            The stops that are closed; none by default.
         count : int
             How many modes.
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 if TYPE_CHECKING:
     from fe_lapjoint.period_map import PeriodMap
@@ -105,7 +105,7 @@ class Solver:
         return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 
     @in_one_thread
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest modes of a contact state on the mesh; frequencies converge from above, with order 4.
 
         Parameters
@@ -113,7 +113,7 @@ class Solver:
         problem : Problem
             What is solved.
         state : ContactState
-            The stops that are closed.
+            The stops that are closed; none by default.
         count : int
             How many modes.
 

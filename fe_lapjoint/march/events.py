@@ -72,6 +72,31 @@ class BoundedGaps(Protocol):
             m.
         """
 
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        """The most that a gap function, or minus it, can be in intervals.
+
+        It is less than the higher end and `from_chord` allow, where something swings within an interval: that reaches
+        its crest at most, wherever it is at the ends.
+
+        Parameters
+        ----------
+        k : int
+            The stop.
+        t : FloatArray, shape (i,)
+            Where intervals begin, s.
+        width : float
+            Their width, s.
+        ends : FloatArray, shape (2, i)
+            The gap function at their beginnings and ends, m.
+        side : float
+            +1 for the gap function, -1 for minus it.
+
+        Returns
+        -------
+        FloatArray, shape (i,)
+            m.
+        """
+
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """How far a gap function, and its rate, may stray from their values at a time.
 
@@ -294,7 +319,7 @@ def _first_crossing(
             stray, turn = gaps.from_tangent(k, t, width)
         if h_after <= level and (
             h + rate * width + stray <= level
-            or max(h, h_after) + float(gaps.from_chord(np.array([t]), width)[k, 0]) <= level
+            or gaps.ceiling(k, np.array([t]), width, np.array([[h], [h_after]]))[0] <= level
         ):
             t, h, rate, touching, width = after, h_after, rate_after, False, 2 * width
         elif h_after > level and rate > turn:  # it rises all the way

@@ -49,6 +49,11 @@ class FlowGaps:
         """Bounds on what lies between the ends of intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
         return np.asarray(self.flow.envelope.from_chord(t, width)[self.flow.system.place_of])
 
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        """Bounds on a gap function. See `fe_lapjoint.march.events.Gaps.ceiling`."""
+        above = self.flow.above_troughs(k, side * float(self.orientation[k]), t, width)
+        return np.asarray((side * ends - above).max(axis=0) + self.from_chord(t, width)[k])
+
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """Bounds on what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
         return self.flow.envelope.from_tangent(int(self.flow.system.place_of[k]), t, width)
@@ -98,6 +103,10 @@ class SolutionGaps:
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """Estimates for intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
         return np.asarray(np.multiply.outer(self.curvature * (width**2 / 8), np.ones_like(t)))
+
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        """Estimates in place of bounds. See `fe_lapjoint.march.events.Gaps.ceiling`."""
+        return np.asarray((side * ends).max(axis=0) + self.from_chord(t, width)[k])
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """Estimates for what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""

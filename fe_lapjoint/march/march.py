@@ -193,7 +193,7 @@ def march(
         If the integrator fails, more than `max_switches` switches occur, or those of a stop crowd that is too stiff for
         the mesh; see `fe_lapjoint.march.crowding`.
     """
-    window = _window(model, state)
+    window = window_of(model, state)
     step, crowd = window / SAMPLES, Crowd(model, window)
     since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
     going = {k: _Going(start, True) for k in state.closed}
@@ -230,8 +230,21 @@ def march(
     return March(model, tuple(pieces), tuple(contacts), state, y, switches)
 
 
-def _window(model: Model, state: ContactState) -> float:
-    """A third of the shortest excitation period or of the slowest bending, s."""
+def window_of(model: Model, state: ContactState) -> float:
+    """The time in which switches are searched for at once: a third of the shortest excitation period or slow bending.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    state : ContactState
+        Any, the loads are those of all.
+
+    Returns
+    -------
+    float
+        s.
+    """
     beam = model.problem.beam
     slow = 2 * math.pi * math.sqrt(beam.m * beam.length**4 / beam.EI)
     periods = [2 * math.pi / omega for omega in model.system(state).driven]
@@ -270,8 +283,11 @@ def _advance_on_ramps(
     model: Model, state: ContactState, t: float, end: float, window: float, y: FloatArray, since: _Since
 ) -> tuple[Piece, FloatArray]:
     """Over knots, up to a switch at the latest; and (q, q') at the end."""
-    motion = RampMotion(model.ramp_tables(state, window), model.knots, t, y)
-    until, y_end, switched = follow(motion, end, since.switch == t, since.shift, since.rounding)
+    knots, last = model.block_at(t)
+    motion = RampMotion(model.ramp_tables(state, window), knots, t, y)
+    until, y_end, switched = follow(
+        motion, min(end, last) if last > t else end, since.switch == t, since.shift, since.rounding
+    )
     return Piece(state, t, until, y, motion, None, switched), y_end
 
 

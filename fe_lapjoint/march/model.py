@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from fe_lapjoint.march.system import System, build_system
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.ramps import Ramps
 
 
 @dataclass
@@ -31,6 +31,7 @@ class Model:
     _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _weighted: dict[ContactState, FloatArray] = field(default_factory=dict)
     _tables: dict[ContactState, RampTables] = field(default_factory=dict)
+    _block: tuple[Ramps, Knots] | None = None
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -78,12 +79,24 @@ class Model:
             tables = self._tables[state] = ramp_tables(self.system(state), *signs, window)
         return tables
 
-    @cached_property
-    def knots(self) -> Knots:
-        """The sampled forces."""
-        ramps = self.problem.forces.ramps
-        assert ramps is not None
-        return knots_of(ramps)
+    def block_at(self, t: float) -> tuple[Knots, float]:
+        """The block of sampled forces that a time is in; see `lapjoint.problem.ramps.RampBlocks`.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        Knots, float
+            The block, and where it ends, s.
+        """
+        assert self.problem.forces.ramps is not None
+        block = self.problem.forces.ramps.block_at(t)
+        if self._block is None or self._block[0] is not block:
+            self._block = block, knots_of(block)
+        return self._block[1], block.end
 
     def weighted(self, state: ContactState) -> FloatArray:
         """M Phi of a contact state: the free degrees of freedom times it are the modal coordinates.

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
 
-from fe_lapjoint.march.compiled import at_place, at_row, integrals, moved_on, start_terms
+from fe_lapjoint.march.compiled import above_troughs, at_place, at_row, integrals, moved_on, start_terms
 from fe_lapjoint.march.envelope import Envelope
 from fe_lapjoint.march.ramp_motion import motion_of
 from fe_lapjoint.march.system import ComplexArray, System
@@ -276,6 +276,29 @@ class Flow:
         one, zero = np.ones_like(s), np.zeros_like(s)
         return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
 
+    def above_troughs(self, k: int, side: float, t: FloatArray, width: float) -> FloatArray:
+        """How far the terms that swing within an interval are, at its ends, above the least that they can be in it.
+
+        Parameters
+        ----------
+        k : int
+            The stop.
+        side : float
+            +1 for its displacement, -1 for the opposite.
+        t : FloatArray, shape (i,)
+            When intervals begin, s.
+        width : float
+            How long they are, s.
+
+        Returns
+        -------
+        FloatArray, shape (2, i)
+            The sums of these distances at the beginnings and at the ends, m.
+        """
+        it = self.system
+        terms = self._terms[it.place_of[k]]
+        return np.asarray(above_troughs(terms, it.rates_of_terms, it.swinging, side, t - self.start, width))
+
     def integral_at_stops(self, end: float) -> FloatArray:
         """The time integral of z at the stops, from the start.
 
@@ -456,6 +479,9 @@ class ExactPropagator(OdeSolver):  # type: ignore[misc]
     def _step_impl(self) -> tuple[bool, str | None]:
         now = self.t
         t = now + self.direction * min(self._max_step, abs(self.t_bound - now))
+        if self._system.ramps is not None:
+            end = self._system.ramps.ramps.block_at(now).end
+            t = min(t, end) if end > now else t
         self._flow, at = self._from(now, self.y), np.array([t])
         self.y = np.concatenate([self._flow(at, dt)[:, 0] for dt in (0, 1)])
         self.t = t

@@ -25,7 +25,7 @@ from fe_lapjoint.march.compiled import at_place
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
 from lapjoint.problem import FloatArray
-from lapjoint.problem.forces import Ramps
+from lapjoint.problem.ramps import Ramps
 
 _SHORT = 2.0  # of 2 a s, without unit: up to it the integrals are summed as a series
 _TERMS = 22  # of that: the next is 2^22 4! / 26!, 3e-19 of the first

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from fe_lapjoint.march.compiled import above_troughs
 from fe_lapjoint.march.envelope import Envelope
 from fe_lapjoint.march.events import BoolArray, Part, Switch, first_in
 from fe_lapjoint.march.ramp_interval import Interval, Knots, knots_of, moved, new_interval, place_at
@@ -21,7 +22,7 @@ LONGEST = 64
 
 @dataclass(frozen=True)
 class RampMotion:
-    """The motion of ``n`` modes from a time on, without switches; see `fe_lapjoint.march.propagator.Coordinates`."""
+    """The motion of ``n`` modes from a time on, in one block of knots, without switches; as `Coordinates`."""
 
     tables: RampTables
     knots: Knots
@@ -79,7 +80,7 @@ class RampMotion:
 
 
 def motion_of(system: System, t: float, y: FloatArray) -> RampMotion:
-    """The motion of a contact state under its sampled forces, whatever its stops do.
+    """The motion of a contact state under its sampled forces, whatever its stops do, up to the end of a block of them.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def motion_of(system: System, t: float, y: FloatArray) -> RampMotion:
     """
     assert system.ramps is not None
     unused = np.zeros(len(system.stops))
-    return RampMotion(ramp_tables(system, unused, unused, np.inf), knots_of(system.ramps.ramps), t, y)
+    return RampMotion(ramp_tables(system, unused, unused, np.inf), knots_of(system.ramps.ramps.block_at(t)), t, y)
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,13 @@ class RampGaps:
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """Bounds between the ends of intervals. See `fe_lapjoint.march.events.BoundedGaps.from_chord`."""
         return np.asarray(self._envelope.from_chord(t, width)[self.tables.place_of])
+
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        """Bounds on a gap function. See `fe_lapjoint.march.events.BoundedGaps.ceiling`."""
+        it, u = self.tables, self.tables.place_of[k]
+        towards = side * float(it.orientation[k])
+        above = above_troughs(self.interval.at_places[u], it.rates, it.swinging, towards, t - self.start, width)
+        return np.asarray((side * ends - above).max(axis=0) + self.from_chord(t, width)[k])
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """Bounds on what lies ahead. See `fe_lapjoint.march.events.BoundedGaps.from_tangent`."""

@@ -35,6 +35,8 @@ class RampTables(NamedTuple):
     """The rigid-body modes, shape ``(r,)``."""
     rates: ComplexArray
     """Rates of the terms, 1/s: of the modes that oscillate, and of the loads; shape ``(o + H,)``."""
+    swinging: FloatArray
+    """Their moduli where the amplitude bounds the term, else 0, 1/s; shape ``(o + H,)``."""
     driven: FloatArray
     """Angular frequencies of the harmonic loads, rad/s, shape ``(H,)``."""
     phase: FloatArray
@@ -95,7 +97,7 @@ def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, win
         The same in flat arrays.
     """
     assert system.ramps is not None
-    spacing = system.ramps.ramps.spacing
+    spacing = system.ramps.ramps.block_at(0.0).spacing
     omega, H = system.omega, system.driven.size
     rates, rigid = system.rates_of_terms[:-1].copy(), np.flatnonzero(omega == 0)
     ringing, near, creeping = system.bounded
@@ -110,6 +112,7 @@ def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, win
         others=np.flatnonzero(~system.oscillating),
         rigid=rigid,
         rates=rates,
+        swinging=system.swinging[:-1].copy(),
         driven=system.driven,
         phase=system.phase,
         forced=np.ascontiguousarray(system.amplitudes),

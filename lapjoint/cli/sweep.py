@@ -25,7 +25,9 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
     help="Change another number of the problem too, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
     "damping.ratio=0.02,0.08; repeatable: all combinations.",
 )
-@click.option("--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option(
+    "-o", "--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished."
+)
 @click.option(
     "--start",
     type=click.Choice(["rest", "up", "down", "random"]),
@@ -93,7 +95,7 @@ def sweep(
 
 @click.command()
 @click.argument("curve")
-@click.option("-o", "--output", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
+@click.option("-o", "--out", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
 def plot(curve: str, figure: str | None, wide: bool) -> None:
     """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
@@ -102,7 +104,7 @@ def plot(curve: str, figure: str | None, wide: bool) -> None:
     from lapjoint.figures import plot_curve, plot_curve_wide, save
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
-    arguments.check_file("--output", path, *FIGURES)
+    arguments.check_file("--out", path, *FIGURES)
     dataset = read_curve(curve)
     save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
     echo(f"Wrote {path}")

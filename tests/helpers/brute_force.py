@@ -102,7 +102,7 @@ def _matrix(model: Model, state: ContactState, y: FloatArray, t: float) -> tuple
     system, ramps = model.system(state), model.problem.forces.ramps
     assert ramps is not None
     assert system.ramps is not None
-    n, R, H = system.omega.size, ramps.force.shape[1], system.driven.size
+    n, R, H = system.omega.size, len(ramps.forces), system.driven.size
     force, slope = (part[0] for part in ramps.at(np.array([t])))
     angle = system.driven * t + system.phase
     one, f, g, sine, cosine = np.cumsum([2 * n, 1, R, R, H])
