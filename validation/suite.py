@@ -24,6 +24,7 @@ Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
     "as-given": "as_given",
     "pinned-beam": "pinned_beam",
+    "records": "records",
     "rigid-bar": "rigid_bar",
     "settled": "settled",
     "orbit-watch": "orbit_watch",
