@@ -25,7 +25,7 @@ SHAKEN = Problem(
     damping=ViscousDamping(coefficient=BEAM.damping),
     base_motion=RandomBaseMotion(psd=((LOW, DENSITY), (HIGH, DENSITY)), seed=SEED),
 )
-SOLVERS = {"analytic": {"n_modes": 10}, "fe": {"elements": 6}}
+SOLVERS = {"analytic": {"n_modes": 10}, "fe": {"elements": 12}}
 DURATION = {"quick": 40.0, "standard": 300.0, "full": 1200.0}
 """Of each of `SEEDS` motions, s."""
 RATE = 150.0
