@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -96,7 +96,8 @@ class PeriodMap:
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        return self._recorded(started(self.joint), period_pieces(self.period, duration), progress, depth)
+        motion = self._recorded(started(self.joint), period_pieces(self.period, duration), progress, depth)
+        return replace(motion, end=duration)  # the pieces come to that but for rounding
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         """Deviation, as (q, v) in the modes of `origin`. See `lapjoint.orbits.PeriodMap.difference`."""

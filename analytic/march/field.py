@@ -12,7 +12,7 @@ from analytic.march.contacts import contacts_of
 from analytic.march.joint import Joint
 from analytic.march.march import March, Segment
 from analytic.march.ramp_segment import coordinates_on_ramps
-from analytic.march.ramps import RampTables, ramp_tables
+from analytic.march.ramps import RampTables, on_block, ramp_tables
 from analytic.march.tables import IntArray
 from analytic.march.terms import start_all_terms
 from analytic.modes.beam_functions import ComplexArray
@@ -40,12 +40,6 @@ class ModalField:
             for part in np.split(here, range(_AT_ONCE, here.size, _AT_ONCE)):
                 result[:, part] = self._in_state(state, which[part], x, t[part], dx, dt)
         return result
-
-    @cached_property
-    def _ramps(self) -> RampTables | None:
-        """The ramps in all states of the motion, if there are sampled forces."""
-        ramps = self.joint.problem.forces.ramps
-        return None if ramps is None else ramp_tables(self.joint, ramps)
 
     @cached_property
     def _starts(self) -> FloatArray:
@@ -91,9 +85,9 @@ class ModalField:
         n, terms = int(tables.modes[slot]), tables.terms[slot]
         q, v = (np.stack([getattr(self.segments[i], name) for i in segments]) for name in "qv")
         start, count = self._starts[segments], segments.size
-        if self._ramps is not None:
+        if self.joint.problem.forces.ramps is not None:
             order, result = np.lexsort((t, at)), np.zeros((t.size, tables.kind.shape[1]))
-            coordinates_on_ramps(tables, self._ramps, slot, start, q, v, at[order], t[order], dt, result)
+            self._on_ramps(slot, start, q, v, at[order], t[order], dt, result)
             return np.asarray(result[np.argsort(order), :n].T)
         theta, c = np.zeros((count, tables.omega.size), dtype=complex), np.zeros((count, terms), dtype=complex)
         poly = np.zeros((count, n, 3))
@@ -105,6 +99,38 @@ class ModalField:
             result += poly[at, :, exponent].T * (math.perm(exponent, dt) * s ** (exponent - dt))
         np.add.at(result, tables.mode_of[slot, n:terms], free[n:])
         return np.asarray(result)
+
+    def _on_ramps(
+        self,
+        slot: int,
+        start: FloatArray,
+        q: FloatArray,
+        v: FloatArray,
+        which: IntArray,
+        t: FloatArray,
+        dt: int,
+        result: FloatArray,
+    ) -> None:
+        """Write q_i or its dt-th derivative at ascending times in segments of one state, block by block of the ramps.
+
+        Arguments are those of `analytic.march.ramp_segment.coordinates_on_ramps`: a segment lies in one block.
+        """
+        blocks, made, first = self.joint.problem.forces.ramps, self._ramps, 0
+        assert blocks is not None
+        assert made is not None
+        while first < t.size:
+            block = blocks.block_at(float(start[which[first]]))
+            after = int(np.searchsorted(start, block.end)) if block.end < blocks.end else start.size
+            last = int(np.searchsorted(which, after))
+            here, made = slice(first, last), on_block(made, self.joint, block)
+            coordinates_on_ramps(self.joint.tables, made, slot, start, q, v, which[here], t[here], dt, result[here])
+            first = last
+
+    @cached_property
+    def _ramps(self) -> RampTables | None:
+        """What all states of the motion make of the ramps, with the block that it begins in."""
+        blocks = self.joint.problem.forces.ramps
+        return None if blocks is None else ramp_tables(self.joint, blocks.block_at(float(self._starts[0])))
 
 
 def _forced(amplitude: ComplexArray, theta: ComplexArray, omega: FloatArray, s: FloatArray, dt: int) -> FloatArray:

@@ -117,12 +117,13 @@ def march(
     modes, stops = motion.q.size, motion.total.size
     log, full = new_log(_ROOM, modes, stops) if record else no_log(modes, stops), []
     parts = _PROGRESS_PARTS if progress is not None and not record else 1
-    ramps = RampState(joint) if joint.problem.forces.sampled else None
+    ramps = RampState(joint, start) if joint.problem.forces.sampled else None
     for goal in [start + (end - start) * (i + 1) / parts for i in range(parts - 1)] + [end]:
         status = LOG_FULL
-        while status != DONE:
+        while status != DONE or motion.time[0] < goal:
+            until = goal if ramps is None else min(goal, ramps.move_to(float(motion.time[0])))
             on = None if ramps is None else ramps.tables
-            status, logged = advance(joint.tables, None, on, motion, goal, log, depth, 0.0, max_switches)
+            status, logged = advance(joint.tables, None, on, motion, until, log, depth, 0.0, max_switches)
             if logged:
                 full.append(copied(log, logged))
             if status != DONE:

@@ -342,15 +342,24 @@ def follow_ramps(
             for k in range(terms):
                 term[k] = term0[k] * ramps.whole[slot, k]
             turn_exactly(none, tables.omega, 0, width, none, theta)
-        beginning = False
+        beginning, ended = False, which != NO_SWITCH or until == end or j == last
         if any_closed:
             add_areas(tables, slot, s, theta0, term0, theta, term, drift, rigid, area)
             for k in range(stops):
                 if depth and tables.closed[slot, k]:
-                    deepest[k] = max(
-                        deepest[k], deepest_of(tables, slot, k, s, theta0.copy(), term0.copy(), drift, rigid)
+                    deepest[k] = deepest_of(
+                        tables,
+                        slot,
+                        k,
+                        s,
+                        theta0,
+                        term0,
+                        drift,
+                        rigid,
+                        deepest[k],
+                        not (ended or (j + 1) % LOGGED == 0),
                     )
-        if which != NO_SWITCH or until == end or j == last:
+        if ended:
             base = until if which == NO_SWITCH else base + s
             move_body(ramps.drag[slot], s, body)
             break

@@ -148,7 +148,7 @@ def _sudden(problem: Problem) -> tuple[tuple[float | None, float, float], ...]:
     forces, usual = problem.forces, problem.forces.usual_rate
     loads: list[tuple[float | None, float, float, float]] = [(f.x, 0.0, f.force, abs(f.force)) for f in forces.constant]
     loads += [(f.x, f.angular_frequency, float(f.at(np.zeros(1))[0]), abs(f.amplitude)) for f in forces.harmonic]
-    loads += [(f.x, usual, float(f.values[0]), float(np.abs(f.values).max())) for f in forces.sampled]
+    loads += [(f.x, usual, float(f.at(np.zeros(1))[0]), f.size) for f in forces.sampled]
     found = []
     for place in dict.fromkeys(load[0] for load in loads):
         omegas, starts, sizes = zip(*(load[1:] for load in loads if load[0] == place and load[3] > 0), strict=True)

@@ -19,7 +19,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
-from lapjoint.problem.forces import Ramps
+from lapjoint.problem.ramps import RampBlocks
 
 ComplexArray = npt.NDArray[np.complex128]
 IndexArray = npt.NDArray[np.intp]
@@ -37,7 +37,7 @@ _DETUNE = 1e-7
 class ModalRamps:
     """The sampled forces of a problem on the modes of one contact state."""
 
-    ramps: Ramps
+    ramps: RampBlocks
     shares: FloatArray
     """Modal force for each unit of load, kg^-1/2, or kg^-1/2 m along the beam, shape ``(n, R)``."""
 

@@ -54,6 +54,8 @@ class Order:
 
     costs: Mapping[str, float]
     """The time of each case on the sound tree, s."""
+    first: str = ""
+    """A case that runs before them, such as the one that caught the same change before."""
 
     def limits(self, compiles: bool) -> tuple[tuple[str, float], ...]:
         """The cases, and the most time that each may take on a changed tree.
@@ -69,7 +71,7 @@ class Order:
             Modules of the cases, and seconds.
         """
         more = ALLOWANCE + (COMPILING if compiles else 0.0)
-        ordered = sorted(self.costs.items(), key=lambda item: item[1])
+        ordered = sorted(self.costs.items(), key=lambda item: (item[0] != self.first, item[1]))
         return tuple((case, more + TIMES * seconds) for case, seconds in ordered)
 
 
@@ -303,7 +305,9 @@ class Trials:
             done(changed.label, seen)
         return found
 
-    def judged(self, changes: Iterable[Changed], order: Order) -> Iterator[tuple[Changed, Seen]]:
+    def judged(
+        self, changes: Iterable[Changed], order: Order, first: Mapping[str, str] | None = None
+    ) -> Iterator[tuple[Changed, Seen]]:
         """Run the cases on changed packages, each until the first disagreement.
 
         Parameters
@@ -312,13 +316,16 @@ class Trials:
             What is changed, one at a time.
         order : Order
             The cases.
+        first : mapping of str to str, optional
+            The case that runs first, by the label of the change, where that is not the cheapest.
 
         Yields
         ------
         Changed, Seen
             Each change, and what became of it, in the sequence in which they are done.
         """
-        yield from self._run((changed, order) for changed in changes)
+        known = first or {}
+        yield from self._run((it, replace(order, first=known.get(it.label, ""))) for it in changes)
 
     def _run(self, jobs: Iterable[tuple[Changed, Order | Limits]]) -> Iterator[tuple[Changed, Seen]]:
         waiting, running = iter(jobs), dict[Connection, _Trial]()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,14 @@ def test_what_a_case_saw_counts_as_long_as_its_source_is_the_same() -> None:
     for key in ("one", "two"):
         assert kept.get(key, changed) is None
         assert kept.passed(key, changed).spent == (("table4", 1.0),)
+
+
+def test_the_cheapest_case_runs_first_but_for_one_that_is_named() -> None:
+    order = Order({"table4": 0.5, "textbook": 2.0, "grazing": 1.0})
+    assert [case for case, _ in order.limits(False)] == ["table4", "grazing", "textbook"]
+    named = replace(order, first="textbook").limits(False)
+    assert [case for case, _ in named] == ["textbook", "table4", "grazing"]
+    assert sorted(named) == sorted(order.limits(False))
 
 
 def test_a_case_is_known_by_its_source_and_that_of_the_cases_that_it_imports(tmp_path: Path) -> None:
