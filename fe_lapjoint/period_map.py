@@ -7,7 +7,7 @@ Deviations are (q, q') in the modes of the joint without contact, whose mass is 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -105,7 +105,8 @@ class PeriodMap:
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        return self._recorded(self.initial(), period_pieces(self.period, duration), progress, peaks)
+        motion = self._recorded(self.initial(), period_pieces(self.period, duration), progress, peaks)
+        return replace(motion, end=duration)  # the pieces come to that but for rounding
 
     def _recorded(
         self, start: SectionPoint, pieces: list[float], progress: Progress | None, peaks: bool = True

@@ -10,16 +10,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 if TYPE_CHECKING:
     from fe_lapjoint.period_map import PeriodMap
     from lapjoint.orbits.orbit_errors import FinerMap
+    from lapjoint.orbits.refinement import Refinement
 
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
@@ -105,7 +106,7 @@ class Solver:
         return replace(self, elements=elements, nodes=split_elements(self.nodes, max(1, math.ceil(factor))))
 
     @in_one_thread
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest modes of a contact state on the mesh; frequencies converge from above, with order 4.
 
         Parameters
@@ -113,7 +114,7 @@ class Solver:
         problem : Problem
             What is solved.
         state : ContactState
-            The stops that are closed.
+            The stops that are closed; none by default.
         count : int
             How many modes.
 
@@ -249,6 +250,24 @@ class Solver:
         return with_contact_errors(
             motion, refinement, lambda: answers.simulate(finer, problem, duration, None, peaks=False)
         )
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Solver] | None:
+        """A solver on a finer mesh, by which errors are estimated.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        tuple of Refinement and Solver
+            What is known of it, and the solver.
+        """
+        from lapjoint.orbits.refinement import Refinement
+
+        finer = self._finer(problem, FINER_ORBIT)
+        return Refinement(finer.name, FINER_ORBIT, ORDER), finer
 
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.

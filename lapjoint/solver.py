@@ -8,13 +8,15 @@ from importlib.metadata import entry_points
 from typing import Any, Protocol, runtime_checkable
 
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
 """Packages register their solvers under this name."""
+MODES = 6
+"""Modes of a state where nobody says how many: a line of a terminal."""
 Progress = Callable[[float, float], None]
 """Called now and then with (done, total), in the same unit."""
 
@@ -27,7 +29,7 @@ class Solver(Protocol):
     def name(self) -> str:
         """Name and options in a line, for tables and files."""
 
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest modes of a contact state.
 
         Parameters
@@ -35,9 +37,9 @@ class Solver(Protocol):
         problem : Problem
             The joint.
         state : ContactState
-            The stops that are closed.
+            The stops that are closed; none by default.
         count : int
-            Number of modes, at least 1.
+            Number of modes, at least 1; `MODES` by default.
 
         Returns
         -------

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fe_lapjoint.march.gaps import Coordinates
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.propagator import Coordinates
 from lapjoint.answers import Contact, History
 from lapjoint.problem import FloatArray
 

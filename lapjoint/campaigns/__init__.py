@@ -1,5 +1,5 @@
-"""Many answers: steady states over a grid of problems, or where many starts end, by many workers, kept in a journal and
-given as a dataset.
+"""Many answers, by many workers, kept in a journal and given as a dataset: steady states over a grid of problems, where
+many starts end, and statistics of long motions.
 
 >>> from lapjoint import FREQUENCY, Axis, paper_joint, sweep
 >>> curve = sweep(paper_joint(), [Axis(FREQUENCY, range(400, 600, 10))], workers=2, out="curve.nc")  # doctest: +SKIP
@@ -7,9 +7,10 @@ given as a dataset.
 """
 
 from lapjoint.campaigns.basin_plan import BasinPlan
-from lapjoint.campaigns.basin_running import basins, solve_basins, stored_basins
+from lapjoint.campaigns.basin_running import basins, solve_basins
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.realisations import statistics
 from lapjoint.campaigns.running import run, solve, stored, sweep
 
 __all__ = [
@@ -22,7 +23,7 @@ __all__ = [
     "run",
     "solve",
     "solve_basins",
+    "statistics",
     "stored",
-    "stored_basins",
     "sweep",
 ]

@@ -27,6 +27,8 @@ class Chunk:
     """Starts of the chunk whose march was pushed off an unstable motion that it could not leave."""
     messages: list[list[Any]] = field(default_factory=list)
     """Starts of the chunk whose march could not go on, each with the reason."""
+    message: str = ""
+    """Why there is no answer at all; empty where there is one."""
 
     @staticmethod
     def failed(count: int, reason: str) -> Chunk:

@@ -13,10 +13,9 @@ from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.basin_chunk import UNBOUND
 from lapjoint.campaigns.basin_plan import BasinPlan
 from lapjoint.campaigns.basin_table import MotionTable, wilson
-from lapjoint.campaigns.dataset import BASINS, read_contents
+from lapjoint.campaigns.dataset import read_result
 from lapjoint.campaigns.format_version import FORMAT_VERSION
 from lapjoint.campaigns.point import FAILED, OUTCOME_CODES, plain_section
-from lapjoint.netcdf_files import write_netcdf
 from lapjoint.orbits.certified import CertifiedMotion
 from lapjoint.orbits.compiled_intervals import IndexArray
 
@@ -213,7 +212,7 @@ def _attributes(plan: BasinPlan) -> dict[str, Any]:
     return {
         "Conventions": "CF-1.11",
         "format_version": FORMAT_VERSION,
-        "contents": BASINS,
+        "result_of": plan.noun,
         "title": f"Basins of: {plan.problem.title or 'a joint'}",
         "problem": identity["problem"],
         "solver": plan.solver,
@@ -223,24 +222,6 @@ def _attributes(plan: BasinPlan) -> dict[str, Any]:
         **{f"version_{name}": number for name, number in identity["versions"].items()},
         "fingerprint": plan.fingerprint,
     }
-
-
-def write_basins(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset as NetCDF; an older file of that name stays until the new one is complete.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of `dataset_of_basins`.
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written.
-    """
-    write_netcdf(dataset, path)
 
 
 def read_basins(path: str | Path) -> xr.Dataset:
@@ -261,4 +242,4 @@ def read_basins(path: str | Path) -> xr.Dataset:
     InputError
         If there is no such file, it holds something else, it is damaged, or of another format version.
     """
-    return read_contents(path, BASINS)
+    return read_result(path, BasinPlan.noun)

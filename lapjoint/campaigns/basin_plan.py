@@ -13,17 +13,21 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from lapjoint.campaigns.basin_chunk import Chunk
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.plan import check_integer, fingerprint_of, versions
+from lapjoint.campaigns.plan import check_integer, digest_of, versions
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.files import to_toml
 from lapjoint.problem.plane import Plane
+from lapjoint.solver import Solver, make_solver
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CHUNK = 64
 """Starts in a chunk: enough for one compiled call to be worth it, few enough for little to be lost by an interrupt."""
@@ -76,7 +80,9 @@ class BasinPlan:
         If a parameter is not allowed.
     """
 
-    counted: ClassVar[str] = "chunks of starts"
+    noun: ClassVar[str] = "search for basins"
+    cells_noun: ClassVar[str] = "chunks of starts"
+    longest_batch: ClassVar[int] = 4
     chained: ClassVar[bool] = False
 
     problem: Problem
@@ -240,8 +246,21 @@ class BasinPlan:
         """No cell follows another. See `lapjoint.campaigns.campaign.Campaign.chains`."""
         return iter(())
 
-    def solve(self, cell: int, section: dict[str, Any] | None) -> tuple[Chunk, None]:
-        """Find where the starts of a cell end. See `lapjoint.campaigns.campaign.Campaign.solve`."""
+    def check(self) -> Solver:
+        """Check all that can be checked. See `lapjoint.campaigns.campaign.Campaign.check`."""
+        from lapjoint.campaigns.basin_solving import period_map_of, prepared
+
+        solver = make_solver(self.solver, **self.options)
+        if self.grid is not None:
+            self.grid.check()
+        if self.plane is not None:
+            self.plane.check(self.problem)
+        period_map_of(self.solver, dict(self.options), self.problem_at(0))
+        prepared(self, 0, "[]")
+        return solver
+
+    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Chunk, None]:
+        """Find where the starts of a cell end. See `lapjoint.campaigns.campaign.Campaign.answer`."""
         from lapjoint.campaigns.basin_solving import solve_chunk
 
         try:
@@ -249,13 +268,40 @@ class BasinPlan:
         except InputError as error:
             raise InputError(f"{self.describe(cell)}: {error}" if self.grid else str(error)) from None
 
-    def given_up(self, cell: int, reason: str) -> Chunk:
-        """A chunk whose starts all failed. See `lapjoint.campaigns.campaign.Campaign.given_up`."""
-        return Chunk.failed(len(self.cell(cell)[1]), reason)
-
-    def answer(self, fields: Mapping[str, Any]) -> Chunk:
-        """A chunk from the journal. See `lapjoint.campaigns.campaign.Campaign.answer`."""
+    def point(self, fields: Mapping[str, Any]) -> Chunk:
+        """A chunk from its attributes. See `lapjoint.campaigns.campaign.Campaign.point`."""
         return Chunk(**fields)
+
+    def dataset(self, points: Mapping[int, Chunk]) -> xr.Dataset:
+        """Where all starts end. See `lapjoint.campaigns.campaign.Campaign.dataset`."""
+        from lapjoint.campaigns.basin_dataset import dataset_of_basins
+        from lapjoint.campaigns.basin_table import branches_of, table_of
+
+        tables = []
+        for value in range(self.values):
+            first = self.values + value * self.chunks
+            own = [self._whole(cell, points[cell]) for cell in range(first, first + self.chunks)]
+            tables.append(table_of(self, value, points[value], own))
+        return dataset_of_basins(self, tables, None if self.over is None else branches_of(self, tables))
+
+    def _whole(self, cell: int, chunk: Chunk) -> Chunk:
+        """A chunk with an answer for each start, where its process died too."""
+        return Chunk.failed(len(self.cell(cell)[1]), chunk.message) if chunk.message else chunk
+
+    def rehearse(self, solver: Solver) -> bool:
+        """Whether a short piece of work serves instead of the first cell: none does, for cells are short.
+
+        Parameters
+        ----------
+        solver : Solver
+            Whose code the work would compile.
+
+        Returns
+        -------
+        bool
+            False.
+        """
+        return False
 
     @cached_property
     def identity(self) -> dict[str, Any]:
@@ -278,7 +324,7 @@ class BasinPlan:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
-        return fingerprint_of(self.identity, self.options)
+        return digest_of(self.identity, self.options)
 
 
 def library_text(chunk: Chunk) -> str:

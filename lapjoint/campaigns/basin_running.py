@@ -7,22 +7,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lapjoint.campaigns.basin_chunk import Chunk
 from lapjoint.campaigns.basin_plan import EFFORT, BasinPlan, library_text
 from lapjoint.campaigns.batch import Batch, Solved
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.journal import Journal
-from lapjoint.campaigns.running import resumable, send, stored
-from lapjoint.campaigns.workers import Workers, check_workers
+from lapjoint.campaigns.running import send, solve, stored
+from lapjoint.campaigns.workers import Workers
 from lapjoint.problem import Problem
 from lapjoint.problem.plane import Plane
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
     import xarray as xr
-
-LONGEST_BATCH = 4
-"""Largest number of chunks that are sent at once, so that all workers end at about the same time."""
 
 
 def basins(
@@ -114,60 +110,10 @@ def basins(
         effort,
         over,
     )
-    found = None if out is None else stored_basins(plan, out, force=force)
+    found = None if out is None else stored(plan, out, force=force)
     if found is not None:
         return found
     return solve_basins(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-
-
-def stored_basins(plan: BasinPlan, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
-    """The finished dataset of a plan, if its file is there.
-
-    Parameters
-    ----------
-    plan : BasinPlan
-        The plan.
-    out : str or Path
-        File of the dataset.
-    force : bool
-        Whether the file may be something else, to be thrown away.
-
-    Returns
-    -------
-    xarray.Dataset or None
-        The dataset; None if there is no such file, or it is something else that may be thrown away.
-
-    Raises
-    ------
-    InputError
-        If the file is something else, and may not be thrown away.
-    """
-    from lapjoint.campaigns.basin_dataset import read_basins
-
-    return stored(plan, out, force=force, read=read_basins)
-
-
-def check_basins(plan: BasinPlan) -> None:
-    """Check everything that can be checked before any work.
-
-    Parameters
-    ----------
-    plan : BasinPlan
-        The plan.
-
-    Raises
-    ------
-    InputError
-        If the solver does not take its options, or the starts, or a value has no valid problem.
-    """
-    from lapjoint.campaigns.basin_solving import period_map_of, prepared
-
-    if plan.grid is not None:
-        plan.grid.check()
-    if plan.plane is not None:
-        plan.plane.check(plan.problem)
-    period_map_of(plan.solver, dict(plan.options), plan.problem_at(0))
-    prepared(plan, 0, "[]")
 
 
 def solve_basins(
@@ -212,39 +158,14 @@ def solve_basins(
     Interrupted
         After Ctrl-C; the message says how much is kept.
     """
-    from lapjoint.campaigns.basin_dataset import write_basins
-
-    workers = check_workers(workers)
-    check_basins(plan)
-    if out is None:
-        found: dict[int, Chunk] = {}
-        _work(plan, found, None, workers, scheduler, progress)
-        return _dataset(plan, found)
-    journal = Journal(plan, out, force=force)
-    with resumable(journal):
-        _work(plan, journal.points, journal, workers, scheduler, progress)
-        dataset = _dataset(plan, journal.points)
-        write_basins(dataset, out)
-        journal.remove()
-    return dataset
+    return solve(
+        plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress, work=_scouts_first
+    )
 
 
-def _dataset(plan: BasinPlan, chunks: Mapping[int, Chunk]) -> xr.Dataset:
-    """The dataset, when all chunks are done."""
-    from lapjoint.campaigns.basin_dataset import dataset_of_basins
-    from lapjoint.campaigns.basin_table import branches_of, table_of
-
-    tables = []
-    for value in range(plan.values):
-        first = plan.values + value * plan.chunks
-        own = [chunks[cell] for cell in range(first, first + plan.chunks)]
-        tables.append(table_of(plan, value, chunks[value], own))
-    return dataset_of_basins(plan, tables, None if plan.over is None else branches_of(plan, tables))
-
-
-def _work(
+def _scouts_first(
     plan: BasinPlan,
-    chunks: dict[int, Chunk],
+    chunks: dict[int, Any],
     journal: Journal | None,
     workers: Workers,
     scheduler: str | None,
@@ -268,7 +189,7 @@ def _work(
     known = replace(plan, libraries=tuple(library_text(chunks[value]) for value in range(plan.values)))
     left = [cell for cell in range(plan.values, plan.size) if cell not in chunks]
     parts = workers if isinstance(workers, int) else 1
-    todo = _batches(left, max(1, min(LONGEST_BATCH, len(left) // (4 * parts))))
+    todo = _batches(left, max(1, min(plan.longest_batch, len(left) // (4 * parts))))
     if todo:
         send(known, todo, workers, scheduler, deliver)
 

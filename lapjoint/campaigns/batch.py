@@ -1,4 +1,4 @@
-"""A batch of cells of a sweep: how it is made, and how it is solved, in this process, another one or on a cluster."""
+"""A batch of cells: how it is made, and how it is solved, in this process, another one or on a cluster."""
 
 from __future__ import annotations
 
@@ -6,16 +6,11 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from lapjoint.campaigns.campaign import Campaign
-from lapjoint.campaigns.point import Point, plain_section, point_of, section_from
-from lapjoint.errors import InputError, SolverError
+from lapjoint.campaigns.campaign import Campaign, Point
 from lapjoint.one_thread import in_one_thread
 from lapjoint.solver import Solver, make_solver
-
-if TYPE_CHECKING:
-    from lapjoint.campaigns.plan import Plan
 
 BATCH_SECONDS = 1.0
 """Time after which a batch is handed back, finished or not, s: it is as much work as a crash can lose."""
@@ -42,7 +37,7 @@ class Batch:
 class Solved:
     """The cells of a batch that are done, and what is left of the batch."""
 
-    points: dict[int, Any]
+    points: dict[int, Point]
     """What was found, by the number of the cell."""
     section: dict[str, Any] | None
     """Section point from which the next cell of a chain starts, as `plain_section` gives it."""
@@ -57,7 +52,7 @@ def solve_batch(plan: Campaign, batch: Batch) -> Solved:
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     batch : Batch
         Cells to be solved, in their sequence.
 
@@ -71,11 +66,12 @@ def solve_batch(plan: Campaign, batch: Batch) -> Solved:
     InputError
         If a point has no valid problem; the message names it.
     """
+    solver = solver_of(plan)
     deadline = time.monotonic() + BATCH_SECONDS
-    points: dict[int, Any] = {}
+    points: dict[int, Point] = {}
     section = batch.section
     for cell in batch.cells:
-        points[cell], section = plan.solve(cell, section if batch.chained else None)
+        points[cell], section = plan.answer(cell, solver, section if batch.chained else None)
         if time.monotonic() > deadline:
             break
     return Solved(points, section, after(batch, len(points), section))
@@ -108,7 +104,7 @@ def batches(plan: Campaign, done: set[int], sections: dict[int, dict[str, Any] |
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     done : set of int
         Numbers of the cells that are done.
     sections : dict of int to dict or None
@@ -132,46 +128,6 @@ def batches(plan: Campaign, done: set[int], sections: dict[int, dict[str, Any] |
     left = [cell for cell in range(plan.size) if cell not in done]
     for i in range(0, len(left), length):
         yield Batch(tuple(left[i : i + length]))
-
-
-def steady_cell(plan: Plan, cell: int, section: dict[str, Any] | None) -> tuple[Point, dict[str, Any] | None]:
-    """The steady state of a cell of a sweep, and the section point from which the next cell of a chain starts.
-
-    Where the solver gives up, this is the section point from which the cell itself started.
-
-    Parameters
-    ----------
-    plan : Plan
-        The sweep.
-    cell : int
-        Number of the cell.
-    section : dict of str to Any, or None
-        Section point from which it starts, as `plain_section` gives it; None for the initial state of its problem.
-
-    Returns
-    -------
-    Point
-        What was found.
-    dict of str to Any, or None
-        Section point from which the next cell of a chain starts; None where there is no chain.
-
-    Raises
-    ------
-    InputError
-        If there is no valid problem at this point; the message names it.
-    """
-    solver = made_solver(plan.solver, plan.options)
-    try:
-        problem = plan.problem_at(cell, solver)
-        start = None if section is None else section_from(section)
-        found = solver.steady_state(problem, start=start, sensitivity=plan.sensitivity, errors=plan.errors)
-    except SolverError as error:
-        return Point(message=str(error)), section
-    except InputError as error:
-        message = str(error)
-        where = plan.describe(cell)
-        raise InputError(message if message.startswith(where) else f"{where}: {message}") from None
-    return point_of(found), plain_section(found.section_point) if plan.chained else None
 
 
 @lru_cache(maxsize=4)
@@ -199,3 +155,19 @@ def made_solver(name: str, options: Mapping[str, Any]) -> Solver:
     import json
 
     return _made(name, json.dumps(dict(options), sort_keys=True))
+
+
+def solver_of(plan: Campaign) -> Solver:
+    """The solver of a campaign, made once in each process.
+
+    Parameters
+    ----------
+    plan : Campaign
+        The work.
+
+    Returns
+    -------
+    Solver
+        The solver, with its options.
+    """
+    return made_solver(plan.solver, plan.options)

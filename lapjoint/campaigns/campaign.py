@@ -1,88 +1,147 @@
-"""What journal, workers and cluster ask of a plan: which cells there are, and how each is solved."""
+"""What all work that is done cell by cell has in common: sweeps, and the realisations of statistics.
+
+A campaign is known by its identity, is cut in cells whose answers depend on nothing but the campaign and the number of
+the cell, and makes a dataset of them.  Workers, cluster and journal know no more of it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
+
+from lapjoint.solver import Solver
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Point(Protocol):
+    """The answer of a cell: plain values that JSON can hold, as attributes."""
+
+    @property
+    def message(self) -> str:
+        """Why there is no answer; empty where there is one."""
 
 
 class Campaign(Protocol):
-    """Cells that are solved independently, or in chains; `lapjoint.campaigns.plan.Plan` is one.
+    """Work that is done cell by cell."""
 
-    The answer of a cell is a frozen dataclass of values that JSON can hold.
-    """
+    @property
+    def noun(self) -> str:
+        """What the work is called in messages: sweep, ..."""
 
-    counted: ClassVar[str]
-    """What the cells are called in messages, in the plural."""
+    @property
+    def cells_noun(self) -> str:
+        """What several cells are called in messages: points, ..."""
+
+    @property
+    def solver(self) -> str:
+        """Entry-point name of the solver."""
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """Numerical options of the solver."""
 
     @property
     def size(self) -> int:
         """Number of cells."""
 
     @property
+    def longest_batch(self) -> int:
+        """Largest number of cells that a worker is given at once."""
+
+    @property
     def chained(self) -> bool:
-        """Whether each cell starts from the one before it."""
+        """Whether a cell starts where another has ended."""
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What distinguishes this campaign from any other, as values that JSON can hold."""
+        """What distinguishes this work from any other, as values that JSON can hold."""
 
     @property
     def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
+        """A digest of the identity."""
 
     def chains(self) -> Iterator[tuple[int, ...]]:
-        """The cells of each chain, in the sequence in which they are solved."""
+        """The cells of each chain, in the sequence in which they are solved, where they are chained."""
 
-    def solve(self, cell: int, section: dict[str, Any] | None) -> tuple[Any, dict[str, Any] | None]:
+    def check(self) -> Solver:
+        """Check everything that can be checked before any work, and make the solver.
+
+        Returns
+        -------
+        Solver
+            The solver, with its options.
+
+        Raises
+        ------
+        InputError
+            If something is not allowed.
+        """
+
+    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Any, dict[str, Any] | None]:
         """Solve a cell.
 
         Parameters
         ----------
         cell : int
             Number of the cell.
-        section : dict of str to Any, or None
-            Section point from which a cell of a chain starts, as `plain_section` gives it.
+        solver : Solver
+            The solver.
+        section : dict or None
+            Where the cell starts, if it is chained.
 
         Returns
         -------
-        answer
-            What was found.
-        section : dict of str to Any, or None
-            Section point from which the next cell of a chain starts.
+        point : Point
+            The answer.
+        section : dict or None
+            Where the next cell starts, if it is chained.
 
         Raises
         ------
         InputError
-            If there is nothing valid to be solved there; the message names the cell.
+            If the cell has no valid problem.
         """
 
-    def given_up(self, cell: int, reason: str) -> Any:
-        """The answer of a cell whose processes died.
-
-        Parameters
-        ----------
-        cell : int
-            Number of the cell.
-        reason : str
-            Why it is given up.
-
-        Returns
-        -------
-        answer
-            One that holds the reason.
-        """
-
-    def answer(self, fields: Mapping[str, Any]) -> Any:
-        """The answer of a cell from what a journal holds of it.
+    def point(self, fields: Mapping[str, Any]) -> Any:
+        """The answer of a cell from its attributes.
 
         Parameters
         ----------
         fields : mapping of str to Any
-            ``vars`` of the answer, as JSON gives it back.
+            What the journal holds.
 
         Returns
         -------
-        answer
-            The same answer.
+        Point
+            The answer.
+        """
+
+    def dataset(self, points: Mapping[int, Any]) -> xr.Dataset:
+        """What all cells come to.
+
+        Parameters
+        ----------
+        points : mapping of int to Point
+            The answer of each cell.
+
+        Returns
+        -------
+        xarray.Dataset
+            The dataset.
+
+        Raises
+        ------
+        SolverError
+            If no cell has an answer.
+        """
+
+    def rehearse(self, solver: Solver) -> bool:
+        """Whether what workers need was compiled and stored by a short piece of work, and not by a whole cell.
+
+        Parameters
+        ----------
+        solver : Solver
+            The solver.
         """

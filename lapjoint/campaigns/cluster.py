@@ -1,4 +1,4 @@
-"""The work of a sweep on a dask cluster, which goes on when workers die."""
+"""The work of a campaign on a dask cluster, which goes on when workers die."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def work_on_cluster(plan: Campaign, batches: Iterable[Batch], scheduler: str, de
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     batches : iterable of Batch
         The work.
     scheduler : str

@@ -1,7 +1,7 @@
-"""An append-only journal of a sweep, from which it resumes after Ctrl-C, a crash or a full disk.
+"""An append-only journal of a sweep or of statistics, which resume from it after Ctrl-C, a crash or a full disk.
 
-A journal has lines of JSON.  The first says which sweep this is.  Each other line holds the points of a batch and, for
-a chain, the section point from which it goes on.  Each line ends in its checksum, which is also that of the sweep, so
+A journal has lines of JSON.  The first says which work this is.  Each other line holds the points of a batch and, for
+a chain, the section point from which it goes on.  Each line ends in its checksum, which is also that of the work, so
 that a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is waited
 for.  Damaged lines are dropped with a warning, wherever they are, and their points are computed again.  A lock on the
 file keeps two processes from writing the same journal; the system releases it however a process ends.
@@ -22,7 +22,7 @@ from io import FileIO
 from pathlib import Path
 from typing import Any
 
-from lapjoint.campaigns.campaign import Campaign
+from lapjoint.campaigns.campaign import Campaign, Point
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.errors import DamageWarning, InputError
 from lapjoint.output_files import unwritable
@@ -55,7 +55,7 @@ class Journal:
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     out : str or Path
         The file that the sweep writes when it is done.
     force : bool
@@ -87,12 +87,12 @@ class Journal:
             self._file.close()
             raise
 
-    def append(self, points: Mapping[int, Any], section: dict[str, Any] | None = None) -> None:
+    def append(self, points: Mapping[int, Point], section: dict[str, Any] | None = None) -> None:
         """Keep points: they are on the disk when this returns.
 
         Parameters
         ----------
-        points : mapping of int to answer
+        points : mapping of int to Point
             What was found, by the number of the cell.
         section : dict of str to Any, optional
             Section point from which the chain goes on after the last of these cells, as `plain_section` gives it.
@@ -123,19 +123,21 @@ class Journal:
         """A message for a sweep that stops here: it reads the file, because an interrupt can come at any moment."""
         self._load(force=False)
         if not self.points:
-            return f"none of {self.plan.size} {self.plan.counted} was done"
-        kept = f"{len(self.points)} of {self.plan.size} {self.plan.counted} are kept in {self.path}"
-        return f"{kept}; the same command resumes"
+            return f"none of {self._of_all} was done"
+        return f"{len(self.points)} of {self._of_all} are kept in {self.path}; the same command resumes"
+
+    @property
+    def _of_all(self) -> str:
+        """The number of all cells, with what they are called."""
+        return f"{self.plan.size} {self.plan.cells_noun}"
 
     def _read(self, force: bool) -> None:
         """Take the points in the file, and leave in it only what is whole."""
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
-            kept = f"{len(self.points)} of {self.plan.size} {self.plan.counted} are whole"
-            warnings.warn(
-                f"{self.path}: {what}; {kept}, and the others are computed again", DamageWarning, stacklevel=2
-            )
+            kept = f"{len(self.points)} of {self._of_all} are whole, and the others are computed again"
+            warnings.warn(f"{self.path}: {what}; {kept}", DamageWarning, stacklevel=2)
         if not self._file.seek(0, os.SEEK_END):
             self._write(self._header)
         elif damaged or not whole:
@@ -175,13 +177,13 @@ class Journal:
         """Why a file that begins with this line is not the journal of this sweep."""
         header = _parsed(first)
         if header is None or "fingerprint" not in header:
-            return "is there already, and is not a journal of a sweep"
+            return f"is there already, and is not a journal of a {self.plan.noun}"
         if "checksum" in header and _opened(first) is None:
-            return "is damaged, and nothing in it is known to be of this sweep"
+            return f"is damaged, and nothing in it is known to be of this {self.plan.noun}"
         if refusal(header.get("journal")):
             return refusal(header.get("journal"))
         different = [key for key, value in self.plan.identity.items() if header.get(key) != value]
-        return f"holds another sweep, not finished (it differs in {', '.join(different)})"
+        return f"holds another {self.plan.noun}, not finished (it differs in {', '.join(different)})"
 
     def _taken(self, raw: bytes) -> bool:
         """Whether a later line is whole; its points are taken."""
@@ -192,7 +194,7 @@ class Journal:
 
     def _take(self, line: dict[str, Any]) -> None:
         cells = line["cells"]
-        self.points.update({cell: self.plan.answer(fields) for cell, fields in zip(cells, line["points"], strict=True)})
+        self.points.update({cell: self.plan.point(fields) for cell, fields in zip(cells, line["points"], strict=True)})
         self.sections[cells[-1]] = line.get("section")
 
     def _write(self, line: bytes) -> None:

@@ -15,18 +15,20 @@ from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from itertools import product
-from typing import Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 import numpy as np
 
-from lapjoint.campaigns.batch import steady_cell
 from lapjoint.campaigns.grid import Grid
-from lapjoint.campaigns.point import Point
+from lapjoint.campaigns.point import Point, plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.problem.files import to_toml
 from lapjoint.solver import Solver, make_solver
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Start = Literal["rest", "up", "down", "random"]
 """How motions start; `Plan` says what the words mean."""
@@ -67,7 +69,10 @@ class Plan:
         If a parameter is not allowed.
     """
 
-    counted: ClassVar[str] = "points"
+    noun: ClassVar[str] = "sweep"
+    cells_noun: ClassVar[str] = "points"
+    longest_batch: ClassVar[int] = 32
+    """Largest number of independent cells in a batch, so that the last batches end at about the same time."""
 
     grid: Grid
     solver: str = "analytic"
@@ -173,17 +178,47 @@ class Plan:
         self.grid.check()
         return solver
 
-    def solve(self, cell: int, section: dict[str, Any] | None) -> tuple[Point, dict[str, Any] | None]:
-        """Find the steady state of a cell. See `lapjoint.campaigns.campaign.Campaign.solve`."""
-        return steady_cell(self, cell, section)
+    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Point, dict[str, Any] | None]:
+        """What was found for a cell, and where the next one starts: at the cell's own start where the solver gave up.
 
-    def given_up(self, cell: int, reason: str) -> Point:
-        """A cell without an answer. See `lapjoint.campaigns.campaign.Campaign.given_up`."""
-        return Point(message=reason)
+        See `lapjoint.campaigns.campaign.Campaign.answer`.
+        """
+        try:
+            problem = self.problem_at(cell, solver)
+            start = None if section is None else section_from(section)
+            found = solver.steady_state(problem, start=start, sensitivity=self.sensitivity, errors=self.errors)
+        except SolverError as error:
+            return Point(message=str(error)), section
+        except InputError as error:
+            message = str(error)
+            where = self.describe(cell)
+            raise InputError(message if message.startswith(where) else f"{where}: {message}") from None
+        return point_of(found), plain_section(found.section_point) if self.chained else None
 
-    def answer(self, fields: Mapping[str, Any]) -> Point:
-        """A cell from the journal. See `lapjoint.campaigns.campaign.Campaign.answer`."""
+    def point(self, fields: Mapping[str, Any]) -> Point:
+        """A point from its attributes. See `lapjoint.campaigns.campaign.Campaign.point`."""
         return Point(**fields)
+
+    def dataset(self, points: Mapping[int, Point]) -> xr.Dataset:
+        """The dataset of the sweep. See `lapjoint.campaigns.campaign.Campaign.dataset`."""
+        from lapjoint.campaigns.dataset import dataset_of
+
+        return dataset_of(self, points)
+
+    def rehearse(self, solver: Solver) -> bool:
+        """Whether a short piece of work serves instead of the first cell: none does, for cells are short.
+
+        Parameters
+        ----------
+        solver : Solver
+            Whose code the work would compile.
+
+        Returns
+        -------
+        bool
+            False.
+        """
+        return False
 
     @cached_property
     def identity(self) -> dict[str, Any]:
@@ -205,18 +240,18 @@ class Plan:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
-        return fingerprint_of(self.identity, self.options)
+        return digest_of(self.identity, self.options)
 
 
-def fingerprint_of(identity: Mapping[str, Any], options: Mapping[str, Any]) -> str:
-    """A digest of what distinguishes a campaign.
+def digest_of(identity: Mapping[str, Any], options: Mapping[str, Any]) -> str:
+    """A digest of what distinguishes work from any other.
 
     Parameters
     ----------
     identity : mapping of str to Any
-        What does, as values that JSON can hold if the options are such.
+        It, as values that JSON can hold.
     options : mapping of str to Any
-        Numerical options of its solver.
+        The part of it that a user gives as it is: the numerical options of the solver.
 
     Returns
     -------
@@ -226,7 +261,7 @@ def fingerprint_of(identity: Mapping[str, Any], options: Mapping[str, Any]) -> s
     Raises
     ------
     InputError
-        If an option cannot be written to a file.
+        If JSON cannot hold the options.
     """
     try:
         text = json.dumps(identity)
@@ -248,21 +283,21 @@ def versions() -> dict[str, str]:
 
 
 def check_integer(name: str, value: object, low: int, high: int) -> None:
-    """Refuse what is no integer in a range.
+    """Refuse what is no integer within a range.
 
     Parameters
     ----------
     name : str
-        What it is called in the message.
+        What it is, for the message.
     value : object
-        The value.
+        What was given.
     low, high : int
-        Least and largest that are allowed.
+        The least that is allowed, and the most.
 
     Raises
     ------
     InputError
-        If it is not.
+        If it is not allowed.
     """
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InputError(f"{name} = {value!r}: must be an integer from {low} to {high}")

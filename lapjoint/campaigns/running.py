@@ -1,20 +1,19 @@
-"""Runs a sweep from its plan to its dataset: resumes what is done, gives the rest to workers, and keeps the journal."""
+"""Runs a campaign from its plan to its dataset: resumes what is done, gives the rest to workers, keeps the journal."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lapjoint.campaigns.batch import after, batches, solve_batch
+from lapjoint.campaigns.batch import after, batches, solve_batch, solver_of
 from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.plan import Plan, Start
-from lapjoint.campaigns.point import Point
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
 from lapjoint.errors import InputError, Interrupted, OutputError, SolverError
+from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from lapjoint.campaigns.batch import Batch, Solved
-
-LONGEST_BATCH = 32
-"""Largest number of independent cells in a batch, so that the last batches of a sweep end at about the same time."""
 
 
 def sweep(
@@ -101,7 +97,7 @@ def sweep(
 
 
 def run(
-    plan: Plan,
+    plan: Campaign,
     *,
     workers: Workers = 1,
     scheduler: str | None = None,
@@ -113,8 +109,8 @@ def run(
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     workers : int or map-like callable
         Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
     scheduler : str, optional
@@ -147,13 +143,14 @@ def run(
 
 
 def solve(
-    plan: Plan,
+    plan: Campaign,
     *,
     workers: Workers = 1,
     scheduler: str | None = None,
     out: str | Path | None = None,
     force: bool = False,
     progress: Progress | None = None,
+    work: Callable[..., None] | None = None,
 ) -> xr.Dataset:
     """Run a plan, and replace what is in `out`.
 
@@ -162,8 +159,8 @@ def solve(
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     workers : int or map-like callable
         Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
     scheduler : str, optional
@@ -174,6 +171,8 @@ def solve(
         Whether the journal of another sweep may be thrown away.
     progress : callable, optional
         Called with the number of points done and the number of all.
+    work : callable, optional
+        Finds the cells that are missing, as `all_cells` does, which is the default.
 
     Returns
     -------
@@ -191,69 +190,38 @@ def solve(
     Interrupted
         After Ctrl-C; the message says how many points are kept.
     """
-    from lapjoint.campaigns.dataset import dataset_of, write_curve
-
-    workers = check_workers(workers)
+    workers, work = check_workers(workers), work or all_cells
     plan.check()
     if out is None:
-        points: dict[int, Point] = {}
-        _work(plan, points, None, workers, scheduler, progress)
-        return dataset_of(plan, points)
+        points: dict[int, Any] = {}
+        work(plan, points, None, workers, scheduler, progress)
+        return plan.dataset(points)
     journal = Journal(plan, out, force=force)
-    with resumable(journal):
-        _work(plan, journal.points, journal, workers, scheduler, progress)
-        dataset = dataset_of(plan, journal.points)
-        write_curve(dataset, out)
-        journal.remove()
-    return dataset
-
-
-@contextmanager
-def resumable(journal: Journal) -> Iterator[None]:
-    """Work that a journal keeps: errors and Ctrl-C say how much is kept, and the journal is released at the end.
-
-    Parameters
-    ----------
-    journal : Journal
-        The journal.
-
-    Yields
-    ------
-    None
-        While the work goes on.
-
-    Raises
-    ------
-    OutputError, SolverError
-        What was raised within, with how much is kept.
-    Interrupted
-        After Ctrl-C.
-    """
     try:
-        yield
+        work(plan, journal.points, journal, workers, scheduler, progress)
+        dataset = plan.dataset(journal.points)
+        write_netcdf(dataset, out)
+        journal.remove()
     except (OutputError, SolverError) as error:
         raise type(error)(f"{error}; {journal.kept()}") from None
     except KeyboardInterrupt:
         raise Interrupted(f"interrupted: {journal.kept()}") from None
     finally:
         journal.close()
+    return dataset
 
 
-def stored(
-    plan: Campaign, out: str | Path, *, force: bool = False, read: Callable[[str | Path], xr.Dataset] | None = None
-) -> xr.Dataset | None:
+def stored(plan: Campaign, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
     """The finished dataset of a sweep, if its file is there.
 
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     out : str or Path
         File of the dataset.
     force : bool
         Whether the file may be something else, to be thrown away.
-    read : callable, optional
-        Reads such a file, or raises an `InputError`; `read_curve` by default.
 
     Returns
     -------
@@ -265,12 +233,12 @@ def stored(
     InputError
         If the file is something else, and may not be thrown away.
     """
-    from lapjoint.campaigns.dataset import read_curve
+    from lapjoint.campaigns.dataset import read_result
 
     if not Path(out).exists():
         return None
     try:
-        found = (read or read_curve)(out)
+        found = read_result(out, plan.noun)
     except InputError:
         if force:
             return None
@@ -279,18 +247,34 @@ def stored(
         return found
     if force:
         return None
-    raise InputError(f"{out}: is the result of another sweep; choose another --out, or overwrite it with --force")
+    raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
-def _work(
-    plan: Plan,
-    points: dict[int, Point],
+def all_cells(
+    plan: Campaign,
+    points: dict[int, Any],
     journal: Journal | None,
     workers: Workers,
     scheduler: str | None,
     progress: Progress | None,
 ) -> None:
-    """Find the points that are missing, and keep them in `points` or in the journal."""
+    """Find the answers that are missing.
+
+    Parameters
+    ----------
+    plan : Campaign
+        The work.
+    points : dict of int to answer
+        What is done, by the number of the cell; takes what is found.
+    journal : Journal, or None
+        Keeps what is found, in `points` too.
+    workers : int or map-like callable
+        Number of processes, or a function like `map`.
+    scheduler : str, or None
+        Address of a dask scheduler whose workers do it instead.
+    progress : callable, or None
+        Called with the number of cells done and the number of all.
+    """
 
     def deliver(solved: Solved) -> None:
         if journal is None:
@@ -302,7 +286,7 @@ def _work(
 
     if progress is not None:
         progress(len(points), plan.size)
-    length = LONGEST_BATCH
+    length = plan.longest_batch
     if isinstance(workers, int):
         length = max(1, min(length, plan.size // (4 * workers)))
     todo = list(batches(plan, set(points), journal.sections if journal else {}, length))
@@ -316,13 +300,13 @@ def send(plan: Campaign, todo: list[Batch], workers: Workers, scheduler: str | N
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     todo : list of Batch
-        The work, at least one batch.
+        What is to be done of it, at least one batch.
     workers : int or map-like callable
         Number of processes, or a function like `map`.
     scheduler : str, or None
-        Address of a dask scheduler whose workers do the work instead.
+        Address of a dask scheduler whose workers do it instead.
     deliver : callable
         Takes each `Solved`, in any sequence.
     """
@@ -339,11 +323,14 @@ def send(plan: Campaign, todo: list[Batch], workers: Workers, scheduler: str | N
 
 
 def _after_first_cell(plan: Campaign, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
-    """Solve the first cell in this process, and give the batches that are left for the workers.
+    """Solve the first cell in this process, or rehearse it, and give the batches that are left for the workers.
 
-    The first cell makes numba compile the march and store the machine code on the disk.  The workers then load it,
-    instead of each compiling the same functions at the same time.
+    That makes numba compile the march and store the machine code on the disk.  The workers then load it, instead of
+    each compiling the same functions at the same time.
     """
+    if plan.rehearse(solver_of(plan)):
+        yield from todo
+        return
     solved = solve_batch(plan, todo[0].first())
     deliver(solved)
     left = after(todo[0], 1, solved.section)

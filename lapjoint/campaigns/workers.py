@@ -1,4 +1,4 @@
-"""The workers of a sweep: this process, a pool of processes, or a function like `map` that the caller gives.
+"""The workers of a campaign: this process, a pool of processes, or a function like `map` that the caller gives.
 
 Each function takes a plan and its batches, and delivers what is solved, in any sequence.
 """
@@ -61,7 +61,7 @@ def work_here(plan: Campaign, batches: Iterable[Batch], deliver: Deliver) -> Non
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     batches : iterable of Batch
         The work.
     deliver : callable
@@ -81,7 +81,7 @@ def work_mapped(plan: Campaign, batches: Iterable[Batch], mapper: Mapper, delive
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     batches : iterable of Batch
         The work.
     mapper : callable
@@ -104,7 +104,7 @@ def given_up(plan: Campaign, batch: Batch, reason: str) -> Solved:
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     batch : Batch
         The batch.
     reason : str
@@ -115,8 +115,7 @@ def given_up(plan: Campaign, batch: Batch, reason: str) -> Solved:
     Solved
         The cell without an answer, and the rest of the batch.
     """
-    cell = batch.cells[0]
-    return Solved({cell: plan.given_up(cell, reason)}, batch.section, after(batch, 1, batch.section))
+    return Solved({batch.cells[0]: plan.point({"message": reason})}, batch.section, after(batch, 1, batch.section))
 
 
 def work_in_processes(plan: Campaign, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
@@ -125,7 +124,7 @@ def work_in_processes(plan: Campaign, batches: Iterable[Batch], workers: int, de
     Parameters
     ----------
     plan : Campaign
-        The sweep.
+        The work.
     batches : iterable of Batch
         The work.
     workers : int

@@ -31,7 +31,7 @@ def plan_from(
     over: str | None,
     first: float | None,
     last: float | None,
-    count: int | None,
+    values: int | None,
     effort: int | None,
 ) -> BasinPlan:
     """The plan of what was chosen; options that mean nothing together are refused."""
@@ -51,7 +51,7 @@ def plan_from(
         plane=None if plane is None else Plane.from_text(plane),
         ranges=None if ranges is None else ranges_from(ranges),
         energy=energy,
-        over=axis_over(over, first, last, count),
+        over=axis_over(over, first, last, values),
         **{name: value for name, value in given.items() if value is not None},
     )
 
@@ -74,14 +74,14 @@ def ranges_from(text: str) -> Ranges:
     return (a, b), (c, d)
 
 
-def axis_over(path: str | None, first: float | None, last: float | None, count: int | None) -> Axis | None:
-    """The axis of ``--over PATH --from FIRST --to LAST --count COUNT``."""
+def axis_over(path: str | None, first: float | None, last: float | None, values: int | None) -> Axis | None:
+    """The axis of ``--over PATH --from FIRST --to LAST --values VALUES``."""
     if path is None:
-        refuse("is of the values of --over PATH", **{"from": first, "to": last, "count": count})
+        refuse("is of the values of --over PATH", **{"from": first, "to": last, "values": values})
         return None
-    if first is None or last is None or count is None:
-        missing = [name for name, value in (("from", first), ("to", last), ("count", count)) if value is None]
-        raise InputError(f"--{missing[0]}: is missing; --over {path} needs --from, --to and --count")
-    if not 1 <= count <= MOST_POINTS or not math.isfinite(last - first):
-        raise InputError(f"--over {path}: must have finite ends, and a count from 1 to {MOST_POINTS}")
-    return Axis(FREQUENCY if path == "angular_frequency" else path, tuple(np.linspace(first, last, count).tolist()))
+    if first is None or last is None or values is None:
+        missing = [name for name, given in (("from", first), ("to", last), ("values", values)) if given is None]
+        raise InputError(f"--{missing[0]}: is missing; --over {path} needs --from, --to and --values")
+    if not 1 <= values <= MOST_POINTS or not math.isfinite(last - first):
+        raise InputError(f"--over {path}: must have finite ends, and from 1 to {MOST_POINTS} values")
+    return Axis(FREQUENCY if path == "angular_frequency" else path, tuple(np.linspace(first, last, values).tolist()))

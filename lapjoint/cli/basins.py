@@ -31,9 +31,11 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
 @click.option("--over", metavar="PATH", help="A number of the problem, as --set takes it: all this for each value.")
 @click.option("--from", "first", type=float, help="Its first value.")
 @click.option("--to", "last", type=float, help="Its last value.")
-@click.option("--count", type=int, help="Number of its values.")
+@click.option("--values", type=int, help="Number of its values.")
 @click.option("--effort", type=int, metavar="PERIODS", help="Most periods marched from a start.  [default: 4000]")
-@click.option("--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option(
+    "-o", "--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished."
+)
 @click.option("--figure", metavar="FILE", help="Draw the basins to FILE: .png, .svg or .pdf.")
 @click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
 @click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
@@ -57,7 +59,7 @@ def basins(
     Starts are the points of a grid in a --plane, or random ones of an --energy. Interrupted in any way, the same
     command resumes.
     """
-    from lapjoint.campaigns import solve_basins, stored_basins
+    from lapjoint.campaigns import solve_basins, stored
     from lapjoint.campaigns.basin_dataset import UNBOUND_CLASSES
     from lapjoint.cli import arguments
     from lapjoint.cli.basin_arguments import plan_from
@@ -68,7 +70,7 @@ def basins(
     arguments.check_file("--figure", figure, *FIGURES)
     this = arguments.problem_from(problem, overrides)
     plan = plan_from(this, solver_name, arguments.options_from(n_modes, elements, options), **chosen)
-    there = stored_basins(plan, out, force=force)
+    there = stored(plan, out, force=force)
     if there is None:
         with shown_points("basins") as progress:
             found = solve_basins(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)

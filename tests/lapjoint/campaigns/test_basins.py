@@ -26,6 +26,7 @@ from lapjoint.campaigns.dataset import read_curve
 from lapjoint.campaigns.journal import Journal, journal_path
 from lapjoint.errors import Interrupted
 from lapjoint.problem.plane import Plane
+from lapjoint.solver import Solver
 
 MIRROR = bar(0.55, (0.4, 20.0), (-0.4, 20.0), ratio=0.05)
 """A bar between two equal stops, with motions of one period and of three."""
@@ -65,17 +66,17 @@ def test_intervals_are_those_of_wilson(count: int, total: int) -> None:
 def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "basins.nc"
     whole, solved = basins(MIRROR, **PLANE), list[int]()
-    solve = BasinPlan.solve
+    answer = BasinPlan.answer
 
-    def counted(self: BasinPlan, cell: int, section: Any) -> tuple[Chunk, None]:
+    def counted(self: BasinPlan, cell: int, solver: Solver, section: Any) -> tuple[Chunk, None]:
         if len(solved) == 2:
             raise KeyboardInterrupt
         solved.append(cell)
-        return solve(self, cell, section)
+        return answer(self, cell, solver, section)
 
     monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
     with monkeypatch.context() as within:
-        within.setattr(BasinPlan, "solve", counted)
+        within.setattr(BasinPlan, "answer", counted)
         with pytest.raises(Interrupted, match=r"2 of 3 chunks of starts are kept in .*; the same command resumes"):
             basins(MIRROR, **PLANE, out=out)
         plan = BasinPlan(
@@ -148,7 +149,7 @@ def test_a_file_says_what_it_is(tmp_path: Path) -> None:
     assert found.attrs["format_version"] >= 3
     with pytest.raises(InputError, match="is not the result of a sweep"):
         read_curve(out)
-    with pytest.raises(InputError, match="is the result of another sweep"):
+    with pytest.raises(InputError, match="is the result of another search for basins"):
         basins(MIRROR, energy=20.0, starts=4, out=out, **TWO)
     assert basins(MIRROR, energy=20.0, starts=4, out=out, force=True, **TWO).sizes["start"] == 4
 
@@ -175,8 +176,14 @@ def test_numbers_of_a_chunk_are_what_json_holds() -> None:
     import json
 
     plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5)
-    chunk, _ = plan.solve(0, None)
-    assert plan.answer(json.loads(json.dumps(vars(chunk)))) == chunk
-    lost = plan.given_up(1, "it died")
-    assert lost.motion == [-1] * 5
-    assert len(lost.messages) == 5
+    chunk, _ = plan.answer(0, plan.check(), None)
+    assert plan.point(json.loads(json.dumps(vars(chunk)))) == chunk
+
+
+def test_starts_whose_process_died_have_failed() -> None:
+    plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5)
+    scouts, _ = plan.answer(0, plan.check(), None)
+    found = plan.dataset({0: scouts, 1: plan.point({"message": "it died"})})
+    assert found.motion.values.tolist() == [-1] * 5
+    assert found.unbound_fraction.values.tolist() == [0.0, 0.0, 0.0, 1.0]
+    assert set(found.failure_message.values) == {"it died"}
