@@ -6,7 +6,7 @@ The modules that answer them bring numba and scipy along; they are imported when
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ from lapjoint.solver import MODES, Progress
 if TYPE_CHECKING:
     from analytic.period_map import PeriodMap
     from lapjoint.orbits.orbit_errors import FinerMap
+    from lapjoint.orbits.refinement import Refinement
 
 MOST_MODES = 500  # in a contact state; work and memory grow with the square of the number
 FINER = 1.5
@@ -202,6 +203,14 @@ class Solver:
         motion = answers.simulate(problem, self.name, counts, float(duration), progress)
         return self._with_errors(motion, counts, float(duration)) if errors else motion
 
+    def stream(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> Iterator[History]:
+        """The motion from the initial state, stretch by stretch. See `lapjoint.solver.Streams.stream`."""
+        problem.check_duration(duration)
+        from analytic import answers
+
+        counts = in_one_thread(self.mode_counts)(problem)
+        return _each_in_one_thread(answers.stream(problem, self.name, counts, float(duration), progress))
+
     @in_one_thread
     def steady_state(
         self,
@@ -291,6 +300,41 @@ class Solver:
 
         return with_contact_errors(motion, Refinement(finer.name, ratio, ORDER), march)
 
+    def resolving(self, problems: Iterable[Problem]) -> Solver:
+        """The same solver with the numbers of modes that the hardest of some problems needs.
+
+        Parameters
+        ----------
+        problems : iterable of Problem
+            The problems, at least one.
+
+        Returns
+        -------
+        Solver
+            Its numbers of modes do not depend on the problem.
+        """
+        counts = [self.mode_counts(problem) for problem in problems]
+        free, contact = (max(each) for each in zip(*counts, strict=True))
+        return replace(self, free_modes=free, contact_modes=contact)
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Solver] | None:
+        """A solver with more modes, by which errors are estimated.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        tuple of Refinement and Solver, or None
+            None if there can hardly be more modes.
+        """
+        from lapjoint.orbits.refinement import Refinement
+
+        found = self._finer(self.mode_counts(problem))
+        return None if found is None else (Refinement(found[0].name, found[1], ORDER), found[0])
+
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
 
@@ -314,6 +358,13 @@ class Solver:
         from analytic.period_map import PeriodMap
 
         return PeriodMap(Joint(problem, *self.mode_counts(problem)), self.name)
+
+
+def _each_in_one_thread(stretches: Iterator[History]) -> Iterator[History]:
+    """The same stretches; each is made in one thread, a limit that does not hold while someone works on it."""
+    take = in_one_thread(next)
+    while (stretch := take(stretches, None)) is not None:
+        yield stretch
 
 
 def check_count(field: str, value: object) -> None:

@@ -21,6 +21,7 @@ from lapjoint.solver import MODES, Progress
 if TYPE_CHECKING:
     from fe_lapjoint.period_map import PeriodMap
     from lapjoint.orbits.orbit_errors import FinerMap
+    from lapjoint.orbits.refinement import Refinement
 
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
@@ -280,6 +281,24 @@ class Solver:
         return with_contact_errors(
             motion, refinement, lambda: answers.simulate(finer, problem, duration, None, peaks=False)
         )
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Solver] | None:
+        """A solver on a finer mesh, by which errors are estimated.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        tuple of Refinement and Solver
+            What is known of it, and the solver.
+        """
+        from lapjoint.orbits.refinement import Refinement
+
+        finer = self._finer(problem, FINER_ORBIT)
+        return Refinement(finer.name, FINER_ORBIT, ORDER), finer
 
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.

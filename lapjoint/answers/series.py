@@ -180,7 +180,7 @@ def _columns(series: xr.Dataset) -> dict[str, FloatArray]:
     """The columns of a table by their headings, the times first, each of shape ``(m,)``."""
     columns = {"time [s]": series["time"].values}
     for name, variable in series.data_vars.items():
-        units = _plain(variable.attrs["units"])
+        units = written(variable.attrs["units"])
         of_stops = variable.dims[0] == "stop"
         wheres = [f"of {stop}" for stop in series["stop_name"].values] if of_stops else _headings(series["x"].values)
         for where, values in zip(wheres, variable.values, strict=True):
@@ -192,8 +192,19 @@ def _headings(x: FloatArray) -> list[str]:
     return [f"at x = {float(place)!r} m" for place in x]
 
 
-def _plain(units: str) -> str:
-    """Units of the CF conventions as people write them: m s-2 as m/s2."""
+def written(units: str) -> str:
+    """Units of the CF conventions as people write them.
+
+    Parameters
+    ----------
+    units : str
+        As ``m s-2``.
+
+    Returns
+    -------
+    str
+        As ``m/s2``.
+    """
     return units.replace(" s-2", "/s2").replace(" s-1", "/s")
 
 

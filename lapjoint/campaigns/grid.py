@@ -204,7 +204,26 @@ class Grid:
         InputError
             If there is no valid problem there; the message names the point.
         """
-        values = self.values_at(point)
+        return self.with_values(self.values_at(point))
+
+    def with_values(self, values: tuple[float, ...]) -> Problem:
+        """The problem with any values of the axes, those of the grid or others.
+
+        Parameters
+        ----------
+        values : tuple of float
+            The values, in the units of their axes.
+
+        Returns
+        -------
+        Problem
+            The problem.
+
+        Raises
+        ------
+        InputError
+            If there is no such problem; the message names the values.
+        """
         tables = copy.deepcopy(self._tables)
         for axis, value in zip(self.axes, values, strict=True):
             for path, number in self._numbers(axis, value):

@@ -26,6 +26,7 @@ import click
 from lapjoint.cli.echo import echo
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
+from lapjoint.cli.statistics import statistics
 from lapjoint.cli.sweep import plot, sweep
 
 ENTRY_POINT_GROUP = "lapjoint.commands"
@@ -151,7 +152,7 @@ def main() -> None:
     """
 
 
-for command in (modes, simulate, steady, sweep, plot, export, show):
+for command in (modes, simulate, steady, statistics, sweep, plot, export, show):
     main.add_command(command)
 
 

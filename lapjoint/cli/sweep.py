@@ -8,7 +8,7 @@ from typing import Literal
 import click
 
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import FIGURES, problem_options, solver_options
+from lapjoint.cli.options import FIGURES, campaign_options, problem_options, solver_options
 
 
 @click.command()
@@ -44,9 +44,7 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
 @click.option(
     "--errors", is_flag=True, help="Estimate the numerical errors of the impulses too; takes less than as long again."
 )
-@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
-@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
-@click.option("--force", is_flag=True, help="Throw away another sweep that is in FILE.")
+@campaign_options
 def sweep(
     problem: str,
     overrides: tuple[str, ...],

@@ -29,6 +29,8 @@ class Return:
     """The march before it is mirrored."""
     count: int
     """Number of half periods."""
+    start: SectionPoint
+    """Where the march began."""
 
     @cached_property
     def watch(self) -> Watch:
@@ -93,8 +95,8 @@ class HalfPeriods:
         """
         found = self.tangent.linearised(point, count)
         if count % 2:
-            return Return(self.map.mirrored(found.end), -found.matrix, self, found, count)
-        return Return(found.end, found.matrix, self, found, count)
+            return Return(self.map.mirrored(found.end), -found.matrix, self, found, count, point)
+        return Return(found.end, found.matrix, self, found, count, point)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
         """Size of a deviation over that of a section point.

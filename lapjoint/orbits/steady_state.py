@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from lapjoint.answers import History
-from lapjoint.answers.steady_state import SectionPoint, SteadyState, impulses_per_period, periodic_outcome
+from lapjoint.answers.steady_state import Acceptance, SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.orbit_errors import FinerMap, orbit_errors
@@ -86,21 +86,7 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
     """March once over what was found, with contacts, and say what it is."""
     motion = found.motion
     if isinstance(motion, Orbit):
-        history = period_map.history(motion.point, motion.period_multiple)
-        return SteadyState(
-            problem=period_map.problem,
-            solver=solver,
-            outcome=periodic_outcome(history),
-            period_multiple=motion.period_multiple,
-            symmetric=motion.symmetric or _mirrors_itself(history),
-            residual=motion.residual,
-            multipliers=motion.multipliers,
-            exponent=None,
-            section_point=motion.point,
-            history=history,
-            impulses=impulses_per_period(history, motion.period_multiple),
-            acceptance=found.acceptance,
-        )
+        return periodic_state(period_map, solver, motion, found.acceptance)
     return SteadyState(
         problem=period_map.problem,
         solver=solver,
@@ -114,6 +100,42 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
         history=period_map.history(motion.point, min(effort.max_period_multiple, MULTIPLES_AT_A_LOOK)),
         impulses=motion.impulses,
         acceptance=found.acceptance,
+    )
+
+
+def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance: Acceptance | None) -> SteadyState:
+    """A periodic motion with its certificate, stable or not.
+
+    Parameters
+    ----------
+    period_map : PeriodMap
+        The map of which it is an orbit.
+    solver : str
+        Name and options of the solver.
+    orbit : Orbit
+        The motion.
+    acceptance : Acceptance, or None
+        From where, and how late, a march was accepted as bound for it; None where nothing was marched.
+
+    Returns
+    -------
+    SteadyState
+        Without errors.
+    """
+    history = period_map.history(orbit.point, orbit.period_multiple)
+    return SteadyState(
+        problem=period_map.problem,
+        solver=solver,
+        outcome=periodic_outcome(history),
+        period_multiple=orbit.period_multiple,
+        symmetric=orbit.symmetric or _mirrors_itself(history),
+        residual=orbit.residual,
+        multipliers=orbit.multipliers,
+        exponent=None,
+        section_point=orbit.point,
+        history=history,
+        impulses=impulses_per_period(history, orbit.period_multiple),
+        acceptance=acceptance,
     )
 
 

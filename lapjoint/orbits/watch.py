@@ -124,7 +124,7 @@ class SegmentWatch:
     def __init__(self, problem: Problem, segments: tuple[Segment, ...], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
         _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
-        motion, length = _stacked(segments, first), segments[-1].end
+        motion, length = stacked(segments, first), segments[-1].end
         stops = Stops(
             sign=np.array([stop.sign for stop in problem.stops], dtype=float),
             gap=np.array([stop.gap for stop in problem.stops], dtype=float),
@@ -194,8 +194,21 @@ class SegmentWatch:
         self._at_switches = np.concatenate([both.real, -both.imag], axis=3)
 
 
-def _stacked(segments: tuple[Segment, ...], first: IndexArray) -> Motion:
-    """Segments as arrays, with the terms at the places of the stops `first`, shape ``(U,)``."""
+def stacked(segments: tuple[Segment, ...], first: IndexArray) -> Motion:
+    """Segments as arrays.
+
+    Parameters
+    ----------
+    segments : tuple of Segment
+        The orbit.
+    first : ndarray, shape (U,)
+        A stop at each of the places whose terms are wanted.
+
+    Returns
+    -------
+    Motion
+        The orbit, in compiled functions' shape.
+    """
     count, stops = len(segments), segments[0].closed.size
     terms = max(segment.rates.size for segment in segments)
     rates, amplitudes = np.zeros((2, count, terms), dtype=complex)

@@ -1,0 +1,61 @@
+"""What a branch of periodic motions is: motions along a curve, and its bifurcations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from lapjoint.answers.steady_state import SteadyState
+
+BifurcationKind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking", "grazing", "unresolved"]
+"""What a bifurcation is called.  ``unresolved`` is a part of the curve, narrow as its error says, that is not known."""
+
+
+@dataclass(frozen=True)
+class Bifurcation:
+    """A bifurcation of a branch."""
+
+    kind: BifurcationKind
+    """What it is."""
+    value: float
+    """The number of the problem at which it is, in its SI unit."""
+    error: float
+    """Estimate of the numerical error of `value`, in the same unit; infinite where none can be stated."""
+    index: int
+    """It lies between the points `index` - 1 and `index` of its branch, or at the latter."""
+    stop: int = -1
+    """The stop that is grazed; of a stop and its twin on the other side the first; -1 where none is."""
+    after: str = ""
+    """What the branch does at a graze: it ``persists``, ``folds`` or ``ends``; empty for any other kind."""
+    impulses: tuple[float, ...] = ()
+    """Impulse of each stop there, N s a period of the excitation."""
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """A motion of a branch."""
+
+    value: float
+    """The number of the problem, in its SI unit."""
+    motion: SteadyState = field(repr=False)
+    """The motion and its certificate, stable or not."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Periodic motions along a curve."""
+
+    path: str
+    """Path of the number of the problem that changes."""
+    points: tuple[BranchPoint, ...] = field(repr=False)
+    """The motions, in their sequence along the curve."""
+    bifurcations: tuple[Bifurcation, ...]
+    """Its bifurcations, in the same sequence."""
+    ends: tuple[str, str]
+    """Why it ends at its first and at its last point: ``boundary`` of the range, ``closed`` to a ring, ``graze``,
+    ``bifurcation`` from which it springs, ``lost`` or ``most points``."""
+
+    @property
+    def period_multiple(self) -> int:
+        """Excitation periods after which its motions repeat."""
+        return self.points[0].motion.period_multiple

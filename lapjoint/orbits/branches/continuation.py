@@ -1,0 +1,294 @@
+"""A branch of periodic motions followed from one of them: steps along the curve by its curvature, and across grazes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.gap_extrema import Extremum
+from lapjoint.orbits.branches.grazing import OnExtremum, approaching, beyond_graze, flipped, located_graze
+
+_FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
+"""Arc length of the first step, and of the longest and shortest: motions change by so much of their size."""
+_TURN = 0.12
+"""Angle between a step and the tangent at its end that is aimed at, rad: the curve is then known to some 1e-3 of a step
+between its points."""
+_WIDEST = 0.35
+"""Largest angle, rad: a wider one may be due to another curve."""
+_STRETCH = 1.4
+"""Largest ratio of the step made and the step meant."""
+_SHORTER = 1 / 3
+"""By how much a step is shortened that is not taken."""
+_AFRESH = 2e-3
+"""Arc length of the first step after a graze."""
+_ROUND = 3
+"""Number of places from which on a curve may have come back to its start."""
+_AT_END = 1e-12
+"""Distance from an end of the range, over the scale of the number, up to which a place is at it."""
+_JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
+"""Widths, over the scale of the number, of parts that are left out where a curve cannot be followed."""
+_FEW = 8
+"""Number of places after such a part within which another one is due to the same cause."""
+_JUMP_FAR = 0.05
+"""Largest distance, over the size of the motion, of the motions on both sides of such a part."""
+_SETTLING = 8
+"""Number of the motion's periods that are marched to settle beyond such a part."""
+_DISTINCT = 1e-4
+"""Length of a step up to which grazes of several stops are taken as they come."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a branch is followed."""
+
+    most: int = 20_000
+    """Number of its points in one direction, at most."""
+
+
+@dataclass(frozen=True)
+class Graze:
+    """A graze that a branch goes across, or at which it ends."""
+
+    stop: int
+    """The stop."""
+    value: float
+    """The number, in its SI unit."""
+    kind: str
+    """``persists``, ``folds`` or ``ends``."""
+    before: OnExtremum = field(repr=False)
+    """The motion just before."""
+    index: int
+    """Number of places of the run before it."""
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A part of a branch that is not resolved: several grazes at once, or a jump of the map by truncation."""
+
+    first: float
+    """The number before it, in its SI unit."""
+    last: float
+    """The number after it."""
+    index: int
+    """Number of places of the run before it."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A curve followed in one direction."""
+
+    places: list[Place]
+    """Its places in sequence, from the start."""
+    grazes: list[Graze]
+    """Its grazes."""
+    jumps: list[Jump]
+    """Where it could not be resolved."""
+    end: str
+    """Why it ends."""
+
+
+def follow(family: Family, start: Place, limits: Limits) -> Run:
+    """Follow a curve from a place, in the direction of its tangent.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    start : Place
+        Where to begin.
+    limits : Limits
+        How far.
+
+    Returns
+    -------
+    Run
+        All places, with `start` as the first.
+    """
+    return _Follower(family, start, limits).run()
+
+
+class _Follower:
+    """A curve under way."""
+
+    def __init__(self, family: Family, start: Place, limits: Limits) -> None:
+        self._family, self._limits = family, limits
+        self._places, self._grazes, self._jumps = [start], list[Graze](), list[Jump]()
+        self._step = _FIRST
+        self._end = ""
+
+    def run(self) -> Run:
+        """Follow it to its end."""
+        if _outward(self._family, self._places[0]):
+            self._end = "boundary"
+        while not self._end:
+            if len(self._places) >= self._limits.most:
+                self._end = "most points"
+            elif len(self._places) > _ROUND and _closed(self._family, self._places[0], self._here, self._step):
+                self._end = "closed"
+            else:
+                self._advance()
+        return Run(self._places, self._grazes, self._jumps, self._end)
+
+    @property
+    def _here(self) -> Place:
+        return self._places[-1]
+
+    def _advance(self) -> None:
+        """Take a step, or a shorter one next time; where none can be taken, go across what is in the way."""
+        new, angle = _stepped(self._family, self._here, self._step)
+        if new is not None:
+            crossed = flipped(self._here.extrema, new.extrema)
+            if not crossed and self._here.extrema.closings == new.extrema.closings:
+                self._take(new, angle)
+                return
+            if len(crossed) == 1 or (crossed and self._step <= _DISTINCT):
+                passed = _across(self._family, self._here, crossed[0], len(self._places))
+                if passed is not None and passed[1] is not None:
+                    self._pass(*passed)
+                    return
+        self._step *= _SHORTER
+        if self._step < _SHORTEST:
+            self._pass_what_is_near()
+
+    def _take(self, new: Place, angle: float) -> None:
+        """Take a step to a place with the same contacts."""
+        if not self._family.low <= new.value <= self._family.high:
+            self._places += _at_boundary(self._family, self._here, new)
+            self._end = "boundary"
+        elif _comes_to_shorter(self._here, new):
+            self._end = "bifurcation"
+        else:
+            self._places.append(new)
+            self._step = min(self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, 2.0)), _LONGEST)
+
+    def _pass(self, graze: Graze, beyond: Place | None) -> None:
+        """Go across a graze, or end there."""
+        if not self._family.low <= graze.value <= self._family.high:
+            self._end = "boundary"
+            return
+        self._grazes.append(graze)
+        before = graze.before.place
+        self._places.append(before.along(self._here.tangent_at(self._family, before)))
+        if beyond is None:
+            self._end = "graze"
+        else:
+            self._places.append(beyond)
+            self._step = max(self._step, _AFRESH)
+
+    def _pass_what_is_near(self) -> None:
+        """Go across the graze that is so near that no step leads past it, or leave out what cannot be resolved."""
+        near = self._places[-2] if len(self._places) > 1 else None
+        extremum = None if near is None else approaching(near, self._here)
+        passed = None if extremum is None else _across(self._family, self._here, extremum, len(self._places))
+        if passed is not None and passed[1] is not None:
+            self._pass(*passed)
+            return
+        lately = sum(len(self._places) - jump.index < _FEW for jump in self._jumps)
+        jumped = _jumped(self._family, self._here, lately)
+        if jumped is not None:
+            self._jumps.append(Jump(self._here.value, jumped.value, len(self._places)))
+            self._places.append(jumped)
+            self._step = _AFRESH
+        elif passed is not None:
+            self._pass(*passed)
+        else:
+            self._end = "lost"
+
+
+def _outward(family: Family, place: Place) -> bool:
+    """Whether a place lies at an end of the range, and its tangent points out of it."""
+    out = family.high if place.tangent[-1] > 0 else family.low
+    return abs(place.value - out) <= _AT_END * family.scale(place.value)
+
+
+def _comes_to_shorter(here: Place, new: Place) -> bool:
+    """Whether, between two places, the branch comes to a motion that repeats sooner, and would be gone through again.
+
+    It springs from a branch of half as many half periods there.  By how much its motions miss to repeat after these
+    changes its sign.
+    """
+    half, count = here.half_periods, here.count
+    if count % 2 or (count // 2) % half.least:
+        return False
+    misses = [
+        place.half_periods.map.difference(place.half_periods.marched(place.point, count // 2), place.point)
+        for place in (here, new)
+    ]
+    return misses[0].shape == misses[1].shape and float(misses[0] @ (misses[1] * new.weights**2)) < 0
+
+
+def _stepped(family: Family, here: Place, step: float) -> tuple[Place | None, float]:
+    """The next place of the curve, and the angle between the step and the tangent there; None if it is not found."""
+    value, guess = here.moved(family, step * here.tangent)
+    new = corrected(family, value, guess, here.count)
+    if new is None:
+        return None, math.nan
+    chord = new.chord(family, here)
+    length = float(np.linalg.norm(chord))
+    new = new.along(chord)
+    angle = math.acos(min(1.0, float(chord @ new.tangent) / max(length, 1e-300)))
+    if angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
+        return None, angle
+    return new, angle
+
+
+def _across(family: Family, here: Place, extremum: Extremum, index: int) -> tuple[Graze, Place | None] | None:
+    """A graze after a place, and the place beyond it; None if it is not found."""
+    graze = located_graze(family, here, extremum)
+    if graze is None:
+        return None
+    value = graze.place.value - graze.rate * graze.extremum.value
+    beyond = beyond_graze(family, graze)
+    if beyond is None:
+        return Graze(extremum.stop, value, "ends", graze, index), None
+    chord = beyond.place.chord(family, graze.place)
+    came, goes = graze.place.along(here.tangent_at(family, graze.place)).tangent[-1], chord[-1]
+    kind = "persists" if came * goes > 0 else "folds"
+    return Graze(extremum.stop, value, kind, graze, index), beyond.place.along(chord)
+
+
+def _jumped(family: Family, here: Place, lately: int) -> Place | None:
+    """The motion some way on that is much like this one, where the curve between them cannot be followed.
+
+    If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it.  Where
+    there have been such parts `lately`, wider ones are left out.
+    """
+    sign = math.copysign(1.0, here.tangent[-1])
+    for share in _JUMPS[lately:]:
+        value = here.value + sign * share * family.scale(here.value)
+        if not family.low <= value <= family.high:
+            return None
+        guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
+        point = family.adopted(value, here.point)
+        if here.orbit.stable:
+            for _ in range(_SETTLING):
+                point = family.at(value).marched(point, here.count)
+        for guess in [*guesses, point]:
+            found = corrected(family, value, guess, here.count, fixed=True)
+            if found is None:
+                continue
+            chord = found.chord(family, here)
+            if float(np.linalg.norm(chord)) <= _JUMP_FAR and found.orbit.stable == here.orbit.stable:
+                return found.along(np.append(np.zeros(chord.size - 1), sign))
+    return None
+
+
+def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
+    """The place at the end of the range, between two places; empty if it is not found."""
+    value = family.low if new.value < family.low else family.high
+    share = (value - here.value) / (new.value - here.value)
+    length = float(np.linalg.norm(new.chord(family, here)))
+    _, guess = here.moved(family, share * length * here.tangent)
+    found = corrected(family, value, family.adopted(value, guess), here.count, fixed=True)
+    return [] if found is None else [found.along(found.chord(family, here))]
+
+
+def _closed(family: Family, start: Place, here: Place, step: float) -> bool:
+    """Whether a curve has come back to its start."""
+    chord = start.chord(family, here)
+    length = float(np.linalg.norm(chord))
+    return length < step and float(chord @ start.tangent) > 0.9 * length > 0

@@ -1,0 +1,265 @@
+r"""One point of a curve of periodic motions, and the way from a guess to it.
+
+The curve is F(x, p) = P(x, p) - x = 0 with the section point x and the number p.  Deviations are scaled: u by the size
+that the solver gives each of its coordinates, over the size of the motion, and w = dp over the scale of p.  With the
+derivative J = [P_x - 1, P_p], n x (n + 1), and J^T = Q R, the last column of Q is the curve's tangent, and the shortest
+(u, w) with J (u, w) = -F leads back to the curve: Newton's method, bordered by the tangent where it stands.  Neither
+is singular at a fold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.gap_extrema import Extrema, extrema_of
+from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.newton import RESIDUAL, Orbit
+from lapjoint.problem import FloatArray
+
+_STEPS = 8
+"""Most steps of Newton's method: from a guess near the curve, three are enough."""
+_FAR = 0.5
+"""Largest residual of a guess over the size of the motion."""
+_SLOWEST = 0.7
+"""Least share of the residual that a step of Newton's method must take off."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point of a curve of periodic motions."""
+
+    value: float
+    """The number, in its SI unit."""
+    orbit: Orbit
+    """The motion."""
+    weights: FloatArray
+    """By which a deviation is multiplied to be scaled, shape ``(n,)``."""
+    tangent: FloatArray
+    """Unit tangent (u, w) of the curve, in either direction, shape ``(n + 1,)``."""
+    half_periods: HalfPeriods
+    """The map at `value`."""
+
+    @property
+    def count(self) -> int:
+        """Number of half periods after which the motion repeats."""
+        return self.orbit.half_periods
+
+    @property
+    def point(self) -> SectionPoint:
+        """Its section point."""
+        return self.orbit.point
+
+    @cached_property
+    def extrema(self) -> Extrema:
+        """How near it comes to every stop, and how far beyond."""
+        return extrema_of(self.orbit.last)
+
+    def chord(self, family: Family, origin: Place) -> FloatArray:
+        """Where this place lies, seen from another, in this place's coordinates, scaled.
+
+        Parameters
+        ----------
+        family : Family
+            The family of both.
+        origin : Place
+            The other place.
+
+        Returns
+        -------
+        FloatArray, shape (n + 1,)
+            (u, w).
+        """
+        map_ = self.half_periods.map
+        u = -map_.difference(map_.adopted(origin.point), self.point) * self.weights
+        return np.append(u, (self.value - origin.value) / family.scale(self.value))
+
+    def along(self, direction: FloatArray) -> Place:
+        """The same with its tangent turned so that it goes along a direction.
+
+        Parameters
+        ----------
+        direction : FloatArray, shape (n + 1,)
+            (u, w), in the coordinates of this place.
+
+        Returns
+        -------
+        Place
+            The place.
+        """
+        sign = -1.0 if float(direction @ self.tangent) < 0 else 1.0
+        return Place(self.value, self.orbit, self.weights, sign * self.tangent, self.half_periods)
+
+    def tangent_at(self, family: Family, other: Place) -> FloatArray:
+        """The direction of this place's tangent in the coordinates of a neighbouring place.
+
+        Parameters
+        ----------
+        family : Family
+            The family of both.
+        other : Place
+            The neighbouring place.
+
+        Returns
+        -------
+        FloatArray, shape (n + 1,)
+            (u, w).
+        """
+        if other.point.state == self.point.state:
+            return self.tangent
+        map_ = other.half_periods.map
+        ahead = [map_.adopted(self.moved(family, length * self.tangent)[1]) for length in (0.0, 1e-6)]
+        u = (map_.difference(ahead[1], other.point) - map_.difference(ahead[0], other.point)) * other.weights
+        return np.append(u * 1e6, self.tangent[-1])
+
+    def moved(self, family: Family, step: FloatArray) -> tuple[float, SectionPoint]:
+        """A guess beside this place.
+
+        Parameters
+        ----------
+        family : Family
+            Its family.
+        step : FloatArray, shape (n + 1,)
+            (u, w).
+
+        Returns
+        -------
+        tuple of float and SectionPoint
+            The number, and the section point on its map.
+        """
+        value = self.value + float(step[-1]) * family.scale(self.value)
+        return value, family.adopted(value, self.half_periods.map.moved(self.point, step[:-1] / self.weights))
+
+
+def corrected(family: Family, value: float, guess: SectionPoint, count: int, *, fixed: bool = False) -> Place | None:
+    """The place of the curve that is nearest to a guess; None if Newton's method finds none.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    value : float
+        The number at the guess, in its SI unit.
+    guess : SectionPoint
+        On the map there.
+    count : int
+        Number of half periods; an odd number for a symmetric motion.
+    fixed : bool
+        Whether the number is to stay as it is.
+
+    Returns
+    -------
+    Place, or None
+        It closes within `lapjoint.orbits.newton.RESIDUAL`.
+    """
+    try:
+        return _corrected(family, value, guess, count, fixed)
+    except (SolverError, InputError, np.linalg.LinAlgError):  # a step led out of what can be marched
+        return None
+
+
+def _corrected(family: Family, value: float, point: SectionPoint, count: int, fixed: bool) -> Place | None:
+    allowed, column, weights = _FAR, np.zeros(0), np.zeros(0)
+    for _ in range(_STEPS):
+        half = family.at(value)
+        found = half.linearised(point, count)
+        r = half.map.difference(found.end, point)
+        residual = half.relative(r, point)
+        if not residual <= allowed:
+            return None
+        if column.size != r.size or (residual <= RESIDUAL and fixed):
+            column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
+        J = jacobian(found, column * family.scale(value), weights)
+        if residual <= RESIDUAL:
+            return place_from(value, point, residual, found, J, weights)
+        step = _newton_step(J, weights * r, fixed)
+        point = half.map.moved(point, step[:-1] / weights)
+        if step[-1]:
+            value += float(step[-1]) * family.scale(value)
+            point = family.adopted(value, point)
+        allowed = max(_SLOWEST * residual, 10 * RESIDUAL)
+    return None
+
+
+def _newton_step(J: FloatArray, F: FloatArray, fixed: bool) -> FloatArray:
+    """The shortest step (u, w) with J (u, w) = -F, or that with w = 0, shape ``(n + 1,)``."""
+    if fixed:
+        return np.append(np.linalg.solve(J[:, :-1], -F), 0.0)
+    Q, R = np.linalg.qr(J.T)
+    return np.asarray(-Q @ np.linalg.solve(R.T, F))
+
+
+def place_from(
+    value: float, point: SectionPoint, residual: float, found: Return, J: FloatArray, weights: FloatArray
+) -> Place:
+    """The place of a motion that closes.
+
+    Parameters
+    ----------
+    value : float
+        The number, in its SI unit.
+    point : SectionPoint
+        Where the motion begins.
+    residual : float
+        Distance between its start and end, over its size.
+    found : Return
+        The march over it.
+    J : FloatArray, shape (n, n + 1)
+        `jacobian` there.
+    weights : FloatArray, shape (n,)
+        `scaling` there.
+
+    Returns
+    -------
+    Place
+        Its tangent has any direction.
+    """
+    Q, _ = np.linalg.qr(J.T, mode="complete")
+    return Place(value, Orbit(found.count, point, residual, found), weights, Q[:, -1], found.half_periods)
+
+
+def jacobian(found: Return, column: FloatArray, weights: FloatArray) -> FloatArray:
+    """[P_x - 1, P_p] in scaled coordinates.
+
+    Parameters
+    ----------
+    found : Return
+        A march with its derivative P_x.
+    column : FloatArray, shape (n,)
+        P_p times the scale of the number.
+    weights : FloatArray, shape (n,)
+        `scaling` of the coordinates.
+
+    Returns
+    -------
+    FloatArray, shape (n, n + 1)
+        Dimensionless.
+    """
+    matrix = weights[:, None] * (found.matrix - np.eye(weights.size)) / weights
+    return np.concatenate([matrix, (weights * column)[:, None]], axis=1)
+
+
+def scaling(half: HalfPeriods, point: SectionPoint, n: int) -> FloatArray:
+    """Size of a unit of each coordinate over that of the motion.
+
+    Parameters
+    ----------
+    half : HalfPeriods
+        The map.
+    point : SectionPoint
+        A point of it.
+    n : int
+        Number of coordinates of a deviation from it.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        Over the unit of each coordinate.
+    """
+    size = max(half.map.size(point), float(np.finfo(float).tiny))
+    return np.array([half.map.norm(unit) for unit in np.eye(n)]) / size

@@ -1,0 +1,224 @@
+"""The period maps of one solver for a problem of which one number varies: what a branch is followed in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.parameters import FieldDerivatives
+from lapjoint.orbits.period_map import PeriodMap
+from lapjoint.orbits.refinement import Refinement
+from lapjoint.problem import FloatArray, Problem
+
+_STEP = 1e-5
+"""Step of the differences over the scale of the number: rounding, 1e-16 / 1e-5, and curvature, 1e-10, leave ten
+digits."""
+_KEPT = 32
+"""Number of period maps that are kept: a step, and the differences at its ends, return to the same values."""
+_LOOKED_AT = 9
+"""Number of problems, evenly over the range, of which the hardest decides the resolution."""
+
+
+@runtime_checkable
+class HasPeriodMap(Protocol):
+    """A solver that gives its period map."""
+
+    @property
+    def name(self) -> str:
+        """Name and options in a line."""
+
+    def period_map(self, problem: Problem) -> PeriodMap:
+        """The motion of a problem from section point to section point.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved; its excitation has a period.
+
+        Returns
+        -------
+        PeriodMap
+            The period map.
+
+        Raises
+        ------
+        InputError
+            If the excitation has no period.
+        """
+
+
+@runtime_checkable
+class Resolves(Protocol):
+    """A solver that chooses its resolution by the problem, and can be held to one resolution for several."""
+
+    def resolving(self, problems: Iterable[Problem]) -> HasPeriodMap:
+        """The same solver with the resolution that the hardest of some problems needs.
+
+        Parameters
+        ----------
+        problems : iterable of Problem
+            The problems, at least one.
+
+        Returns
+        -------
+        HasPeriodMap
+            A solver whose resolution does not depend on the problem.
+        """
+
+
+@runtime_checkable
+class Refines(Protocol):
+    """A solver that gives a finer self, by which its errors are estimated."""
+
+    def finer(self, problem: Problem) -> tuple[Refinement, HasPeriodMap] | None:
+        """A finer solver, and what is known of it.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        tuple of Refinement and HasPeriodMap, or None
+            None if there is none.
+        """
+
+
+class Family:
+    """The period maps of a problem over a range of one of its numbers.
+
+    Parameters
+    ----------
+    solver : HasPeriodMap
+        The solver.
+    problem_at : callable
+        Takes a value of the number, and returns the problem with it.
+    path : str
+        Path of the number, as `lapjoint.Axis` takes it.
+    low, high : float
+        The range, in the SI unit of the number; `low` < `high`.
+
+    Raises
+    ------
+    InputError
+        If the solver has no period map, or there is no valid problem at an end of the range.
+    """
+
+    def __init__(
+        self, solver: object, problem_at: Callable[[float], Problem], path: str, low: float, high: float
+    ) -> None:
+        if not isinstance(solver, HasPeriodMap):
+            raise InputError(f"solver = {getattr(solver, 'name', solver)}: gives no period map, and so no branches")
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise InputError(f"{path}: from {low:g} to {high:g} is no range; both must be finite, and ascend")
+        self.problem_at, self.path, self.low, self.high = problem_at, path, float(low), float(high)
+        problems = [problem_at(float(value)) for value in np.linspace(low, high, _LOOKED_AT)]
+        self.solver: HasPeriodMap = solver.resolving(problems) if isinstance(solver, Resolves) else solver
+        self._maps = lru_cache(maxsize=_KEPT)(self._made)
+
+    def at(self, value: float) -> HalfPeriods:
+        """The map over half periods at a value of the number.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        HalfPeriods
+            The map.
+
+        Raises
+        ------
+        InputError
+            If there is no such problem.
+        """
+        return self._maps(float(value))
+
+    def finer(self) -> tuple[Refinement, Family] | None:
+        """The same by a finer self of the solver, and what is known of it; None if there is none.
+
+        Returns
+        -------
+        tuple of Refinement and Family, or None
+            None if the solver has no finer self.
+        """
+        found = self.solver.finer(self.problem_at(self.high)) if isinstance(self.solver, Refines) else None
+        if found is None:
+            return None
+        return found[0], Family(found[1], self.problem_at, self.path, self.low, self.high)
+
+    def scale(self, value: float) -> float:
+        """What a change of the number is compared with: its size, or the whole range where that includes zero.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        float
+            In the same unit, above zero.
+        """
+        return abs(value) if self.low > 0 or self.high < 0 else self.high - self.low
+
+    def adopted(self, value: float, point: SectionPoint) -> SectionPoint:
+        """A section point of a neighbouring problem on the map of this one.
+
+        Parameters
+        ----------
+        value : float
+            Of the number, in its SI unit.
+        point : SectionPoint
+            Of a problem of this family.
+
+        Returns
+        -------
+        SectionPoint
+            A point of the map at `value`.
+        """
+        return self.at(value).map.adopted(point)
+
+    def derivative(self, value: float, point: SectionPoint, count: int) -> FloatArray:
+        """Derivative of a section point's image by the number, while the point stays where it is.
+
+        Parameters
+        ----------
+        value : float
+            Of the number, in its SI unit.
+        point : SectionPoint
+            A point of the map there.
+        count : int
+            Number of half periods; the end is mirrored if it is odd.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            In the coordinates that belong to the point, over the unit of the number.  The solver gives it where it
+            can; else it comes from central differences.
+        """
+        here = self.at(value)
+        if isinstance(here.map, FieldDerivatives):
+            end = here.map.march(point, count).end
+            if end.state == point.state:
+                known = here.map.derivative_by(self.path, point, count)
+                return -known if count % 2 else known
+        step, ends = _STEP * self.scale(value), []
+        values = max(value - step, self.low), min(value + step, self.high)
+        for other in values:
+            beside = self.at(other)
+            end = beside.marched(beside.map.adopted(point), count)
+            ends.append(here.map.difference(here.map.adopted(end), point))
+        return (ends[1] - ends[0]) / (values[1] - values[0])
+
+    def _made(self, value: float) -> HalfPeriods:
+        return HalfPeriods(self.solver.period_map(self.problem_at(value)))

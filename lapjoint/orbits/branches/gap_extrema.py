@@ -1,0 +1,180 @@
+"""The extrema of a motion's distances from its stops: what a graze makes vanish.
+
+Each stop has its gap function h(t) = sign z - gap, negative in a flight and positive in a contact.  A motion grazes a
+stop where an extremum of h is zero: the highest point of a flight or of a contact, which is about to be made or lost,
+or the lowest of a contact or of a flight, which is about to be parted in two, or to vanish between two contacts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.orbits.branches.compiled_extrema import gap_extrema
+from lapjoint.orbits.compiled_intervals import IndexArray, Stops
+from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.period_map import Segment, Tangent
+from lapjoint.orbits.watch import stacked
+from lapjoint.problem import FloatArray
+
+_PER_HALF_PERIOD = 64
+"""Least number of points in half a period of the fastest excitation between which an extremum is looked for."""
+_POLISHED = 4
+"""Steps of Newton's method by which an extremum is found in a motion of which samples alone are known."""
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """An extremum of a gap function."""
+
+    stop: int
+    """The stop; of a stop and its twin the one with the lower index, where the motion goes on mirrored."""
+    time: float
+    """When, s from the start of the motion."""
+    value: float
+    """h, m."""
+    highest: bool
+    """Whether it is a maximum."""
+    at: int
+    """The stop at which it was found: `stop`, or its twin."""
+
+
+@dataclass(frozen=True)
+class Extrema:
+    """The extrema of all gap functions of a motion over its half periods, ``m`` of them."""
+
+    stop: IndexArray
+    """The stops, as in `Extremum.stop`, shape ``(m,)``."""
+    at: IndexArray
+    """The stops, as in `Extremum.at`, shape ``(m,)``."""
+    time: FloatArray
+    """When, s, shape ``(m,)``."""
+    value: FloatArray
+    """h, m, shape ``(m,)``."""
+    highest: npt.NDArray[np.bool_]
+    """Whether it is a maximum, shape ``(m,)``."""
+    closings: tuple[int, ...]
+    """How often each stop closes, a stop and its twin together where the motion goes on mirrored, ``P`` of them."""
+    duration: float
+    """Length of the motion, s."""
+
+    def __getitem__(self, i: int) -> Extremum:
+        return Extremum(
+            int(self.stop[i]), float(self.time[i]), float(self.value[i]), bool(self.highest[i]), int(self.at[i])
+        )
+
+    def matching(self, other: Extremum, duration: float) -> Extremum | None:
+        """The extremum of the same stop and kind that is the nearest in phase to one of a neighbouring motion.
+
+        Parameters
+        ----------
+        other : Extremum
+            Of the neighbouring motion.
+        duration : float
+            Length of that motion, s.
+
+        Returns
+        -------
+        Extremum, or None
+            None if there is none.
+        """
+        mine = np.flatnonzero((self.stop == other.stop) & (self.highest == other.highest))
+        if not mine.size:
+            return None
+        apart = self.time[mine] / self.duration - other.time / duration
+        return self[int(mine[np.argmin(np.abs(apart - np.round(apart)))])]
+
+
+def extrema_of(found: Return) -> Extrema:
+    """The extrema of the gap functions of a motion.
+
+    Parameters
+    ----------
+    found : Return
+        The march over its half periods.
+
+    Returns
+    -------
+    Extrema
+        Over the same half periods.
+    """
+    half_periods, segments = found.half_periods, found.linearised.segments
+    problem = half_periods.map.problem
+    duration = found.count * half_periods.map.period / 2
+    if not problem.stops:
+        none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
+        return Extrema(index, index, none, none, none.astype(bool), (), duration)
+    _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
+    stops = Stops(
+        sign=np.array([stop.sign for stop in problem.stops], dtype=float),
+        gap=np.array([stop.gap for stop in problem.stops], dtype=float),
+        place=place,
+        beyond=np.arange(len(problem.stops)),
+    )
+    width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
+    at, time, value, highest = gap_extrema(stacked(segments, first), stops, width)
+    closings = np.zeros(len(problem.stops), dtype=int)
+    for segment in segments:
+        if segment.switched >= 0 and not segment.closed[segment.switched]:
+            closings[segment.switched] += 1
+    stop, twins = at, half_periods.twins
+    if found.count % 2 and twins is not None:
+        closings = closings + closings[list(twins)]
+        stop = np.minimum(at, np.array(twins)[at])
+    return Extrema(stop, at, time, value, highest, tuple(closings.tolist()), duration)
+
+
+def polished(found: Return, extremum: Extremum) -> Extremum:
+    """An extremum found more exactly, where a solver gives no motion in closed form between switches.
+
+    Parameters
+    ----------
+    found : Return
+        The march over the motion's half periods.
+    extremum : Extremum
+        As `extrema_of` found it.
+
+    Returns
+    -------
+    Extremum
+        The same where the solver gives its own derivative; else from the solver's History.
+    """
+    half_periods = found.half_periods
+    if isinstance(half_periods.map, Tangent):
+        return extremum
+    history = half_periods.map.history(found.start, (found.count + 1) // 2)
+    stop, t = history.problem.stops[extremum.at], extremum.time
+    for _ in range(_POLISHED):
+        v, a = (f(stop.x, history.start + t).item() for f in (history.velocity, history.acceleration))
+        if a == 0.0:
+            break
+        t -= v / a
+    value = stop.sign * history.displacement(stop.x, history.start + t).item() - stop.gap
+    return replace(extremum, time=t, value=value)
+
+
+def gradient_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extremum: Extremum) -> FloatArray:
+    """Derivative of an extremum's value by the start of the motion.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    segments : tuple of Segment
+        The motion.
+    extremum : Extremum
+        One of its extrema.
+
+    Returns
+    -------
+    FloatArray, shape (n,)
+        m over the unit of each coordinate of the section point.
+    """
+    one = next((s for s in segments if s.start <= extremum.time <= s.end), segments[-1])
+    tau, k = extremum.time - one.start, extremum.at
+    count = one.deviations.shape[0]
+    terms = one.weights[k, :count] * np.exp(one.rates[:count] * tau)
+    row = np.real(terms @ one.deviations) + one.drift[k, 0] + tau * one.drift[k, 1]
+    return np.asarray(half_periods.map.problem.stops[k].sign * row)

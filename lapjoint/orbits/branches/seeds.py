@@ -1,0 +1,117 @@
+"""Motions from which branches are followed: found by a march from a start, and told from those that are known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import SolverError
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.tracing import Seed
+from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.newton import FAR, Orbit, find_orbit
+from lapjoint.orbits.search import TRANSIENT, Effort, Search
+
+_SAME = 1e-5
+"""Distance of two motions over their size, up to which they are one."""
+_NEAR = 3.0
+"""Distance of a motion from a branch, over that of the branch's neighbours, from which it is not looked at closer."""
+
+
+@in_one_thread
+def seed_from(family: Family, value: float, start: SectionPoint, most_multiple: int) -> Seed | None:
+    """A periodic motion that a march comes to, or is near where it does not settle.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    value : float
+        The number, in its SI unit.
+    start : SectionPoint
+        Where the march begins.
+    most_multiple : int
+        Largest period multiple.
+
+    Returns
+    -------
+    Seed, or None
+        None if none is found.
+    """
+    half = family.at(value)
+    effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
+    try:
+        motion = Search(half.map, effort).run(half.map.adopted(start)).motion
+        if isinstance(motion, Orbit):
+            return Seed(value, motion.point, motion.half_periods)
+        for count in range(half.least, 2 * most_multiple + 1):
+            if count % half.least == 0 and (count % 2 == 0 or half.least == 1):
+                orbit = find_orbit(half, motion.point, count, FAR)
+                if orbit is not None:
+                    return _least(half, orbit, value)
+    except SolverError:
+        return None
+    return None
+
+
+def _least(half: HalfPeriods, orbit: Orbit, value: float) -> Seed:
+    """The motion over the fewest half periods after which it repeats."""
+    for count in range(half.least, orbit.half_periods, half.least):
+        if orbit.half_periods % count == 0 and half.apart(half.marched(orbit.point, count), orbit.point) < _SAME:
+            return Seed(value, orbit.point, count)
+    return Seed(value, orbit.point, orbit.half_periods)
+
+
+@in_one_thread
+def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Sequence[SectionPoint], count: int) -> bool:
+    """Whether a motion is one of a branch that is known, or the mirror image of one.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    seed : Seed
+        The motion.
+    values : sequence of float
+        The number at each point of the branch, in its SI unit.
+    points : sequence of SectionPoint
+        The section points of the branch.
+    count : int
+        Half periods of the branch's motions.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    if count != seed.count:
+        return False
+    half, all_values = family.at(seed.value), np.array(values)
+    images = _images(half, seed)
+    tiny = 1e-9 * family.scale(seed.value)
+    low, high = np.minimum(all_values[:-1], all_values[1:]), np.maximum(all_values[:-1], all_values[1:])
+    for i in np.flatnonzero((low - tiny <= seed.value) & (seed.value <= high + tiny)).tolist():
+        ends = [half.map.adopted(points[i + k]) for k in (0, 1)]
+        width = max(half.apart(ends[1], ends[0]), 1e-3)
+        for image in images:
+            if min(half.apart(image, end) for end in ends) > _NEAR * width:
+                continue
+            share = (seed.value - all_values[i]) / ((all_values[i + 1] - all_values[i]) or 1.0)
+            guess = half.map.moved(ends[0], share * half.map.difference(ends[1], ends[0]))
+            for one in (guess, *ends):
+                found = corrected(family, seed.value, one, count, fixed=True)
+                if found is not None and half.apart(found.point, image) <= _SAME:
+                    return True
+    return False
+
+
+def _images(half: HalfPeriods, seed: Seed) -> list[SectionPoint]:
+    """The section points of a motion, and those of its mirror image where the problem is its own."""
+    found = [seed.point]
+    for _ in range(1, seed.count // half.least if seed.count % 2 == 0 else 1):
+        found.append(half.marched(found[-1], half.least))
+    return found

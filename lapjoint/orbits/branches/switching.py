@@ -1,0 +1,78 @@
+r"""From a branch to the one that springs from it where a multiplier is -1: a flip, or the breaking of a symmetry.
+
+There the map M over the motion's half periods sends its vector v to -v, so the map over twice as many has a branch of
+fixed points that leaves the motion along v: x = x0 + eps v + O(eps^2), p = p0 + O(eps^2).  For a flip it is the motion
+of twice the period; where a symmetry breaks, its half periods being odd, it is the motion that its mirror image does
+not repeat.  Both signs of eps give one motion, or a motion and its mirror image.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.branches.bifurcations import crosses_minus_one
+from lapjoint.orbits.branches.corrector import Place, jacobian, place_from, scaling
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.newton import RESIDUAL
+
+_LENGTHS = (1e-2, 3e-2, 3e-3, 1e-3)
+"""Arc lengths eps, tried in turn: short ones are nearest to the eigenvector, long ones farthest from the old branch."""
+_STEPS = 10
+"""Most steps of Newton's method."""
+
+
+def switched(family: Family, bifurcation: Place) -> Place | None:
+    """A motion of the branch that springs from a bifurcation, near it.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    bifurcation : Place
+        The motion at which a multiplier is -1.
+
+    Returns
+    -------
+    Place, or None
+        Of twice as many half periods; its tangent points away from the bifurcation.  None if none is found.
+    """
+    _, vector = crosses_minus_one(bifurcation)
+    direction = vector * bifurcation.weights
+    direction = direction / np.linalg.norm(direction)
+    for length in _LENGTHS:
+        try:
+            found = _beside(family, bifurcation, direction, length)
+        except (SolverError, InputError, np.linalg.LinAlgError):
+            continue
+        if found is None:
+            continue
+        half = found.half_periods
+        if half.apart(half.marched(found.point, bifurcation.count), found.point) > length / 2:
+            return found.along(found.chord(family, bifurcation))
+    return None
+
+
+def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: float) -> Place | None:
+    """The motion of twice the half periods whose distance along a direction is `length`."""
+    count, value = 2 * bifurcation.count, bifurcation.value
+    border = np.append(direction, 0.0)
+    value, point = bifurcation.moved(family, length * border)
+    residual = np.inf
+    for i in range(_STEPS):
+        half = family.at(value)
+        found = half.linearised(point, count)
+        r = half.map.difference(found.end, point)
+        if r.size != direction.size or half.relative(r, point) > max(0.5 * residual, 1e-2 if i < 3 else 0.0):
+            return None
+        residual = half.relative(r, point)
+        weights = scaling(half, point, r.size)
+        J = jacobian(found, family.derivative(value, point, count) * family.scale(value), weights)
+        if residual <= RESIDUAL:
+            return place_from(value, point, residual, found, J, weights)
+        away = half.map.difference(point, half.map.adopted(bifurcation.point)) * weights
+        step = np.linalg.solve(np.vstack([J, border]), np.append(-weights * r, length - float(direction @ away)))
+        point = half.map.moved(point, step[:-1] / weights)
+        value += float(step[-1]) * family.scale(value)
+        point = family.adopted(value, point)
+    return None

@@ -1,0 +1,160 @@
+"""A whole branch from one of its motions: followed both ways, with its bifurcations, and what springs from them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from lapjoint.answers.branch import Bifurcation, Branch, BranchPoint
+from lapjoint.answers.steady_state import SectionPoint, impulses_per_period
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.bifurcations import Located, between
+from lapjoint.orbits.branches.continuation import Graze, Limits, Run, follow
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.switching import switched
+from lapjoint.orbits.branches.value_errors import Stated, graze_finder, smooth_finder, stated
+from lapjoint.orbits.steady_state import periodic_state
+
+TWO_SIDED = "start"
+"""Said of an end that is none: where a branch was begun, and followed both ways."""
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A motion from which a branch is followed."""
+
+    value: float
+    """The number, in its SI unit."""
+    point: SectionPoint
+    """Its section point."""
+    count: int
+    """Half periods after which it repeats."""
+    away_from: tuple[float, SectionPoint] | None = None
+    """The bifurcation from which its branch springs: the number, and the section point; None if none is known."""
+
+
+@dataclass(frozen=True)
+class Traced:
+    """A branch, and the motions that lead to other branches."""
+
+    branch: Branch
+    """The branch."""
+    seeds: tuple[Seed, ...]
+    """A motion of each branch that springs from it."""
+
+
+@in_one_thread
+def trace(
+    family: Family, seed: Seed, *, most_multiple: int, errors: bool = True, limits: Limits | None = None
+) -> Traced | None:
+    """The branch of a motion.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    seed : Seed
+        The motion.
+    most_multiple : int
+        Largest period multiple of branches that are looked for where one springs from this.
+    errors : bool
+        Whether to estimate the errors of the bifurcations.
+    limits : Limits, optional
+        How far it is followed.
+
+    Returns
+    -------
+    Traced, or None
+        None if Newton's method does not find the motion again.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
+    limits = limits or Limits()
+    start = corrected(family, seed.value, family.adopted(seed.value, seed.point), seed.count)
+    if start is None:
+        return None
+    ahead, back = _both_ways(family, start, seed, limits)
+    run = _joined(back, ahead)
+    found = sorted(_bifurcations(family, run, errors), key=lambda pair: pair[0].index)
+    points = tuple(_point(family, place) for place in run.places)
+    seeds = []
+    for _, place in found:
+        if place is not None and place.count * 2 <= 2 * most_multiple:
+            new = switched(family, place)
+            if new is not None:
+                seeds.append(Seed(new.value, new.point, new.count, (place.value, place.point)))
+    branch = Branch(family.path, points, tuple(one for one, _ in found), (back.end, ahead.end))
+    return Traced(branch, tuple(seeds))
+
+
+def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tuple[Run, Run]:
+    """The curve ahead of a place, and behind it: up and down the range, or away from a bifurcation and back to it."""
+    up = np.append(np.zeros(start.tangent.size - 1), 1.0)
+    if seed.away_from is not None:
+        value, point = seed.away_from
+        up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
+        return follow(family, start.along(up), limits), Run([start], [], [], "bifurcation")
+    ahead = follow(family, start.along(up), limits)
+    if ahead.end == "closed":
+        return ahead, Run([start], [], [], "closed")
+    return ahead, follow(family, start.along(-up), limits)
+
+
+def _joined(back: Run, ahead: Run) -> Run:
+    """Two runs from one start as one, in the direction of the second."""
+    turned = [replace(place, tangent=-place.tangent) for place in reversed(back.places)]
+    first = len(back.places)
+    grazes = [replace(one, index=first - one.index) for one in back.grazes]
+    jumps = [replace(one, index=first - one.index) for one in back.jumps]
+    grazes += [replace(one, index=one.index + first - 1) for one in ahead.grazes]
+    jumps += [replace(one, index=one.index + first - 1) for one in ahead.jumps]
+    return Run([*turned, *ahead.places[1:]], grazes, jumps, ahead.end)
+
+
+def _point(family: Family, place: Place) -> BranchPoint:
+    return BranchPoint(place.value, periodic_state(place.half_periods.map, family.solver.name, place.orbit, None))
+
+
+def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifurcation, Place | None]]:
+    """Those of a run; with the place where a branch springs from it, if one does."""
+    for graze in run.grazes:
+        yield _grazing(family, graze, errors), None
+    for jump in run.jumps:
+        middle = 0.5 * (jump.first + jump.last)
+        yield Bifurcation("unresolved", middle, 0.5 * abs(jump.last - jump.first), jump.index), None
+    apart = {jump.index for jump in run.jumps}
+    for i, (a, b) in enumerate(pairwise(run.places)):
+        if i + 1 in apart or a.extrema.closings != b.extrema.closings:
+            continue
+        for one in between(family, a, b):
+            yield _smooth(family, one, i + 1, errors), one.place if one.kind in _SPRINGING else None
+
+
+_SPRINGING = ("flip", "symmetry breaking")
+"""Kinds of bifurcations from which a branch of periodic motions springs."""
+
+
+def _smooth(family: Family, one: Located, index: int, errors: bool) -> Bifurcation:
+    value = one.place.value
+    known = stated(family, one.place, value, smooth_finder(one.kind)) if errors else Stated(value, np.inf)
+    return Bifurcation(one.kind, known.value, known.error, index, impulses=_impulses(one.place))
+
+
+def _grazing(family: Family, graze: Graze, errors: bool) -> Bifurcation:
+    place, known = graze.before.place, Stated(graze.value, np.inf)
+    if errors:
+        known = stated(family, place, graze.value, graze_finder(graze.before.extremum, place.extrema.duration))
+    return Bifurcation("grazing", known.value, known.error, graze.index, graze.stop, graze.kind, _impulses(place))
+
+
+def _impulses(place: Place) -> tuple[float, ...]:
+    multiple = place.orbit.period_multiple
+    history = place.half_periods.map.history(place.point, multiple)
+    return tuple(impulses_per_period(history, multiple).tolist())
