@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         time_series,
         write_series,
     )
-    from lapjoint.campaigns import FREQUENCY, Axis, sweep
+    from lapjoint.campaigns import FREQUENCY, Axis, branch, sweep
     from lapjoint.errors import InputError, SolverError
     from lapjoint.problem import (
         BaseMotion,
@@ -78,6 +78,7 @@ __all__ = [
     "Support",
     "Tube",
     "ViscousDamping",
+    "branch",
     "contact_states",
     "initial_from_functions",
     "make_solver",

@@ -5,8 +5,9 @@
 >>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
 """
 
+from lapjoint.campaigns.branching import branch
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.running import run, solve, stored, sweep
 
-__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "run", "solve", "stored", "sweep"]
+__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "branch", "run", "solve", "stored", "sweep"]

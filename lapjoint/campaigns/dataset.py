@@ -257,6 +257,30 @@ def read_curve(path: str | Path) -> xr.Dataset:
         If there is no such file, it is not the result of a sweep, it is damaged, or an older or newer version of
         lapjoint wrote it in another format.
     """
+    found = read_dataset(path)
+    if "content" in found.attrs:
+        raise InputError(f"{path}: holds {found.attrs['content']}, and is not the result of a sweep")
+    return found
+
+
+def read_dataset(path: str | Path) -> xr.Dataset:
+    """Read the dataset of a sweep, or of branches, from a NetCDF file into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset; that of branches has the attribute ``content``.
+
+    Raises
+    ------
+    InputError
+        As `read_curve`.
+    """
     import xarray as xr
 
     raw = read_file(path)

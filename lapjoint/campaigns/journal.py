@@ -20,13 +20,29 @@ from functools import cached_property
 from hashlib import sha256
 from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
-from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
 from lapjoint.errors import DamageWarning, InputError
 from lapjoint.output_files import unwritable
+
+
+class Identified(Protocol):
+    """What a journal is of: a sweep, or branches."""
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What distinguishes it from any other, as values that JSON can hold."""
+
+    @property
+    def fingerprint(self) -> str:
+        """A digest of the identity."""
+
+    @property
+    def size(self) -> int:
+        """Number of its points."""
+
 
 BEGINNING = b'{"journal":'
 """First bytes of every journal."""
@@ -55,7 +71,7 @@ class Journal:
 
     Parameters
     ----------
-    plan : Plan
+    plan : Identified
         The sweep.
     out : str or Path
         The file that the sweep writes when it is done.
@@ -75,7 +91,7 @@ class Journal:
         If lines of the journal are damaged; they are dropped, and the points that they held are not in `points`.
     """
 
-    def __init__(self, plan: Plan, out: str | Path, *, force: bool = False) -> None:
+    def __init__(self, plan: Identified, out: str | Path, *, force: bool = False) -> None:
         self.plan = plan
         self.path = journal_path(out)
         self.points: dict[int, Point] = {}
@@ -106,12 +122,19 @@ class Journal:
         line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
         if section is not None:
             line["section"] = section
+        self._keep(line)
+
+    def _keep(self, line: dict[str, Any]) -> None:
+        """Write a line, and take what it holds."""
         self._write(_sealed(line, self._owner))
         self._take(line)
 
+    def _holds_nothing(self) -> bool:
+        return not self.points
+
     def close(self) -> None:
         """Release the journal to other processes; an empty one is removed."""
-        if not self.points and not self._file.closed:
+        if self._holds_nothing() and not self._file.closed:
             self.path.unlink(missing_ok=True)
         self._file.close()
 
@@ -123,16 +146,23 @@ class Journal:
     def kept(self) -> str:
         """A message for a sweep that stops here: it reads the file, because an interrupt can come at any moment."""
         self._load(force=False)
-        if not self.points:
-            return f"none of {self.plan.size} points was done"
-        return f"{len(self.points)} of {self.plan.size} points are kept in {self.path}; the same command resumes"
+        if self._holds_nothing():
+            return self._nothing_done()
+        return f"{self._done()} kept in {self.path}; the same command resumes"
+
+    def _done(self) -> str:
+        """What the journal holds, as the subject of a sentence with its verb."""
+        return f"{len(self.points)} of {self.plan.size} points are"
+
+    def _nothing_done(self) -> str:
+        return f"none of {self.plan.size} points was done"
 
     def _read(self, force: bool) -> None:
         """Take the points in the file, and leave in it only what is whole."""
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
-            kept = f"{len(self.points)} of {self.plan.size} points are whole, and the others are computed again"
+            kept = f"{self._done()} whole, and the others are computed again"
             warnings.warn(f"{self.path}: {what}; {kept}", DamageWarning, stacklevel=2)
         if not self._file.seek(0, os.SEEK_END):
             self._write(self._header)

@@ -77,8 +77,8 @@ class Plan:
     def __post_init__(self) -> None:
         if self.start not in get_args(Start):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
-        _check_integer("starts", self.starts, 1, MOST_STARTS)
-        _check_integer("seed", self.seed, 0, 2**63 - 1)
+        check_integer("starts", self.starts, 1, MOST_STARTS)
+        check_integer("seed", self.seed, 0, 2**63 - 1)
         if self.chained and self.starts > 1:
             raise InputError(f"starts = {self.starts}: must be 1 with start = {self.start!r}, which follows one motion")
 
@@ -208,6 +208,22 @@ def versions() -> dict[str, str]:
     return {name: installed(name) for name in PACKAGES} | {"python": platform.python_version()}
 
 
-def _check_integer(name: str, value: object, low: int, high: int) -> None:
+def check_integer(name: str, value: object, low: int, high: int) -> None:
+    """Raise an error unless a value is an integer within bounds.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in the message.
+    value : object
+        The value.
+    low, high : int
+        The least and the largest that are allowed.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InputError(f"{name} = {value!r}: must be an integer from {low} to {high}")
