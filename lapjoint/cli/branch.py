@@ -21,7 +21,7 @@ from lapjoint.cli.options import problem_options, solver_options
 )
 @click.option("--from", "first", type=float, required=True, help="One end of its range, SI units.")
 @click.option("--to", "last", type=float, required=True, help="The other end.")
-@click.option("-o", "--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option("-o", "--out", required=True, metavar="FILE", help="Where it goes: .nc; resumed if not finished.")
 @click.option(
     "--max-period-multiple",
     type=int,
