@@ -6,17 +6,17 @@ The modules that answer them bring numba and scipy along; they are imported when
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 if TYPE_CHECKING:
     from analytic.period_map import PeriodMap
@@ -138,7 +138,7 @@ class Solver:
         return self.free_modes or common or 0, self.contact_modes or common or 0
 
     @in_one_thread
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest modes of a contact state, exact to rounding.
 
         Parameters
@@ -146,7 +146,7 @@ class Solver:
         problem : Problem
             What is solved.
         state : ContactState
-            The stops that are closed.
+            The stops that are closed; none by default.
         count : int
             How many modes.
 
@@ -202,6 +202,14 @@ class Solver:
         counts = self.mode_counts(problem)
         motion = answers.simulate(problem, self.name, counts, float(duration), progress)
         return self._with_errors(motion, counts, float(duration)) if errors else motion
+
+    def stream(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> Iterator[History]:
+        """The motion from the initial state, stretch by stretch. See `lapjoint.solver.Streams.stream`."""
+        problem.check_duration(duration)
+        from analytic import answers
+
+        counts = in_one_thread(self.mode_counts)(problem)
+        return _each_in_one_thread(answers.stream(problem, self.name, counts, float(duration), progress))
 
     @in_one_thread
     def steady_state(
@@ -350,6 +358,13 @@ class Solver:
         from analytic.period_map import PeriodMap
 
         return PeriodMap(Joint(problem, *self.mode_counts(problem)), self.name)
+
+
+def _each_in_one_thread(stretches: Iterator[History]) -> Iterator[History]:
+    """The same stretches; each is made in one thread, a limit that does not hold while someone works on it."""
+    take = in_one_thread(next)
+    while (stretch := take(stretches, None)) is not None:
+        yield stretch
 
 
 def check_count(field: str, value: object) -> None:

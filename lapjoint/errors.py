@@ -23,7 +23,11 @@ class DamageWarning(UserWarning):
     """A part of a file is damaged; the message says which, and what is done about it."""
 
 
-class RecordWarning(UserWarning):
+class ExcitationWarning(UserWarning):
+    """An excitation can hardly be what was meant, or cannot drive what it should; the message says why."""
+
+
+class RecordWarning(ExcitationWarning):
     """A record can hardly be what was measured, or cannot drive what it should; the message says why."""
 
 

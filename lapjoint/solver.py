@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 from importlib.metadata import entry_points
 from typing import Any, Protocol, runtime_checkable
 
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
 """Packages register their solvers under this name."""
+MODES = 6
+"""Modes of a state where nobody says how many: a line of a terminal."""
 Progress = Callable[[float, float], None]
 """Called now and then with (done, total), in the same unit."""
 
@@ -27,7 +29,7 @@ class Solver(Protocol):
     def name(self) -> str:
         """Name and options in a line, for tables and files."""
 
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest modes of a contact state.
 
         Parameters
@@ -35,9 +37,9 @@ class Solver(Protocol):
         problem : Problem
             The joint.
         state : ContactState
-            The stops that are closed.
+            The stops that are closed; none by default.
         count : int
-            Number of modes, at least 1.
+            Number of modes, at least 1; `MODES` by default.
 
         Returns
         -------
@@ -132,6 +134,37 @@ class Solver(Protocol):
         -------
         Solver
             A new solver; all its other options are the same.
+        """
+
+
+@runtime_checkable
+class Streams(Protocol):
+    """A solver that can hand on a motion in stretches, so that a long one needs no more memory than a short one."""
+
+    def stream(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> Iterator[History]:
+        """The motion from the problem's initial state, stretch by stretch.
+
+        Parameters
+        ----------
+        problem : Problem
+            The joint, its excitation and its initial state.
+        duration : float
+            Length of the motion, s.
+        progress : callable, optional
+            Called now and then with the time marched and the duration, s.
+
+        Yields
+        ------
+        History
+            Each begins where the one before ends; the first at 0, the last ends at `duration`.  A contact that goes on
+            over an end is in both, marked as open there.  No errors are estimated.
+
+        Raises
+        ------
+        InputError
+            If the solver cannot treat such a problem.
+        SolverError
+            If the march cannot go on.
         """
 
 

@@ -43,7 +43,7 @@ def test_a_package_imports_only_what_lies_below_it(package: str) -> None:
         assert ours <= ALLOWED[package], f"{file} imports {ours - ALLOWED[package]}"
 
 
-WITNESSES = ("rigid_bar.py", "dropped_cantilever.py", "pinned_beam.py")
+WITNESSES = ("rigid_bar.py", "dropped_cantilever.py", "pinned_beam.py", "shaken_cantilever.py", "gibbs.py")
 
 
 @pytest.mark.parametrize("witness", WITNESSES)

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
+
+from lapjoint.cli.main import main
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 SNIPPET = re.compile(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```$)?", re.DOTALL | re.MULTILINE)
+
+
+FROM_BESIDE = {"readme.md", "contributing.md", "changes.md"}
+"""Pages of the site that include a file from beside the folder."""
 
 
 def name_of(page: Path) -> str:
@@ -37,8 +45,9 @@ def test_links_between_pages_lead_somewhere(page: Path) -> None:
 
 
 def test_the_index_lists_every_page() -> None:
-    index = (DOCS / "README.md").read_text(encoding="utf-8")
-    assert {name_of(page) for page in PAGES} - set(re.findall(r"\((\S+\.md)\)", index)) == {"README.md"}
+    index = (DOCS / "index.md").read_text(encoding="utf-8")
+    linked = {link.split("#")[0] for link in re.findall(r"\((\S+\.md(?:#\S+)?)\)", index)}
+    assert {name_of(page) for page in PAGES} - linked == {"index.md", *FROM_BESIDE}
 
 
 def test_every_fence_and_formula_is_closed() -> None:
@@ -46,3 +55,27 @@ def test_every_fence_and_formula_is_closed() -> None:
         text = page.read_text(encoding="utf-8")
         assert text.count("```") % 2 == 0
         assert re.sub(r"```.*?```|`[^`]*`", "", text, flags=re.DOTALL).count("$") % 2 == 0
+
+
+TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def test_the_commands_of_the_tutorial_print_what_stands_below_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (problem,) = re.findall(r"^```toml\n(.*?)^```$", TUTORIAL, re.DOTALL | re.MULTILINE)
+    Path("tube.toml").write_text(problem, encoding="utf-8")
+    commands = 0
+    for block in CONSOLE.findall(TUTORIAL):
+        for part in block.split("$ lapjoint ")[1:]:
+            line, _, shown = part.partition("\n")
+            result = CliRunner().invoke(main, shlex.split(line))
+            assert result.exit_code == 0, result.output
+            printed = iter(result.stdout.splitlines())
+            for expected in shown.splitlines():
+                assert any(expected.rstrip() == one.rstrip() for one in printed), (line, expected, result.stdout)
+            commands += 1
+    assert commands >= 6
+    assert Path("tube.pdf").stat().st_size > 1000

@@ -57,7 +57,7 @@ def test_its_problem_file_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
     whole, *other_bases = blocks("toml")
     problem = from_toml(whole)
-    assert len(other_bases) == 2
+    assert len(other_bases) == 3
     for other_base in other_bases:
         other = from_toml(whole.split("[base_motion]")[0] + other_base)
         assert other.replace(base_motion=problem.base_motion) == problem

@@ -43,6 +43,8 @@ class CaseResult:
     tables: tuple[Table, ...] = ()
     drawings: tuple[Drawing, ...] = ()
     notes: tuple[str, ...] = ()
+    headline: str = ""
+    """What the case found, in a line, where its verdict alone does not say it."""
     seconds: float = field(default=0.0)
 
     @property

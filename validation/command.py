@@ -32,7 +32,9 @@ from lapjoint.cli.echo import echo
     "--quickest", type=click.IntRange(1), metavar="N", help="The N faults only that were caught most quickly."
 )
 @click.option("--workers", type=click.IntRange(1), metavar="N", help="Faults that are tried at a time; all processors.")
-@click.option("-o", "--output", default="report", show_default=True, metavar="DIR", help="Where the report goes.")
+@click.option(
+    "-o", "--out", "output", default="report", show_default=True, metavar="DIR", help="Where the report goes."
+)
 @click.option("--list", "list_cases", is_flag=True, help="List the cases and stop.")
 def validate(
     problem: str | None,

@@ -24,6 +24,7 @@ Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
     "as-given": "as_given",
     "pinned-beam": "pinned_beam",
+    "records": "records",
     "rigid-bar": "rigid_bar",
     "settled": "settled",
     "orbit-watch": "orbit_watch",
@@ -34,11 +35,14 @@ _MODULES = {
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",
     "sdnl104": "sdnl104",
+    "sdnd101": "sdnd101",
     "one-mode": "one_mode",
     "certified-steps": "certified_steps",
     "grazing": "grazing",
     "transient": "transient",
     "slow-modes": "slow_modes",
+    "random-linear": "random_linear",
+    "random-stops": "random_stops",
     "as-published": "as_published",
     "steady": "steady",
     "peaks": "peaks",
@@ -221,18 +225,24 @@ def _summary(result: CaseResult, console: Console) -> None:
 
 
 def _table(results: list[CaseResult], console: Console) -> None:
+    """One line a case, by its name, within 80 columns."""
+    from rich import box
     from rich.markup import escape
     from rich.table import Table
 
-    table = Table(title="Verdicts")
-    for column in ("case", "verdict", "agree", "explained", "disagree", "largest difference / allowed"):
-        table.add_column(column)
+    table = Table(
+        title="Verdicts", box=box.SIMPLE_HEAD, caption="of allowed: the largest difference over what is allowed"
+    )
+    table.add_column("case", overflow="ellipsis", no_wrap=True, max_width=_NAME_SHOWN)
+    table.add_column("verdict")
+    for column in (*(verdict.value for verdict in _COUNTED), "of allowed"):
+        table.add_column(column, justify="right")
     for result in results:
         counts = [sum(item.verdict is verdict for item in result.items) for verdict in _COUNTED]
         used = max((c.used for c in result.checks if c.verdict is Verdict.AGREE), default=0.0)
         colour = _COLOURS[result.verdict]
         table.add_row(
-            escape(escaped(result.title)),
+            escape(escaped(result.name)),
             f"[{colour}]{result.verdict.value}[/{colour}]",
             *map(str, counts),
             f"{used:.2f}",
@@ -240,4 +250,5 @@ def _table(results: list[CaseResult], console: Console) -> None:
     console.print(table)
 
 
+_NAME_SHOWN = 24  # characters
 _COUNTED = (Verdict.AGREE, Verdict.EXPLAINED, Verdict.DISAGREE)

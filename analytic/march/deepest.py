@@ -63,7 +63,7 @@ def find_deepest(
     for k in range(deepest.size):
         deepest[k] = 0.0
         if tables.closed[slot, k]:
-            deepest[k] = deepest_of(tables, slot, k, duration, theta.copy(), term.copy(), drift, None)
+            deepest[k] = deepest_of(tables, slot, k, duration, theta, term, drift, None, 0.0, False)
 
 
 @njit(cache=True)
@@ -72,12 +72,14 @@ def deepest_of(
     slot: int,
     k: int,
     duration: float,
-    theta: ComplexArray,
-    term: ComplexArray,
+    theta0: ComplexArray,
+    term0: ComplexArray,
     drift: FloatArray,
     rigid: Rigid | None,
+    so_far: float,
+    goes_on: bool,
 ) -> float:
-    """The deepest penetration of one closed stop while one closed form holds.
+    """The deepest penetration of one closed stop while one closed form holds, or before.
 
     Parameters
     ----------
@@ -89,19 +91,23 @@ def deepest_of(
         The stop.
     duration : float
         How long the closed form holds, s.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h) at its start, without unit; changed in place.
-    term : ComplexArray, shape (T,)
-        The c_t, kg^1/2 m, at its start; changed in place.
+    theta0 : ComplexArray, shape (H,)
+        exp(i theta_h) at its start, without unit.
+    term0 : ComplexArray, shape (T,)
+        The c_t, kg^1/2 m, at its start.
     drift : FloatArray, shape (U, 3)
         The coefficients of 1, s, s^2 of z, m over powers of s.
     rigid : Rigid or None
         What rigid-body modes add to it under forces that are linear in time.
+    so_far : float
+        The deepest before, m.
+    goes_on : bool
+        Whether another closed form follows, of which the start is looked at: then the end of this one need not be.
 
     Returns
     -------
     float
-        m; 0 where the stop is not pressed.
+        m; 0 where the stop was not pressed.
     """
     u, sign, terms = tables.position[k], tables.sign[k], tables.terms[slot]
     root, weight, forced = tables.root[slot], tables.weight[slot, u], tables.forced[slot]
@@ -109,7 +115,7 @@ def deepest_of(
     for omega in tables.omega:
         fastest = max(fastest, omega)
     least, out = _SHORTEST / (fastest + _TINY), np.zeros((forced.shape[0], 4))
-    deepest, s = 0.0, 0.0
+    deepest, s, theta, term = so_far, 0.0, theta0, term0
     while True:
         at_positions(forced, tables.omega, s, theta, drift, out)
         if rigid is not None:
@@ -122,10 +128,16 @@ def deepest_of(
         if left <= 0:
             return deepest
         tau = first_root_of_bound(d - deepest * (1 + _SHARP) - _TINY, d1, d2, b3, left)
+        if tau >= left and d1 <= 0:
+            return deepest
         if d1 > 0:
             # the positive root of d1 + d2 x - b3 x^2 / 2, without cancellation
             split = math.sqrt(d2 * d2 + 2 * b3 * d1)
             tau = max(tau, (d2 + split) / b3 if d2 > 0 else 2 * d1 / (split - d2))
+        if tau >= left and goes_on:
+            return deepest
+        if s == 0:
+            theta, term = theta0.copy(), term0.copy()
         tau = min(max(tau, least), left)
         s = duration if tau == left else s + tau
         turn_exactly(root, tables.omega, terms, tau, term, theta)

@@ -22,7 +22,7 @@ from analytic.march.oscillator import OSCILLATING
 from analytic.march.tables import BoolArray, FlatState, IntArray, Tables, flat_state
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.problem import FloatArray
-from lapjoint.problem.forces import Ramps
+from lapjoint.problem.ramps import Ramps
 
 LOGGED = 64
 """Knots after which a segment ends in the log, so that a motion can be evaluated without going far back."""
@@ -67,29 +67,73 @@ class RampTables(NamedTuple):
 
 
 class RampState:
-    """What a march along ramps carries from one compiled call to the next.
+    """What a march along ramps carries from one compiled call to the next, and from block to block of the ramps.
 
     Parameters
     ----------
     joint : Joint
         The joint that is marched.
+    start : float
+        When the march begins, s.
     """
 
-    def __init__(self, joint: Joint) -> None:
-        ramps = joint.problem.forces.ramps
-        assert ramps is not None
-        self._joint, self._ramps = joint, ramps
+    def __init__(self, joint: Joint, start: float) -> None:
+        blocks = joint.problem.forces.ramps
+        assert blocks is not None
+        self._joint, self._blocks = joint, blocks
         self._carried = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_), np.zeros(len(joint.problem.stops))
+        self._block = blocks.block_at(start)
         self._met = 0
         self._made: RampTables | None = None
+
+    def move_to(self, t: float) -> float:
+        """Go on to the block that a time is in; a march up to its end, and not beyond, may take the tables then.
+
+        Parameters
+        ----------
+        t : float
+            The time, s, not before that of the last call.
+
+        Returns
+        -------
+        float
+            Where the block ends, s; infinite for the last one.
+        """
+        block = self._blocks.block_at(t)
+        if block is not self._block:
+            self._block, self._carried[0][0] = block, 0
+            if self._made is not None:
+                self._made = on_block(self._made, self._joint, block)
+        return block.end if block.end < self._blocks.end else np.inf
 
     @property
     def tables(self) -> RampTables:
         """The tables of all states that the joint has met so far."""
         met = len(self._joint.states)
         if self._made is None or met != self._met:
-            self._made, self._met = ramp_tables(self._joint, self._ramps, self._carried), met
+            self._made, self._met = ramp_tables(self._joint, self._block, self._carried), met
         return self._made
+
+
+def on_block(made: RampTables, joint: Joint, block: Ramps) -> RampTables:
+    """The same tables with another block of the ramps.
+
+    Parameters
+    ----------
+    made : RampTables
+        The tables of a block before.
+    joint : Joint
+        The joint.
+    block : Ramps
+        The block.
+
+    Returns
+    -------
+    RampTables
+        What states make of ramps, and what a march carries, is shared with the tables given.
+    """
+    whole = made.whole if block.spacing == made.spacing else np.exp(joint.tables.root * block.spacing)
+    return made._replace(time=block.time, force=block.force, slope=block.slope, spacing=block.spacing, whole=whole)
 
 
 def ramp_tables(

@@ -20,8 +20,10 @@ motion Y the beam is more pressed than thrown against a stop: there c is the rat
 with half the room for g, if that is below 3.  Both constants are measured, on random joints of one to four stops
 anywhere, 1 to 1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
 
-A step load excites every mode at once, and inertia does not help: the share of the left-out modes in the
-compliance at the load, sum_{i > N} Phi_i^2 / omega_i^2 over the sum of all, has to be small by itself.
+A load that is there at once excites every mode, and inertia does not help: the left-out modes, at rest in truth, start
+from their equilibrium here.  For a step load their share in the compliance at the load, sum_{i > N} Phi_i^2 / omega_i^2
+over the sum of all, has to be small by itself; for the inertia of a base that starts with an acceleration their share
+in the largest deflection under it.  Of a sine or a record counts how large it is at t = 0, over its largest.
 
 An initial shape that is not straight and still also asks that the modes hold all but a thousandth of it.
 """
@@ -37,6 +39,7 @@ import numpy as np
 from analytic.march.initial_state import initial_coordinates
 from analytic.march.loads import harmonics_of
 from analytic.march.modal_state import Family, family_of
+from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop
@@ -46,6 +49,7 @@ LEAST, MOST = 10, 320
 _IMPACTS, _RINGING = 3.0, 2.0
 """c of free impacts, and its factor where the modes left out ring on to the next one; see the module's head."""
 _DAMPED = 1e-3  # modal damping ratio from which they do not, without unit: the least of the problems measured
+_PLACES = 33  # along the beam, at which the deflection under a uniform load is looked at
 _SHAPE_REMAINDER = 1e-3
 """Largest share of an initial shape, in the norm of its coordinates, that the modes may leave out."""
 
@@ -122,6 +126,9 @@ class _Criterion:
     """The highest frequency of the loads, rad/s; 0 without any."""
     contact_squares: tuple[float, ...]
     """omega_c^2 of each stop's own, (rad/s)^2."""
+    sudden: tuple[tuple[float | None, float, float], ...]
+    """Loads that are there at t = 0: where, their lowest frequency, rad/s, and how large they are then over the largest
+    that all at this place can be, without unit."""
 
 
 def _criterion(problem: Problem) -> _Criterion:
@@ -132,7 +139,22 @@ def _criterion(problem: Problem) -> _Criterion:
         family=family_of(problem),
         fastest=float(harmonics_of(problem).omega.max(initial=problem.forces.usual_rate)),
         contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
+        sudden=_sudden(problem),
     )
+
+
+def _sudden(problem: Problem) -> tuple[tuple[float | None, float, float], ...]:
+    """See `_Criterion.sudden`."""
+    forces, usual = problem.forces, problem.forces.usual_rate
+    loads: list[tuple[float | None, float, float, float]] = [(f.x, 0.0, f.force, abs(f.force)) for f in forces.constant]
+    loads += [(f.x, f.angular_frequency, float(f.at(np.zeros(1))[0]), abs(f.amplitude)) for f in forces.harmonic]
+    loads += [(f.x, usual, float(f.at(np.zeros(1))[0]), f.size) for f in forces.sampled]
+    found = []
+    for place in dict.fromkeys(load[0] for load in loads):
+        omegas, starts, sizes = zip(*(load[1:] for load in loads if load[0] == place and load[3] > 0), strict=True)
+        if sum(starts):
+            found.append((place, min(omegas), abs(sum(starts)) / sum(sizes)))
+    return tuple(found)
 
 
 def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
@@ -149,10 +171,42 @@ def _error(criterion: _Criterion, pool: int) -> FloatArray:
     """See `truncation_error`."""
     parts = _parts(criterion.family, pool)
     driven = max(parts.elastic, criterion.fastest) ** 2
-    error = np.maximum(parts.steps, driven * parts.loads)
+    error = np.asarray(driven * parts.loads)
+    for x, omega, share in criterion.sudden:
+        for start in parts.starts[x]:
+            error = np.maximum(error, share * start.error(omega))
     for square, share in zip(criterion.contact_squares, parts.contacts, strict=True):
         error = np.maximum(error, max(driven, square) * share)
     return np.asarray(error)
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """What the modes of a state answer to a load of unit size that is there at once."""
+
+    parts: FloatArray
+    """Phi_i (Phi_i, p) at the load, or along the beam, kg^-1 or kg^-1 m, shape ``(pool, places)``."""
+    square: FloatArray
+    """omega_i^2, (rad/s)^2, shape ``(pool,)``."""
+    left_out: FloatArray
+    """The most that the modes from each on may sum to, m for a unit load, shape ``(pool - 1,)``."""
+
+    def error(self, omega: float) -> FloatArray:
+        """Share of the left-out modes in the largest deflection.
+
+        Parameters
+        ----------
+        omega : float
+            Angular frequency of the load, rad/s; 0 if it is constant.
+
+        Returns
+        -------
+        FloatArray, shape (pool - 1,)
+            Without unit.
+        """
+        slowed = np.maximum(self.square, omega**2)  # inertia makes the answer of the modes below it smaller
+        most = np.abs((1 / np.where(slowed > 0, slowed, np.inf)) @ self.parts).max()
+        return np.asarray(self.left_out / (most + np.finfo(float).tiny))
 
 
 @dataclass(frozen=True)
@@ -165,22 +219,22 @@ class _Parts:
     """e_N over omega_c^2 of each stop, s^2, shape ``(stops, pool - 1)``."""
     loads: FloatArray
     """e_N over the square of the fastest frequency of what answers the loads, s^2, shape ``(pool - 1,)``."""
-    steps: FloatArray
-    """The error of step loads, shape ``(pool - 1,)``."""
+    starts: dict[float | None, tuple[_Start, _Start]]
+    """What the two states answer to a load at each place, and to a uniform one if there is one."""
 
 
 @lru_cache(maxsize=32)
 def _parts(family: Family, pool: int) -> _Parts:
     problem = family.problem
     both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
-    elastic = both[-1].omega[both[-1].omega > 0]
+    elastic, constant = both[-1].omega[both[-1].omega > 0], problem.forces.constant
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
     least = np.arange(1, pool, dtype=float) ** -4
     return _Parts(
         elastic=float(elastic[0]),
         contacts=np.max([_over_square(modes, _shares(problem, modes)) for modes in both], axis=0),
         loads=np.max([_over_square(modes, least) for modes in both], axis=0),
-        steps=np.max([_steps(problem, modes) for modes in both], axis=0),
+        starts={x: (_start(both[0], x), _start(both[-1], x)) for x in (*(f.x for f in constant), *family.places)},
     )
 
 
@@ -198,15 +252,16 @@ def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
     return np.asarray(np.divide(share, square, out=np.full(share.shape, np.inf), where=square > 0))
 
 
-def _steps(problem: Problem, modes: NormalModes) -> FloatArray:
-    """The largest share of left-out modes in the compliance at a step load, of one state, shape ``(modes - 1,)``."""
-    omega = np.where(modes.omega > 0, modes.omega, np.inf)
-    errors = [np.zeros(omega.size - 1)]
-    for load in problem.forces.constant:
-        compliance = modes.shapes(np.array([load.x]))[:, 0] ** 2 / omega**2
-        tail = compliance[::-1].cumsum()[::-1]
-        errors.append(tail[1:] / (tail[0] + np.finfo(float).tiny))
-    return np.asarray(np.max(errors, axis=0))
+def _start(modes: NormalModes, x: float | None) -> _Start:
+    """What the modes of one state answer to a load at a place, or to a uniform one."""
+    if x is None:
+        along = modes.shapes(np.linspace(0.0, modes.shapes.nodes[-1], _PLACES))
+        parts = along * integral(modes.shapes)[:, None]
+    else:
+        parts = modes.shapes(np.array([x])) ** 2
+    square = modes.omega**2
+    tail = np.abs(parts / np.where(square > 0, square, np.inf)[:, None])[::-1].cumsum(axis=0)[::-1].max(axis=1)
+    return _Start(parts, square, tail[1:])
 
 
 def _enough(criterion: _Criterion, tolerance: float, pool: int) -> int:

@@ -40,12 +40,12 @@ from dataclasses import dataclass, replace
 
 from analytic.solver import Solver, check_count
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import Problem
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class PublishedScheme:
         return replace(self, free_modes=free, contact_modes=contact)
 
     @in_one_thread
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest modes of a contact state, exact to rounding.
 
         Parameters
@@ -124,7 +124,7 @@ class PublishedScheme:
         problem : Problem
             What is solved.
         state : ContactState
-            The stops that are closed.
+            The stops that are closed; none by default.
         count : int
             How many modes.
 
@@ -172,6 +172,9 @@ class PublishedScheme:
         problem.check_duration(duration)
         if problem.records:
             raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
+        if problem.random:
+            path = next(iter(problem.random))
+            raise InputError(f"{path}: the published scheme knows no random excitation; allowed are sines")
         from analytic.published.field import history_of
         from analytic.published.initial_state import started
         from analytic.published.joint import PublishedJoint

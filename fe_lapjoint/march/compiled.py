@@ -14,6 +14,9 @@ from numba import njit
 from fe_lapjoint.march.system import ComplexArray, IndexArray
 from lapjoint.problem import FloatArray
 
+SWINGS = 4.0
+"""A term of rate r swings within a width w if |r| w is larger: then 2 |c| is less than w^2 |c r^2| / 8."""
+
 
 @njit(cache=True)
 def start_terms(
@@ -177,6 +180,44 @@ def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArr
         z += now.real
         rate += (now * rates[k]).real
     return z, rate
+
+
+@njit(cache=True)
+def above_troughs(
+    terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: FloatArray, width: float
+) -> FloatArray:
+    """How far the terms that swing within an interval are, at its ends, above the least that they can be in it.
+
+    Parameters
+    ----------
+    terms : ComplexArray, shape (m,)
+        Amplitudes at the start in the motion of a place, m.
+    rates : ComplexArray, shape (m,)
+        Their rates r, 1/s.
+    speeds : FloatArray, shape (m,)
+        |r| of the terms that may be taken for swinging, 1/s; 0 for the others.
+    side : float
+        +1 for the motion of the place, -1 for its opposite.
+    s : FloatArray, shape (i,)
+        When intervals begin, since the start, s.
+    width : float
+        How long they are, s.
+
+    Returns
+    -------
+    FloatArray, shape (2, i)
+        The sums of these distances at the beginnings and at the ends, m; 0 where no term swings so fast.
+    """
+    above = np.zeros((2, s.size))
+    for k in range(rates.size):
+        if speeds[k] * width > SWINGS:
+            on = _wave(rates[k], width)
+            for i in range(s.size):
+                now = terms[k] * _wave(rates[k], s[i])
+                size = abs(now)
+                above[0, i] += size + side * now.real
+                above[1, i] += size + side * (now * on).real
+    return above
 
 
 @njit(cache=True)

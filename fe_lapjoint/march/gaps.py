@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.propagator import Coordinates, Flow
 from fe_lapjoint.march.system import SAMPLES
 from lapjoint.problem import FloatArray
-
-Coordinates = Callable[[FloatArray, int], FloatArray]
-"""A function of times, s, shape ``(m,)``, and of a number dt from 0 to 2.
-
-It gives the dt-th derivative of the modal displacements, kg^1/2 m over s^dt, shape ``(n, m)``.
-"""
 
 
 @dataclass(frozen=True)
@@ -55,6 +48,11 @@ class FlowGaps:
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """Bounds on what lies between the ends of intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
         return np.asarray(self.flow.envelope.from_chord(t, width)[self.flow.system.place_of])
+
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        """Bounds on a gap function. See `fe_lapjoint.march.events.Gaps.ceiling`."""
+        above = self.flow.above_troughs(k, side * float(self.orientation[k]), t, width)
+        return np.asarray((side * ends - above).max(axis=0) + self.from_chord(t, width)[k])
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """Bounds on what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
@@ -105,6 +103,10 @@ class SolutionGaps:
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """Estimates for intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
         return np.asarray(np.multiply.outer(self.curvature * (width**2 / 8), np.ones_like(t)))
+
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        """Estimates in place of bounds. See `fe_lapjoint.march.events.Gaps.ceiling`."""
+        return np.asarray((side * ends).max(axis=0) + self.from_chord(t, width)[k])
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """Estimates for what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""

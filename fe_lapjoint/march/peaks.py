@@ -2,21 +2,52 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from fe_lapjoint.march.events import Gaps
+from fe_lapjoint.march.events import BoolArray, Gaps, IndexArray
+from lapjoint.problem import FloatArray
 
 _FIRST = 16  # intervals to begin with
 _SPLIT = 16  # into how many an interval is cut that may hold more than was found; a few more cost hardly more
 _RELATIVE = 1e-12  # of the deepest: what is left to be found; a maximum is flat, so its place is known to 1e-6
-_ROUNDS = 20  # of cutting, at most; 12 of them cut to the last digit of a time
+_CUTS = 20  # of an interval, at most; 12 of them cut to the last digit of a time
+_AT_ONCE = 32  # intervals that are cut together: those that may hold most, so that what they hold excludes others
+
+
+@dataclass(frozen=True)
+class _Intervals:
+    """Intervals that may hold more than was found, with the gap function at their ends."""
+
+    cuts: IndexArray
+    """How often each was cut, shape ``(i,)``."""
+    start: FloatArray
+    """s, shape ``(i,)``."""
+    ends: FloatArray
+    """The gap function, m, shape ``(2, i)``."""
+    most: FloatArray
+    """The deepest penetration that each may hold, m, shape ``(i,)``."""
+
+    def only(self, which: BoolArray) -> _Intervals:
+        """Some of them."""
+        return _Intervals(self.cuts[which], self.start[which], self.ends[:, which], self.most[which])
+
+    def and_others(self, others: _Intervals) -> _Intervals:
+        """They, and others."""
+        return _Intervals(
+            np.concatenate([self.cuts, others.cuts]),
+            np.concatenate([self.start, others.start]),
+            np.concatenate([self.ends, others.ends], axis=1),
+            np.concatenate([self.most, others.most]),
+        )
 
 
 def deepest(gaps: Gaps, k: int, start: float, end: float, rounding: float) -> float:
     """The deepest penetration of a closed stop.
 
-    Wherever the bound on an interval exceeds what has been found, the interval is cut; none is left out before the
-    bound says that it holds nothing deeper.
+    Wherever the bound on an interval exceeds what has been found, the interval is cut, those with the highest bounds
+    first; none is left out before the bound says that it holds nothing deeper.
 
     Parameters
     ----------
@@ -34,21 +65,28 @@ def deepest(gaps: Gaps, k: int, start: float, end: float, rounding: float) -> fl
     float
         m; to 1e-12 of itself, or to `rounding`.
     """
+
+    def intervals(edges: FloatArray, h: FloatArray, cuts: int) -> _Intervals:
+        """Those between the edges ``(i, n + 1)``."""
+        begin, ends = edges[:, :-1].ravel(), np.stack([h[:, :-1].ravel(), h[:, 1:].ravel()])
+        most = gaps.ceiling(k, begin, width / _SPLIT**cuts, ends, -1.0)
+        return _Intervals(np.full(begin.size, cuts), begin, ends, most)
+
     width = (end - start) / _FIRST
-    edges = start + width * np.arange(_FIRST + 1.0)
-    depth = -gaps(edges)[k]
-    lo, left, right = edges[:-1], depth[:-1], depth[1:]
-    found = float(depth.max())
-    for _ in range(_ROUNDS):
-        enough = found + max(_RELATIVE * abs(found), rounding)
-        open_ = np.maximum(left, right) + gaps.from_chord(lo, width)[k] > enough
-        if not open_.any():
-            break
-        width /= _SPLIT
-        t = lo[open_, None] + width * np.arange(1.0, _SPLIT)
-        inner = -gaps(t.ravel())[k].reshape(t.shape)
-        found = max(found, float(inner.max()))
-        values = np.concatenate([left[open_, None], inner, right[open_, None]], axis=1)
-        lo = np.concatenate([lo[open_, None], t], axis=1).ravel()
-        left, right = values[:, :-1].ravel(), values[:, 1:].ravel()
-    return found
+    edges = start + width * np.arange(_FIRST + 1.0)[None, :]
+    h = gaps(edges[0])[k][None, :]
+    found, left = float(-h.min()), intervals(edges, h, 0)
+    while True:
+        left = left.only((left.most > found + max(_RELATIVE * abs(found), rounding)) & (left.cuts < _CUTS))
+        if not left.start.size:
+            return found
+        alike = np.flatnonzero(left.cuts == left.cuts[np.argmax(left.most)])
+        first = alike[np.argsort(-left.most[alike], kind="stable")[:_AT_ONCE]]
+        cuts = int(left.cuts[first[0]]) + 1
+        edges = left.start[first, None] + width / _SPLIT**cuts * np.arange(_SPLIT + 1.0)
+        inner = gaps(edges[:, 1:-1].ravel())[k].reshape(first.size, -1)
+        found = max(found, float(-inner.min()))
+        h = np.concatenate([left.ends[:1, first].T, inner, left.ends[1:, first].T], axis=1)
+        others = np.ones(left.start.size, dtype=np.bool_)
+        others[first] = False
+        left = left.only(others).and_others(intervals(edges, h, cuts))

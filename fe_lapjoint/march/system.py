@@ -19,7 +19,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
-from lapjoint.problem.forces import Ramps
+from lapjoint.problem.ramps import RampBlocks
 
 ComplexArray = npt.NDArray[np.complex128]
 IndexArray = npt.NDArray[np.intp]
@@ -37,7 +37,7 @@ _DETUNE = 1e-7
 class ModalRamps:
     """The sampled forces of a problem on the modes of one contact state."""
 
-    ramps: Ramps
+    ramps: RampBlocks
     shares: FloatArray
     """Modal force for each unit of load, kg^-1/2, or kg^-1/2 m along the beam, shape ``(n, R)``."""
 
@@ -276,6 +276,13 @@ class System:
     def moduli(self) -> FloatArray:
         """|r| of `rates_of_terms` but the constant, 1/s, shape ``(terms - 1,)``."""
         return np.asarray(np.abs(self.rates_of_terms[:-1]))
+
+    @cached_property
+    def swinging(self) -> FloatArray:
+        """|r| of `rates_of_terms` that `Flow.envelope` bounds by their amplitudes, else 0; 1/s, shape ``(terms,)``."""
+        sure = np.ones(self.rates_of_terms.size, dtype=bool)
+        sure[: self.which.size] = np.isin(self.which, self.bounded[0])
+        return np.where(sure, np.abs(self.rates_of_terms), 0.0)
 
     def waves(self, s: float | FloatArray) -> FloatArray:
         """exp(r s) of the rates r of `rates_of_terms`, conjugate, each as a pair of real numbers.

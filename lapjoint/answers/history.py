@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -71,6 +72,29 @@ class Field(Protocol):
         """
 
 
+@runtime_checkable
+class SeveralDerivatives(Protocol):
+    """A field that gives several derivatives at the same places and times for less than one after the other."""
+
+    def derivatives(self, x: FloatArray, t: FloatArray, orders: Sequence[tuple[int, int]]) -> list[FloatArray]:
+        """Derivatives of z, each as `Field` gives it.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+        orders : sequence of (int, int)
+            Orders of the x- and the t-derivative of each.
+
+        Returns
+        -------
+        list of FloatArray, shape (n, m)
+            One for each of `orders`.
+        """
+
+
 @dataclass(frozen=True)
 class History:
     """A motion from `start` to `end`, with its contacts and the means to evaluate it anywhere."""
@@ -94,6 +118,11 @@ class History:
     """How the errors of the contacts were estimated, or why there are none."""
     highest_mode: float | None = None
     """Angular frequency of the fastest mode of which the solver made the motion, rad/s; None where it does not say."""
+
+    def _repr_html_(self) -> str:
+        from lapjoint.figures.notebook import html_of_history
+
+        return html_of_history(self)
 
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """z(x, t), the displacement relative to the base.
@@ -271,6 +300,27 @@ class History:
         if np.any((t_ < self.start) | (t_ > self.end)):
             raise ValueError(f"t must lie within the history, {self.start:g} to {self.end:g} s")
         return self.field(x_, t_, dx, dt)
+
+    def derivatives(self, x: FloatArray, t: FloatArray, orders: Sequence[tuple[int, int]]) -> list[FloatArray]:
+        """Several derivatives of z at the same places and times.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+        orders : sequence of (int, int)
+            Orders of the x- and the t-derivative of each.
+
+        Returns
+        -------
+        list of FloatArray, shape (n, m)
+            One for each of `orders`, m^(1 - dx) s^-dt.
+        """
+        if isinstance(self.field, SeveralDerivatives):
+            return self.field.derivatives(x, t, orders)
+        return [self.field(x, t, dx, dt) for dx, dt in orders]
 
     def state_at(self, t: float) -> ContactState:
         """The contact state at a time; at a switch the later one.

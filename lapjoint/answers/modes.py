@@ -40,3 +40,8 @@ class Modes:
     """Natural angular frequencies, rad/s, ascending, shape ``(modes,)``; 0 for a rigid-body mode."""
     shapes: ModeShapes
     """Mode shapes, kg^-1/2; their sign is arbitrary, so compare them with MAC or up to sign."""
+
+    def _repr_html_(self) -> str:
+        from lapjoint.figures.notebook import html_of_modes
+
+        return html_of_modes(self)

@@ -9,14 +9,14 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lapjoint.answers.history import History
+from lapjoint.answers.quantities import QUANTITIES as OF_PLACES
 from lapjoint.errors import InputError
 from lapjoint.netcdf_files import write_netcdf
 from lapjoint.output_files import write_file
@@ -40,33 +40,8 @@ _ROUNDING = 1e-9
 """Samples.  A last sample that lies beyond the end of the motion by less than this belongs to it."""
 
 
-@dataclass(frozen=True)
-class _Quantity:
-    units: str
-    text: str
-    of: Callable[[History, FloatArray, FloatArray], FloatArray]
-    """Takes a history, positions, m, shape ``(n,)``, and times, s, shape ``(m,)``; gives values of shape ``(n, m)``."""
-
-
-_QUANTITIES = {
-    "displacement": _Quantity("m", "displacement relative to the base", History.displacement),
-    "velocity": _Quantity("m s-1", "velocity relative to the base", History.velocity),
-    "acceleration": _Quantity("m s-2", "acceleration relative to the base", History.acceleration),
-    "absolute_displacement": _Quantity(
-        "m", "displacement, that of the base added", lambda h, x, t: h.displacement(x, t) + h.base(t)
-    ),
-    "absolute_velocity": _Quantity(
-        "m s-1", "velocity, that of the base added", lambda h, x, t: h.velocity(x, t) + h.base(t, 1)
-    ),
-    "absolute_acceleration": _Quantity(
-        "m s-2", "acceleration, that of the base added", lambda h, x, t: h.acceleration(x, t) + h.base(t, 2)
-    ),
-    "moment": _Quantity("N m", "bending moment, EI z_xx", History.moment),
-    "shear": _Quantity("N", "shear force, EI z_xxx; where it jumps, the value to the left", History.shear),
-    "stress": _Quantity("Pa", "bending stress at the top of the section, tension positive", History.bending_stress),
-    FORCE: _Quantity("N", "force of the stop on the beam, positive upwards", lambda h, x, t: h.contact_force(t)),
-}
-QUANTITIES = tuple(_QUANTITIES)
+_FORCE = "N", "force of the stop on the beam, positive upwards"
+QUANTITIES = (*OF_PLACES, FORCE)
 """Names of the quantities."""
 
 
@@ -105,17 +80,19 @@ def time_series(
     import xarray as xr
 
     problem = history.problem
-    places, chosen = _places(problem, at), _chosen(problem, quantities)
+    places, chosen = places_of(problem, at), _chosen(problem, quantities)
     rate, source = _default_rate(history) if rate is None else (rate, "as asked for")
     count = _count(problem, places, chosen, rate, history.end - history.start)
     t = np.minimum(history.start + np.arange(count) / rate, history.end)
     x = np.array(places)
     variables: dict[str, Any] = {}
     for name in chosen:
-        quantity = _QUANTITIES[name]
-        dimension = "stop" if name == FORCE else "x"
-        values = quantity.of(history, x, t)
-        variables[name] = (dimension, "time"), values, {"units": quantity.units, "long_name": quantity.text}
+        if name == FORCE:
+            values, (units, text), dimension = history.contact_force(t), _FORCE, "stop"
+        else:
+            quantity = OF_PLACES[name]
+            values, units, text, dimension = quantity.of(history, x, t), quantity.units, quantity.text, "x"
+        variables[name] = (dimension, "time"), values, {"units": units, "long_name": text}
     coordinates: dict[str, Any] = {
         "time": ("time", t, {"units": "s", "long_name": "time"}),
         "x": ("x", x, {"units": "m", "long_name": "position from the root"}),
@@ -160,7 +137,7 @@ def check_series(
     InputError
         As `time_series` says.
     """
-    places, chosen = _places(problem, at), _chosen(problem, quantities)
+    places, chosen = places_of(problem, at), _chosen(problem, quantities)
     if rate is not None:
         _count(problem, places, chosen, rate, duration or 0.0)
 
@@ -203,7 +180,7 @@ def _columns(series: xr.Dataset) -> dict[str, FloatArray]:
     """The columns of a table by their headings, the times first, each of shape ``(m,)``."""
     columns = {"time [s]": series["time"].values}
     for name, variable in series.data_vars.items():
-        units = _plain(variable.attrs["units"])
+        units = written(variable.attrs["units"])
         of_stops = variable.dims[0] == "stop"
         wheres = [f"of {stop}" for stop in series["stop_name"].values] if of_stops else _headings(series["x"].values)
         for where, values in zip(wheres, variable.values, strict=True):
@@ -215,13 +192,42 @@ def _headings(x: FloatArray) -> list[str]:
     return [f"at x = {float(place)!r} m" for place in x]
 
 
-def _plain(units: str) -> str:
-    """Units of the CF conventions as people write them: m s-2 as m/s2."""
+def written(units: str) -> str:
+    """Units of the CF conventions as people write them.
+
+    Parameters
+    ----------
+    units : str
+        As ``m s-2``.
+
+    Returns
+    -------
+    str
+        As ``m/s2``.
+    """
     return units.replace(" s-2", "/s2").replace(" s-1", "/s")
 
 
-def _places(problem: Problem, at: Sequence[float] | None) -> list[float]:
-    """The places asked for, or those of the stops and of the ends that no support fixes, m, each once."""
+def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
+    """The places asked for, or those of the stops and of the ends that no support fixes, each once.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    at : sequence of float or None
+        Places, m; None for the default.
+
+    Returns
+    -------
+    list of float
+        Positions, m.
+
+    Raises
+    ------
+    InputError
+        If there is none, or one is off the beam.
+    """
     if at is None:
         L = problem.beam.length
         fixed = {support.x for support in problem.supports if math.isinf(support.translational)}
@@ -237,7 +243,7 @@ def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
     if quantities is None:
         return ["displacement", FORCE] if problem.stops else ["displacement"]
     chosen = list(dict.fromkeys(quantities))
-    unknown = [name for name in chosen if name not in _QUANTITIES]
+    unknown = [name for name in chosen if name not in QUANTITIES]
     if unknown or not chosen:
         what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
         raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
@@ -261,8 +267,9 @@ def _default_rate(history: History) -> tuple[float, str]:
         f"{PER_PERIOD:g} samples in a period of the fastest frequency of the answer, {fastest:.6g} rad/s of a {whose}"
     )
     rate = PER_PERIOD * fastest / (2 * math.pi)
-    recorded = 0.0 if forces.ramps is None else 1 / float(np.median(np.diff(forces.ramps.time)))
-    return (rate, text) if rate >= recorded else (recorded, "as many as the record of the excitation has")
+    sampled = 0.0 if forces.ramps is None else forces.ramps.rate
+    whose = "the random excitation" if history.problem.random else "the record of the excitation"
+    return (rate, text) if rate >= sampled else (sampled, f"as many as {whose} has")
 
 
 def _count(problem: Problem, places: list[float], chosen: list[str], rate: float, duration: float) -> int:

@@ -163,6 +163,11 @@ class SteadyState:
     error_source: str = NO_ERRORS
     """How the errors were estimated, or why there are none."""
 
+    def _repr_html_(self) -> str:
+        from lapjoint.figures.notebook import html_of_steady_state
+
+        return html_of_steady_state(self)
+
     @property
     def stable(self) -> bool | None:
         """Whether all Floquet multipliers lie within the unit circle; None where no orbit was certified."""

@@ -1,4 +1,5 @@
-"""Many answers: steady states over a grid of problems, by many workers, kept in a journal and given as a dataset.
+"""Many answers, by many workers, kept in a journal and given as a dataset: steady states over a grid of problems, and
+statistics of long motions.
 
 >>> from lapjoint import FREQUENCY, Axis, paper_joint, sweep
 >>> curve = sweep(paper_joint(), [Axis(FREQUENCY, range(400, 600, 10))], workers=2, out="curve.nc")  # doctest: +SKIP
@@ -8,6 +9,7 @@
 from lapjoint.campaigns.branching import branch
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.realisations import statistics
 from lapjoint.campaigns.running import run, solve, stored, sweep
 
-__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "branch", "run", "solve", "stored", "sweep"]
+__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "branch", "run", "solve", "statistics", "stored", "sweep"]

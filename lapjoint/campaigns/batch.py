@@ -1,4 +1,4 @@
-"""A batch of cells of a sweep: how it is made, and how it is solved, in this process, another one or on a cluster."""
+"""A batch of cells: how it is made, and how it is solved, in this process, another one or on a cluster."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from lapjoint.campaigns.plan import Plan
-from lapjoint.campaigns.point import Point, plain_section, point_of, section_from
-from lapjoint.errors import InputError, SolverError
+from lapjoint.campaigns.campaign import Campaign, Point
 from lapjoint.one_thread import in_one_thread
 from lapjoint.solver import Solver, make_solver
 
@@ -48,13 +46,13 @@ class Solved:
 
 
 @in_one_thread
-def solve_batch(plan: Plan, batch: Batch) -> Solved:
+def solve_batch(plan: Campaign, batch: Batch) -> Solved:
     """Solve the cells of a batch until all are done or `BATCH_SECONDS` are over, and at least one.
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     batch : Batch
         Cells to be solved, in their sequence.
 
@@ -68,12 +66,12 @@ def solve_batch(plan: Plan, batch: Batch) -> Solved:
     InputError
         If a point has no valid problem; the message names it.
     """
-    solver = _solver(plan)
+    solver = solver_of(plan)
     deadline = time.monotonic() + BATCH_SECONDS
     points: dict[int, Point] = {}
     section = batch.section
     for cell in batch.cells:
-        points[cell], section = _solve(plan, solver, cell, section if batch.chained else None)
+        points[cell], section = plan.answer(cell, solver, section if batch.chained else None)
         if time.monotonic() > deadline:
             break
     return Solved(points, section, after(batch, len(points), section))
@@ -100,13 +98,13 @@ def after(batch: Batch, done: int, section: dict[str, Any] | None) -> Batch | No
     return replace(batch, cells=left, section=section if batch.chained else None) if left else None
 
 
-def batches(plan: Plan, done: set[int], sections: dict[int, dict[str, Any] | None], length: int) -> Iterator[Batch]:
+def batches(plan: Campaign, done: set[int], sections: dict[int, dict[str, Any] | None], length: int) -> Iterator[Batch]:
     """Batches of the cells that are not done: the rest of each chain, or at most `length` independent cells.
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     done : set of int
         Numbers of the cells that are done.
     sections : dict of int to dict or None
@@ -132,26 +130,6 @@ def batches(plan: Plan, done: set[int], sections: dict[int, dict[str, Any] | Non
         yield Batch(tuple(left[i : i + length]))
 
 
-def _solve(
-    plan: Plan, solver: Solver, cell: int, section: dict[str, Any] | None
-) -> tuple[Point, dict[str, Any] | None]:
-    """What was found for a cell, and the section point from which the next cell of a chain starts.
-
-    Where the solver gives up, this is the section point from which the cell itself started.
-    """
-    try:
-        problem = plan.problem_at(cell, solver)
-        start = None if section is None else section_from(section)
-        found = solver.steady_state(problem, start=start, sensitivity=plan.sensitivity, errors=plan.errors)
-    except SolverError as error:
-        return Point(message=str(error)), section
-    except InputError as error:
-        message = str(error)
-        where = plan.describe(cell)
-        raise InputError(message if message.startswith(where) else f"{where}: {message}") from None
-    return point_of(found), plain_section(found.section_point) if plan.chained else None
-
-
 @lru_cache(maxsize=4)
 def _made(name: str, options: str) -> Solver:
     import json
@@ -159,8 +137,19 @@ def _made(name: str, options: str) -> Solver:
     return make_solver(name, **json.loads(options))
 
 
-def _solver(plan: Plan) -> Solver:
-    """The solver of a plan, made once in each process."""
+def solver_of(plan: Campaign) -> Solver:
+    """The solver of a campaign, made once in each process.
+
+    Parameters
+    ----------
+    plan : Campaign
+        The work.
+
+    Returns
+    -------
+    Solver
+        The solver, with its options.
+    """
     import json
 
     return _made(plan.solver, json.dumps(dict(plan.options), sort_keys=True))

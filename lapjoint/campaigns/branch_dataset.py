@@ -16,16 +16,13 @@ import numpy as np
 from lapjoint.answers.branches import BifurcationKind
 from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.branch_plan import BranchPlan
-from lapjoint.campaigns.dataset import read_dataset
+from lapjoint.campaigns.dataset import read_result
 from lapjoint.campaigns.format_version import FORMAT_VERSION
 from lapjoint.campaigns.point import OUTCOME_CODES, Point
-from lapjoint.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-CONTENT = "branches"
-"""Attribute ``content`` of such a dataset."""
 KINDS = get_args(BifurcationKind)
 """Names of bifurcations, in the sequence of their codes from 0."""
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
@@ -82,10 +79,7 @@ def read_branches(path: str | Path) -> xr.Dataset:
         If there is no such file, it holds no branches, it is damaged, or an older or newer version of lapjoint wrote
         it in another format.
     """
-    found = read_dataset(path)
-    if found.attrs.get("content") != CONTENT:
-        raise InputError(f"{path}: holds no branches")
-    return found
+    return read_result(path, BranchPlan.noun)
 
 
 def _points(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
@@ -216,7 +210,7 @@ def _attributes(plan: BranchPlan) -> dict[str, Any]:
     return {
         "Conventions": "CF-1.11",
         "format_version": FORMAT_VERSION,
-        "content": CONTENT,
+        "result_of": plan.noun,
         "title": f"Branches of: {plan.problem.title or 'a joint'}",
         "problem": identity["problem"],
         "path": identity["path"],

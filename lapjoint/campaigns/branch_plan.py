@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -52,6 +52,9 @@ class BranchPlan:
     InputError
         If a parameter is not allowed.
     """
+
+    noun: ClassVar[str] = "search for branches"
+    cells_noun: ClassVar[str] = "starts"
 
     problem: Problem
     path: str
@@ -143,7 +146,7 @@ class BranchPlan:
     def identity(self) -> dict[str, Any]:
         """What distinguishes this from any other search, as values that JSON can hold; floats are written exactly."""
         return {
-            "content": "branches",
+            "work": self.noun,
             "problem": to_toml(self.problem, samples=False),
             **{f"samples of {path}": record.digest for path, record in self.problem.records.items()},
             "path": self.axis.path,

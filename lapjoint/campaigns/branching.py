@@ -125,12 +125,12 @@ def stored_branches(plan: BranchPlan, out: str | Path, *, force: bool = False) -
     InputError
         If the file is something else, and may not be thrown away.
     """
-    from lapjoint.campaigns.dataset import read_dataset
+    from lapjoint.campaigns.dataset import read_result
 
     if not Path(out).exists():
         return None
     try:
-        found = read_dataset(out)
+        found = read_result(out, plan.noun)
     except InputError:
         if force:
             return None
@@ -139,7 +139,7 @@ def stored_branches(plan: BranchPlan, out: str | Path, *, force: bool = False) -
         return found
     if force:
         return None
-    raise InputError(f"{out}: is the result of something else; choose another --out, or overwrite it with --force")
+    raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
 def find_branches(

@@ -1,4 +1,4 @@
-"""The work of a sweep on a dask cluster, which goes on when workers die."""
+"""The work of a campaign on a dask cluster, which goes on when workers die."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from lapjoint.campaigns.batch import Batch, Solved, after, solve_batch
-from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.workers import Deliver, given_up
 from lapjoint.errors import InputError, SolverError
 
@@ -26,7 +26,7 @@ LOOK = 5.0
 """Time between two looks at the workers, while nothing is finished, s."""
 
 
-def work_on_cluster(plan: Plan, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
+def work_on_cluster(plan: Campaign, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
     """Solve all batches on the workers of a dask scheduler.
 
     Dask sends a batch whose worker died to another worker, a few times.  If all of them die, the batch is sent again
@@ -34,8 +34,8 @@ def work_on_cluster(plan: Plan, batches: Iterable[Batch], scheduler: str, delive
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     batches : iterable of Batch
         The work.
     scheduler : str
@@ -135,7 +135,7 @@ async def _answer(scheduler: str) -> None:
     comm.abort()
 
 
-def _work(client: Any, plan: Plan, batches: Iterable[Batch], deliver: Deliver) -> None:
+def _work(client: Any, plan: Campaign, batches: Iterable[Batch], deliver: Deliver) -> None:
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}
@@ -158,7 +158,7 @@ def _work(client: Any, plan: Plan, batches: Iterable[Batch], deliver: Deliver) -
             if not alone:
                 submit(batch, alone=True)
                 continue
-            solved = given_up(batch, "the workers that solved it died")
+            solved = given_up(plan, batch, "the workers that solved it died")
         deliver(solved)
         left = after(batch, len(solved.points), solved.section)
         if left is not None:

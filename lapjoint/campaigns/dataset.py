@@ -32,7 +32,7 @@ more than the numerical error of an impulse, and less than different motions dif
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF-4 file, which is an HDF5 file."""
-_DAMAGED = "is damaged: its content does not fit its checksum; the sweep that made it, with --force, computes it again"
+_DAMAGED = "is damaged: its content does not fit its checksum; what made it, with --force, computes it again"
 
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 """Dimensions, values and attributes, as xarray takes them."""
@@ -257,38 +257,40 @@ def read_curve(path: str | Path) -> xr.Dataset:
         If there is no such file, it is not the result of a sweep, it is damaged, or an older or newer version of
         lapjoint wrote it in another format.
     """
-    found = read_dataset(path)
-    if "content" in found.attrs:
-        raise InputError(f"{path}: holds {found.attrs['content']}, and is not the result of a sweep")
-    return found
+    return read_result(path, Plan.noun)
 
 
-def read_dataset(path: str | Path) -> xr.Dataset:
-    """Read the dataset of a sweep, or of branches, from a NetCDF file into memory.
+def read_result(path: str | Path, noun: str, *others: str) -> xr.Dataset:
+    """Read the dataset of a sweep, or of other work that is done cell by cell, from a NetCDF file into memory.
 
     Parameters
     ----------
     path : str or Path
         The file.
+    noun : str
+        What the work is called.
+    *others : str
+        What other work is called whose result may be in the file instead.
 
     Returns
     -------
     xarray.Dataset
-        The dataset; that of branches has the attribute ``content``.
+        The dataset.
 
     Raises
     ------
     InputError
-        As `read_curve`.
+        If there is no such file, it is not the result of such work, it is damaged, or an older or newer version of
+        lapjoint wrote it in another format.
     """
     import xarray as xr
 
     raw = read_file(path)
     if not is_whole(raw):
-        raise InputError(f"{path}: {_reason_for(raw)}")
+        raise InputError(f"{path}: {_reason_for(raw, noun)}")
     found = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")
-    if "fingerprint" not in found.attrs:
-        raise InputError(f"{path}: is not the result of a sweep")
+    if "fingerprint" not in found.attrs or found.attrs.get("result_of", Plan.noun) not in (noun, *others):
+        raise InputError(f"{path}: is not the result of a {noun}")
     reason = refusal(found.attrs.get("format_version", 1))
     if reason:
         raise InputError(f"{path}: {reason}")
@@ -296,7 +298,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     return found
 
 
-def _reason_for(raw: bytes) -> str:
+def _reason_for(raw: bytes, noun: str) -> str:
     """The reason for which a file without a right checksum is not read: it is damaged, older, or something else.
 
     It is found in the bytes, because HDF5 can run forever, or end the process, on a damaged file.
@@ -304,7 +306,7 @@ def _reason_for(raw: bytes) -> str:
     if not raw.startswith(_HDF5):
         return "cannot be read: is not a NetCDF-4 file"
     if b"fingerprint" not in raw:
-        return "is not the result of a sweep, or only a part of it"
+        return f"is not the result of a {noun}, or only a part of it"
     if b"checksum" not in raw:
         return f"has no checksum, as an older lapjoint wrote it; this one reads format version {FORMAT_VERSION} only"
     return _DAMAGED

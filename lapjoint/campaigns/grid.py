@@ -18,10 +18,12 @@ from typing import Any
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.problem import Problem, RecordBaseMotion, RecordLoad, StepLoad
+from lapjoint.problem import Problem, StepLoad
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.forces import multiple_of
 from lapjoint.problem.override import assign, path_keys
+from lapjoint.problem.random_motion import Random
+from lapjoint.problem.records import Record
 
 FREQUENCY = "base_motion.angular_frequency"
 """Path of the excitation frequency: that of the base motion; those of periodic loads keep their ratio to it."""
@@ -237,7 +239,7 @@ class Grid:
         if axis.path != FREQUENCY:
             return [(axis.path, value)]
         if not self._frequencies:
-            if self.problem.records:
+            if self.problem.records or self.problem.random:
                 self.problem.require_excitation_frequency(f"axis {FREQUENCY}")
             message = "nothing excites this problem; give it a base_motion or a periodic load"
             raise InputError(f"axis {FREQUENCY}: {message}")
@@ -248,8 +250,8 @@ class Grid:
     def _frequencies(self) -> dict[str, float]:
         """The angular frequencies of all periodic parts, rad/s, by their paths."""
         base, loads = self.problem.base_motion, self.problem.point_loads
-        found = {} if base is None or isinstance(base, RecordBaseMotion) else {FREQUENCY: base.angular_frequency}
-        others = StepLoad | RecordLoad
+        found = {} if base is None or isinstance(base, Record | Random) else {FREQUENCY: base.angular_frequency}
+        others = StepLoad | Record | Random
         periodic = {i: load.angular_frequency for i, load in enumerate(loads) if not isinstance(load, others)}
         return found | {f"point_loads.{i}.angular_frequency": omega for i, omega in periodic.items()}
 

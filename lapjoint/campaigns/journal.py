@@ -1,7 +1,7 @@
-"""An append-only journal of a sweep, from which it resumes after Ctrl-C, a crash or a full disk.
+"""An append-only journal of a sweep or of statistics, which resume from it after Ctrl-C, a crash or a full disk.
 
-A journal has lines of JSON.  The first says which sweep this is.  Each other line holds the points of a batch and, for
-a chain, the section point from which it goes on.  Each line ends in its checksum, which is also that of the sweep, so
+A journal has lines of JSON.  The first says which work this is.  Each other line holds the points of a batch and, for
+a chain, the section point from which it goes on.  Each line ends in its checksum, which is also that of the work, so
 that a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is waited
 for.  Damaged lines are dropped with a warning, wherever they are, and their points are computed again.  A lock on the
 file keeps two processes from writing the same journal; the system releases it however a process ends.
@@ -20,29 +20,12 @@ from functools import cached_property
 from hashlib import sha256
 from io import FileIO
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
+from lapjoint.campaigns.campaign import Campaign, Point
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
-from lapjoint.campaigns.point import Point
 from lapjoint.errors import DamageWarning, InputError
 from lapjoint.output_files import unwritable
-
-
-class Identified(Protocol):
-    """What a journal is of: a sweep, or branches."""
-
-    @property
-    def identity(self) -> dict[str, Any]:
-        """What distinguishes it from any other, as values that JSON can hold."""
-
-    @property
-    def fingerprint(self) -> str:
-        """A digest of the identity."""
-
-    @property
-    def size(self) -> int:
-        """Number of its points."""
-
 
 BEGINNING = b'{"journal":'
 """First bytes of every journal."""
@@ -71,8 +54,8 @@ class Journal:
 
     Parameters
     ----------
-    plan : Identified
-        The sweep.
+    plan : Campaign
+        The work.
     out : str or Path
         The file that the sweep writes when it is done.
     force : bool
@@ -91,10 +74,10 @@ class Journal:
         If lines of the journal are damaged; they are dropped, and the points that they held are not in `points`.
     """
 
-    def __init__(self, plan: Identified, out: str | Path, *, force: bool = False) -> None:
+    def __init__(self, plan: Campaign, out: str | Path, *, force: bool = False) -> None:
         self.plan = plan
         self.path = journal_path(out)
-        self.points: dict[int, Point] = {}
+        self.points: dict[int, Any] = {}
         self.sections: dict[int, dict[str, Any] | None] = {}
         """Section point from which a chain goes on, by the last cell of each batch; None where there is no chain."""
         self._file = _open_locked(self.path)
@@ -152,10 +135,15 @@ class Journal:
 
     def _done(self) -> str:
         """What the journal holds, as the subject of a sentence with its verb."""
-        return f"{len(self.points)} of {self.plan.size} points are"
+        return f"{len(self.points)} of {self._of_all} are"
 
     def _nothing_done(self) -> str:
-        return f"none of {self.plan.size} points was done"
+        return f"none of {self._of_all} was done"
+
+    @property
+    def _of_all(self) -> str:
+        """The number of all cells, with what they are called."""
+        return f"{self.plan.size} {self.plan.cells_noun}"
 
     def _read(self, force: bool) -> None:
         """Take the points in the file, and leave in it only what is whole."""
@@ -203,13 +191,13 @@ class Journal:
         """Why a file that begins with this line is not the journal of this sweep."""
         header = _parsed(first)
         if header is None or "fingerprint" not in header:
-            return "is there already, and is not a journal of a sweep"
+            return f"is there already, and is not a journal of a {self.plan.noun}"
         if "checksum" in header and _opened(first) is None:
-            return "is damaged, and nothing in it is known to be of this sweep"
+            return f"is damaged, and nothing in it is known to be of this {self.plan.noun}"
         if refusal(header.get("journal")):
             return refusal(header.get("journal"))
         different = [key for key, value in self.plan.identity.items() if header.get(key) != value]
-        return f"holds another sweep, not finished (it differs in {', '.join(different)})"
+        return f"holds another {self.plan.noun}, not finished (it differs in {', '.join(different)})"
 
     def _taken(self, raw: bytes) -> bool:
         """Whether a later line is whole; its points are taken."""
@@ -220,7 +208,7 @@ class Journal:
 
     def _take(self, line: dict[str, Any]) -> None:
         cells = line["cells"]
-        self.points.update({cell: Point(**fields) for cell, fields in zip(cells, line["points"], strict=True)})
+        self.points.update({cell: self.plan.point(fields) for cell, fields in zip(cells, line["points"], strict=True)})
         self.sections[cells[-1]] = line.get("section")
 
     def _write(self, line: bytes) -> None:

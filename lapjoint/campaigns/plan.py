@@ -15,16 +15,20 @@ from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from itertools import product
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
 
 import numpy as np
 
 from lapjoint.campaigns.grid import Grid
+from lapjoint.campaigns.point import Point, plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.problem.files import to_toml
 from lapjoint.solver import Solver, make_solver
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Start = Literal["rest", "up", "down", "random"]
 """How motions start; `Plan` says what the words mean."""
@@ -64,6 +68,11 @@ class Plan:
     InputError
         If a parameter is not allowed.
     """
+
+    noun: ClassVar[str] = "sweep"
+    cells_noun: ClassVar[str] = "points"
+    longest_batch: ClassVar[int] = 32
+    """Largest number of independent cells in a batch, so that the last batches end at about the same time."""
 
     grid: Grid
     solver: str = "analytic"
@@ -169,6 +178,48 @@ class Plan:
         self.grid.check()
         return solver
 
+    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Point, dict[str, Any] | None]:
+        """What was found for a cell, and where the next one starts: at the cell's own start where the solver gave up.
+
+        See `lapjoint.campaigns.campaign.Campaign.answer`.
+        """
+        try:
+            problem = self.problem_at(cell, solver)
+            start = None if section is None else section_from(section)
+            found = solver.steady_state(problem, start=start, sensitivity=self.sensitivity, errors=self.errors)
+        except SolverError as error:
+            return Point(message=str(error)), section
+        except InputError as error:
+            message = str(error)
+            where = self.describe(cell)
+            raise InputError(message if message.startswith(where) else f"{where}: {message}") from None
+        return point_of(found), plain_section(found.section_point) if self.chained else None
+
+    def point(self, fields: Mapping[str, Any]) -> Point:
+        """A point from its attributes. See `lapjoint.campaigns.campaign.Campaign.point`."""
+        return Point(**fields)
+
+    def dataset(self, points: Mapping[int, Point]) -> xr.Dataset:
+        """The dataset of the sweep. See `lapjoint.campaigns.campaign.Campaign.dataset`."""
+        from lapjoint.campaigns.dataset import dataset_of
+
+        return dataset_of(self, points)
+
+    def rehearse(self, solver: Solver) -> bool:
+        """Whether a short piece of work serves instead of the first cell: none does, for cells are short.
+
+        Parameters
+        ----------
+        solver : Solver
+            Whose code the work would compile.
+
+        Returns
+        -------
+        bool
+            False.
+        """
+        return False
+
     @cached_property
     def identity(self) -> dict[str, Any]:
         """What distinguishes this sweep from any other, as values that JSON can hold; floats are written exactly."""
@@ -189,11 +240,34 @@ class Plan:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
-        try:
-            text = json.dumps(self.identity)
-        except TypeError as error:
-            raise InputError(f"options = {dict(self.options)!r}: cannot be written to a file: {error}") from None
-        return sha256(text.encode()).hexdigest()
+        return digest_of(self.identity, self.options)
+
+
+def digest_of(identity: Mapping[str, Any], options: Mapping[str, Any]) -> str:
+    """A digest of what distinguishes work from any other.
+
+    Parameters
+    ----------
+    identity : mapping of str to Any
+        It, as values that JSON can hold.
+    options : mapping of str to Any
+        The part of it that a user gives as it is: the numerical options of the solver.
+
+    Returns
+    -------
+    str
+        Hexadecimal digits.
+
+    Raises
+    ------
+    InputError
+        If JSON cannot hold the options.
+    """
+    try:
+        text = json.dumps(identity)
+    except TypeError as error:
+        raise InputError(f"options = {dict(options)!r}: cannot be written to a file: {error}") from None
+    return sha256(text.encode()).hexdigest()
 
 
 def versions() -> dict[str, str]:
@@ -209,21 +283,21 @@ def versions() -> dict[str, str]:
 
 
 def check_integer(name: str, value: object, low: int, high: int) -> None:
-    """Raise an error unless a value is an integer within bounds.
+    """Refuse what is no integer within a range.
 
     Parameters
     ----------
     name : str
-        What it is called in the message.
+        What it is, for the message.
     value : object
-        The value.
+        What was given.
     low, high : int
-        The least and the largest that are allowed.
+        The least that is allowed, and the most.
 
     Raises
     ------
     InputError
-        If it is not.
+        If it is not allowed.
     """
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InputError(f"{name} = {value!r}: must be an integer from {low} to {high}")

@@ -1,4 +1,4 @@
-"""Runs a sweep from its plan to its dataset: resumes what is done, gives the rest to workers, and keeps the journal."""
+"""Runs a campaign from its plan to its dataset: resumes what is done, gives the rest to workers, keeps the journal."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lapjoint.campaigns.batch import after, batches, solve_batch
+from lapjoint.campaigns.batch import after, batches, solve_batch, solver_of
+from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.plan import Plan, Start
-from lapjoint.campaigns.point import Point
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
 from lapjoint.errors import InputError, Interrupted, OutputError, SolverError
+from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from lapjoint.campaigns.batch import Batch, Solved
-
-LONGEST_BATCH = 32
-"""Largest number of independent cells in a batch, so that the last batches of a sweep end at about the same time."""
 
 
 def sweep(
@@ -99,7 +97,7 @@ def sweep(
 
 
 def run(
-    plan: Plan,
+    plan: Campaign,
     *,
     workers: Workers = 1,
     scheduler: str | None = None,
@@ -111,8 +109,8 @@ def run(
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     workers : int or map-like callable
         Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
     scheduler : str, optional
@@ -145,7 +143,7 @@ def run(
 
 
 def solve(
-    plan: Plan,
+    plan: Campaign,
     *,
     workers: Workers = 1,
     scheduler: str | None = None,
@@ -160,8 +158,8 @@ def solve(
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     workers : int or map-like callable
         Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
     scheduler : str, optional
@@ -189,19 +187,17 @@ def solve(
     Interrupted
         After Ctrl-C; the message says how many points are kept.
     """
-    from lapjoint.campaigns.dataset import dataset_of, write_curve
-
     workers = check_workers(workers)
     plan.check()
     if out is None:
-        points: dict[int, Point] = {}
+        points: dict[int, Any] = {}
         _work(plan, points, None, workers, scheduler, progress)
-        return dataset_of(plan, points)
+        return plan.dataset(points)
     journal = Journal(plan, out, force=force)
     try:
         _work(plan, journal.points, journal, workers, scheduler, progress)
-        dataset = dataset_of(plan, journal.points)
-        write_curve(dataset, out)
+        dataset = plan.dataset(journal.points)
+        write_netcdf(dataset, out)
         journal.remove()
     except (OutputError, SolverError) as error:
         raise type(error)(f"{error}; {journal.kept()}") from None
@@ -212,13 +208,13 @@ def solve(
     return dataset
 
 
-def stored(plan: Plan, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
+def stored(plan: Campaign, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
     """The finished dataset of a sweep, if its file is there.
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     out : str or Path
         File of the dataset.
     force : bool
@@ -234,12 +230,12 @@ def stored(plan: Plan, out: str | Path, *, force: bool = False) -> xr.Dataset | 
     InputError
         If the file is something else, and may not be thrown away.
     """
-    from lapjoint.campaigns.dataset import read_curve
+    from lapjoint.campaigns.dataset import read_result
 
     if not Path(out).exists():
         return None
     try:
-        found = read_curve(out)
+        found = read_result(out, plan.noun)
     except InputError:
         if force:
             return None
@@ -248,12 +244,12 @@ def stored(plan: Plan, out: str | Path, *, force: bool = False) -> xr.Dataset | 
         return found
     if force:
         return None
-    raise InputError(f"{out}: is the result of another sweep; choose another --out, or overwrite it with --force")
+    raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
 def _work(
-    plan: Plan,
-    points: dict[int, Point],
+    plan: Campaign,
+    points: dict[int, Any],
     journal: Journal | None,
     workers: Workers,
     scheduler: str | None,
@@ -271,7 +267,7 @@ def _work(
 
     if progress is not None:
         progress(len(points), plan.size)
-    length = LONGEST_BATCH
+    length = plan.longest_batch
     if isinstance(workers, int):
         length = max(1, min(length, plan.size // (4 * workers)))
     todo = list(batches(plan, set(points), journal.sections if journal else {}, length))
@@ -279,7 +275,7 @@ def _work(
         _send(plan, todo, workers, scheduler, deliver)
 
 
-def _send(plan: Plan, todo: list[Batch], workers: Workers, scheduler: str | None, deliver: Deliver) -> None:
+def _send(plan: Campaign, todo: list[Batch], workers: Workers, scheduler: str | None, deliver: Deliver) -> None:
     """Send the batches to the workers."""
     if scheduler is not None:
         from lapjoint.campaigns.cluster import work_on_cluster
@@ -293,12 +289,15 @@ def _send(plan: Plan, todo: list[Batch], workers: Workers, scheduler: str | None
         work_here(plan, todo, deliver)
 
 
-def _after_first_cell(plan: Plan, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
-    """Solve the first cell in this process, and give the batches that are left for the workers.
+def _after_first_cell(plan: Campaign, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
+    """Solve the first cell in this process, or rehearse it, and give the batches that are left for the workers.
 
-    The first cell makes numba compile the march and store the machine code on the disk.  The workers then load it,
-    instead of each compiling the same functions at the same time.
+    That makes numba compile the march and store the machine code on the disk.  The workers then load it, instead of
+    each compiling the same functions at the same time.
     """
+    if plan.rehearse(solver_of(plan)):
+        yield from todo
+        return
     solved = solve_batch(plan, todo[0].first())
     deliver(solved)
     left = after(todo[0], 1, solved.section)

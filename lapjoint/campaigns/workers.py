@@ -1,4 +1,4 @@
-"""The workers of a sweep: this process, a pool of processes, or a function like `map` that the caller gives.
+"""The workers of a campaign: this process, a pool of processes, or a function like `map` that the caller gives.
 
 Each function takes a plan and its batches, and delivers what is solved, in any sequence.
 """
@@ -15,8 +15,7 @@ from functools import partial
 from typing import Any
 
 from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_batch
-from lapjoint.campaigns.plan import Plan
-from lapjoint.campaigns.point import Point
+from lapjoint.campaigns.campaign import Campaign
 from lapjoint.errors import InputError
 from lapjoint.processes import end_pool, interrupts_held, new_pool
 
@@ -56,13 +55,13 @@ def check_workers(workers: Workers) -> Workers:
     return len(os.sched_getaffinity(0)) if workers == -1 else workers
 
 
-def work_here(plan: Plan, batches: Iterable[Batch], deliver: Deliver) -> None:
+def work_here(plan: Campaign, batches: Iterable[Batch], deliver: Deliver) -> None:
     """Solve all batches in this process, one after the other.
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     batches : iterable of Batch
         The work.
     deliver : callable
@@ -76,13 +75,13 @@ def work_here(plan: Plan, batches: Iterable[Batch], deliver: Deliver) -> None:
             left = solved.left
 
 
-def work_mapped(plan: Plan, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
+def work_mapped(plan: Campaign, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
     """Solve all batches by a function like `map`, in rounds: the rest of an unfinished batch is in the next round.
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     batches : iterable of Batch
         The work.
     mapper : callable
@@ -99,11 +98,13 @@ def work_mapped(plan: Plan, batches: Iterable[Batch], mapper: Mapper, deliver: D
                 left.append(solved.left)
 
 
-def given_up(batch: Batch, reason: str) -> Solved:
+def given_up(plan: Campaign, batch: Batch, reason: str) -> Solved:
     """Give up the first cell of a batch.
 
     Parameters
     ----------
+    plan : Campaign
+        The work.
     batch : Batch
         The batch.
     reason : str
@@ -114,16 +115,16 @@ def given_up(batch: Batch, reason: str) -> Solved:
     Solved
         The cell without an answer, and the rest of the batch.
     """
-    return Solved({batch.cells[0]: Point(message=reason)}, batch.section, after(batch, 1, batch.section))
+    return Solved({batch.cells[0]: plan.point({"message": reason})}, batch.section, after(batch, 1, batch.section))
 
 
-def work_in_processes(plan: Plan, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
+def work_in_processes(plan: Campaign, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
     """Solve all batches in a pool of processes; the sweep goes on when processes die.
 
     Parameters
     ----------
-    plan : Plan
-        The sweep.
+    plan : Campaign
+        The work.
     batches : iterable of Batch
         The work.
     workers : int
@@ -158,7 +159,7 @@ class _Run:
     for twice this time for each suspected batch.  Afterwards the rest of a batch waits with the others again.
     """
 
-    def __init__(self, plan: Plan, waiting: deque[Batch], workers: int, deliver: Deliver) -> None:
+    def __init__(self, plan: Campaign, waiting: deque[Batch], workers: int, deliver: Deliver) -> None:
         self._plan, self._waiting, self._deliver = plan, waiting, deliver
         self._workers = min(workers, len(waiting))
         self._suspected: deque[Batch] = deque()
@@ -235,7 +236,9 @@ class _Run:
             cell = batch.cells[0]
             self._deaths[cell] += 1
             if len(lost) == 1 and self._deaths[cell] >= MOST_DEATHS:
-                self._take(batch, given_up(batch, f"the process that solved it died {self._deaths[cell]} times"))
+                self._take(
+                    batch, given_up(self._plan, batch, f"the process that solved it died {self._deaths[cell]} times")
+                )
             else:
                 self._suspected.append(batch)
 

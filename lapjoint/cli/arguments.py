@@ -14,6 +14,7 @@ from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_s
 from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
+from lapjoint.cli.echo import echo
 from lapjoint.cli.options import large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
@@ -46,7 +47,10 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
     if isinstance(stops, list) and len(stops) > MOST_STOPS and not large_allowed():
         limit = f"more than {MOST_STOPS} are taken only with --large, for the work grows with their number"
         raise InputError(f"{source}: stops: there are {len(stops)}; {limit}")
-    return files.problem_from_tables(tables, source, "." if kind == "preset" and colon else Path(source).parent)
+    found = files.problem_from_tables(tables, source, "." if kind == "preset" and colon else Path(source).parent)
+    for hint in found.hints:
+        echo(f"lapjoint: hint: {hint}", err=True)
+    return found
 
 
 def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
@@ -124,18 +128,18 @@ def axis_from(text: str) -> Axis:
     return Axis(path, tuple(np.linspace(first, last, count).tolist()))
 
 
-def states_from(problem: Problem, text: str, option: str = "--state") -> tuple[ContactState, ...]:
+def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
     """The contact states asked for: ``all``, a paper's number, or names of closed stops joined by ``+``."""
     if text == "all":
         return contact_states(problem)
     readings = [()] if text == "free" else _closed_stops(text, problem.stop_names)
     if len(readings) > 1:
         quoted = " or ".join("+".join(f'"{problem.stop_names[i]}"' for i in stops) for stops in readings[:2])
-        raise InputError(f"{option} {text}: can be read in several ways; put each name in quotes, as in {quoted}")
+        raise InputError(f"--state {text}: can be read in several ways; put each name in quotes, as in {quoted}")
     if readings:
         state = ContactState(readings[0])
         if not can_be_closed(problem, state):
-            raise InputError(f"{option} {text}: these stops cannot be closed while the others are open")
+            raise InputError(f"--state {text}: these stops cannot be closed while the others are open")
         return (state,)
     if is_paper_joint(problem):
         found = [state for state in contact_states(problem) if str(paper_state_number(problem, state)) == text]
@@ -144,7 +148,7 @@ def states_from(problem: Problem, text: str, option: str = "--state") -> tuple[C
     numbered = ", 1 to 9" if is_paper_joint(problem) else ""
     names = ", ".join(problem.stop_names[:STOPS_NAMED]) + ", ..." * (len(problem.stops) > STOPS_NAMED)
     allowed = f"all, free{numbered}, or stops joined by +, of {names or 'none'}"
-    raise InputError(f"{option} {text}: there is no such state; allowed: {allowed}")
+    raise InputError(f"--state {text}: there is no such state; allowed: {allowed}")
 
 
 def _closed_stops(text: str, names: Sequence[str]) -> list[tuple[int, ...]]:
@@ -269,10 +273,10 @@ def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> Non
 def check_directory(path: str) -> None:
     """Refuse, before any work is done, a directory that could not be made or written to after it."""
     if not path:
-        raise InputError("--output: is empty; it must name a directory")
-    there = _followed("--output", path)
+        raise InputError("--out: is empty; it must name a directory")
+    there = _followed("--out", path)
     while not there.exists() and not there.is_symlink():
         there = there.parent
     if not there.is_dir() or not os.access(there, os.W_OK):
         reason = "is not a directory" if not there.is_dir() else "may not be written to"
-        raise OutputError(f"--output {path}: cannot be written: {there} {reason}")
+        raise OutputError(f"--out {path}: cannot be written: {there} {reason}")

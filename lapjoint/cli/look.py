@@ -15,9 +15,10 @@ from lapjoint.cli.options import large_allowed, motion_options, problem_options,
 @problem_options
 @solver_options
 @motion_options
-@click.option("-o", "--output", "directory", required=True, metavar="DIR", help="Where the files go.")
-@click.option("--modes-of", "modes_of", metavar="STATE", help="Write mode shapes: of P2+P4, free, 1-9, or all states.")
-@click.option("--count", type=click.IntRange(min=1), default=8, show_default=True, help="Number of modes.")
+@click.option("-o", "--out", "directory", required=True, metavar="DIR", help="Where the files go.")
+@click.option(
+    "--state", help="Write mode shapes instead: of closed stops (P2+P4), free, 1-9, or all; --modes says how many."
+)
 @click.option(
     "--format",
     "file_format",
@@ -36,12 +37,12 @@ def export(
     duration: float | None,
     steady_state: bool,
     beside: str | None,
-    modes_of: str | None,
-    count: int,
+    state: str | None,
     file_format: Literal["pvd", "vtkhdf", "xdmf"],
     frames: int | None,
     times: str | None,
     points: int,
+    n_modes: int | None,
     **solver: Any,
 ) -> None:
     """Write the motion of PROBLEM, or its mode shapes, to DIR for ParaView: open DIR/motion.pvd.
@@ -52,19 +53,22 @@ def export(
     from lapjoint.cli.progress import shown_progress
     from lapjoint.scene import export_modes, export_motion
     from lapjoint.scene.layout import check_points
+    from lapjoint.solver import MODES
 
     arguments.check_directory(directory)
     check_points(points)
     at = arguments.times_from(frames, times)
-    if modes_of is not None:
+    if state is not None:
         arguments.refuse(
             "mode shapes have none", duration=duration, steady=steady_state, beside=beside, frames=frames, times=times
         )
-        this, answering = arguments.problem_from(problem, overrides), arguments.solver_from(**solver)
-        answers = [answering.modes(this, state, count) for state in arguments.states_from(this, modes_of, "--modes-of")]
+        this, answering = arguments.problem_from(problem, overrides), arguments.solver_from(n_modes=None, **solver)
+        count = MODES if n_modes is None else n_modes
+        answers = [answering.modes(this, one, count) for one in arguments.states_from(this, state)]
         written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
         echo("\n".join(f"Wrote {path}" for path in written))
         return
+    solver["n_modes"] = n_modes
     motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
     with shown_progress("export") as progress:
         path = export_motion(
@@ -85,7 +89,9 @@ def export(
 @problem_options
 @solver_options
 @motion_options
-@click.option("-o", "--output", metavar="FILE", help="A picture (.png) or a film (.gif, .mp4).  [default: a window]")
+@click.option(
+    "-o", "--out", "output", metavar="FILE", help="A picture (.png) or a film (.gif, .mp4).  [default: a window]"
+)
 @click.option("--at", type=float, help="Time of a picture, s.  [default: when the stops push hardest]")
 @click.option("--frames", type=int, help="Number of frames of a film, or of a window.  [default: 60]")
 @click.option("--pace", type=float, help="Frames a second of a film.  [default: 20]")
@@ -125,7 +131,7 @@ def show(
 
     look = scene.Look(colour, scale, "absolute" if absolute else "relative", arguments.size_from(size))
     if output is not None:
-        arguments.check_file("--output", output, *scene.PICTURES, *scene.FILMS)
+        arguments.check_file("--out", output, *scene.PICTURES, *scene.FILMS)
     picture = output is not None and output.lower().endswith(scene.PICTURES)
     if picture:
         arguments.refuse("a picture has none", frames=frames, pace=pace)

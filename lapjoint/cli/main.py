@@ -27,6 +27,7 @@ from lapjoint.cli.branch import branch
 from lapjoint.cli.echo import echo
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
+from lapjoint.cli.statistics import statistics
 from lapjoint.cli.sweep import plot, sweep
 
 ENTRY_POINT_GROUP = "lapjoint.commands"
@@ -111,18 +112,18 @@ def _not_written(error: OSError) -> int:
 
 
 def _show_warnings() -> None:
-    """Print what is said of damaged files and of records as all messages are."""
-    from lapjoint.errors import DamageWarning, RecordWarning
+    """Print what is said of damaged files and of the excitation as all messages are."""
+    from lapjoint.errors import DamageWarning, ExcitationWarning
 
     show: Any = warnings.showwarning
 
     def show_in_a_line(message: Warning | str, category: type[Warning], *where: Any, **kept: Any) -> None:
-        if issubclass(category, DamageWarning | RecordWarning):
+        if issubclass(category, DamageWarning | ExcitationWarning):
             _said(str(message), 0)
         else:
             show(message, category, *where, **kept)
 
-    for ours in (DamageWarning, RecordWarning):
+    for ours in (DamageWarning, ExcitationWarning):
         warnings.simplefilter("always", ours)
     warnings.showwarning = show_in_a_line
 
@@ -152,7 +153,7 @@ def main() -> None:
     """
 
 
-for command in (modes, simulate, steady, sweep, branch, plot, export, show):
+for command in (modes, simulate, steady, statistics, sweep, branch, plot, export, show):
     main.add_command(command)
 
 

@@ -111,6 +111,13 @@ series_options = together(
 )
 """--series, and what it holds."""
 
+campaign_options = together(
+    click.option("--force", is_flag=True, help="Throw away what else of this kind is in FILE."),
+    click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786."),
+    click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors."),
+)
+"""Who does work that is done cell by cell, and what may be thrown away for it."""
+
 errors_option = click.option(
     "--errors/--no-errors",
     default=True,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import TYPE_CHECKING, Any
 
 from lapjoint import History, Problem, SteadyState
@@ -16,20 +17,31 @@ from lapjoint.output_files import write_file
 if TYPE_CHECKING:
     import xarray as xr
 
+COLUMNS = 80
+"""Width of a terminal that nobody has widened, characters."""
+_NUMBER = 12  # characters of a number, with the space before it
 ROWS_SHOWN = 20
+STATES_SHOWN = 32
 FAILURES_SHOWN = 5
 MULTIPLIERS_SHOWN = 5
 NAME_SHOWN, STATE_SHOWN = 24, 48
 """Characters of the name of a stop, and of a state, in a table; files hold all of it."""
 
 
-def print_modes(problem: Problem, solver: str, answers: list[Modes]) -> None:
-    """Print natural angular frequencies, a line for each contact state."""
-    labels = apart([state_label(problem, answer.state) for answer in answers], lambda name: cut_to(name, STATE_SHOWN))
-    width = max(len(label) for label in labels)
-    echo(f"Natural angular frequencies [rad/s], {solver}")
-    for label, answer in zip(labels, answers, strict=True):
-        echo(f"{label:<{width}}  " + "".join(f"{omega:12.6g}" for omega in answer.angular_frequencies))
+def print_modes(problem: Problem, solver: str, answers: list[Modes], hz: bool = False) -> None:
+    """Print natural frequencies of each contact state, in rad/s or Hz, within the width of a terminal."""
+    shown = answers[:STATES_SHOWN]
+    labels = apart([state_label(problem, answer.state) for answer in shown], lambda name: cut_to(name, STATE_SHOWN))
+    width = max(len(label) for label in labels) + 2
+    row = max((COLUMNS - width) // _NUMBER, 1)
+    echo(f"Natural {'frequencies [Hz]' if hz else 'angular frequencies [rad/s]'}, {solver}")
+    for label, answer in zip(labels, shown, strict=True):
+        values = answer.angular_frequencies / (2 * math.pi if hz else 1.0)
+        for first in range(0, len(values), row):
+            numbers = "".join(f"{value:{_NUMBER}.6g}" for value in values[first : first + row])
+            echo(f"{label if first == 0 else '':<{width}}{numbers}")
+    if len(answers) > len(shown):
+        echo(f"... and {len(answers) - len(shown)} more states (--json writes all, --state prints one)")
 
 
 def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[str, Any]:
@@ -39,6 +51,7 @@ def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[s
             "name": answer.state.name(problem),
             "closed": [problem.stop_names[i] for i in answer.state.closed],
             "angular_frequencies": answer.angular_frequencies.tolist(),
+            "frequencies_Hz": (answer.angular_frequencies / (2 * math.pi)).tolist(),
         }
         for answer in answers
     ]
@@ -51,8 +64,8 @@ def print_history(history: History) -> None:
     names, width = stop_column(problem)
     echo(plain(problem.title) or "Untitled problem")
     echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
-    for path, record in problem.records.items():
-        echo(f"{path}: {record.remark}")
+    for path, part in (problem.records | problem.random).items():
+        echo(f"{path}: {part.remark}")
     if contacts:
         heading = f"{'start [s]':>15}{'+-':>10}{'duration [s]':>15}{'impulse [N s]':>15}{'+-':>10}{'peak [N]':>13}"
         echo(f"\n{'stop':<{width}}{heading}")

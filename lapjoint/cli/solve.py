@@ -28,7 +28,7 @@ SERIES = (".nc", ".csv")
 @problem_options
 @solver_options
 @click.option("--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all.")
-@click.option("--count", type=int, default=8, show_default=True, help="Number of modes to print.")
+@click.option("--hz", is_flag=True, help="Print frequencies in Hz, not angular frequencies in rad/s.")
 @click.option("--json", "json_path", metavar="FILE", help="Write the frequencies to FILE as JSON too.")
 @click.option(
     "--figure", metavar="FILE", help="Draw the mode shapes (of several states the first three): .png, .svg or .pdf."
@@ -37,21 +37,23 @@ def modes(
     problem: str,
     overrides: tuple[str, ...],
     state: str,
-    count: int,
+    hz: bool,
     json_path: str | None,
     figure: str | None,
+    n_modes: int | None,
     **solver: Any,
 ) -> None:
-    """Print natural angular frequencies [rad/s] of the contact states of PROBLEM."""
+    """Print natural frequencies of the contact states of PROBLEM, the lowest 6 or as many as --modes says."""
     from lapjoint.cli import arguments, printing
+    from lapjoint.solver import MODES
 
     arguments.check_file("--figure", figure, *FIGURES)
     arguments.check_file("--json", json_path)
     this = arguments.problem_from(problem, overrides)
     states = arguments.states_from(this, state)
-    answering = arguments.solver_from(**solver)
-    answers = [answering.modes(this, one, count) for one in states]
-    printing.print_modes(this, answering.name, answers)
+    answering = arguments.solver_from(n_modes=None, **solver)
+    answers = [answering.modes(this, one, MODES if n_modes is None else n_modes) for one in states]
+    printing.print_modes(this, answering.name, answers, hz)
     if json_path:
         printing.write_json(json_path, printing.modes_summary(this, answering.name, answers))
     if figure:

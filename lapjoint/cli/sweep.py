@@ -8,7 +8,7 @@ from typing import Literal
 import click
 
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import FIGURES, problem_options, solver_options
+from lapjoint.cli.options import FIGURES, campaign_options, problem_options, solver_options
 
 
 @click.command()
@@ -25,7 +25,9 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
     help="Change another number of the problem too, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
     "damping.ratio=0.02,0.08; repeatable: all combinations.",
 )
-@click.option("--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option(
+    "-o", "--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished."
+)
 @click.option(
     "--start",
     type=click.Choice(["rest", "up", "down", "random"]),
@@ -42,9 +44,7 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
 @click.option(
     "--errors", is_flag=True, help="Estimate the numerical errors of the impulses too; takes less than as long again."
 )
-@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
-@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
-@click.option("--force", is_flag=True, help="Throw away another sweep that is in FILE.")
+@campaign_options
 def sweep(
     problem: str,
     overrides: tuple[str, ...],
@@ -93,19 +93,20 @@ def sweep(
 
 @click.command()
 @click.argument("curve")
-@click.option("-o", "--output", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
+@click.option("-o", "--out", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
 def plot(curve: str, figure: str | None, wide: bool) -> None:
     """Draw what a sweep or `lapjoint branch` found, from its file CURVE: impulse of each stop over what was changed."""
-    from lapjoint.campaigns.branch_dataset import CONTENT
-    from lapjoint.campaigns.dataset import read_dataset
+    from lapjoint.campaigns import Plan
+    from lapjoint.campaigns.branch_plan import BranchPlan
+    from lapjoint.campaigns.dataset import read_result
     from lapjoint.cli import arguments
     from lapjoint.figures import plot_branches, plot_curve, plot_curve_wide, save
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
-    arguments.check_file("--output", path, *FIGURES)
-    dataset = read_dataset(curve)
-    if dataset.attrs.get("content") == CONTENT:
+    arguments.check_file("--out", path, *FIGURES)
+    dataset = read_result(curve, Plan.noun, BranchPlan.noun)
+    if dataset.attrs.get("result_of") == BranchPlan.noun:
         if wide:
             arguments.refuse("a diagram of branches is one column wide", wide=wide)
         save(plot_branches(dataset), path)

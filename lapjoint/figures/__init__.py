@@ -12,6 +12,7 @@ from lapjoint.figures.impulse_curve_wide import plot_curve_wide
 from lapjoint.figures.mode_shapes import plot_mode_shapes, plot_state_shapes
 from lapjoint.figures.motion import plot_motion
 from lapjoint.figures.phase_portrait import plot_phase_portrait, plot_poincare_section
+from lapjoint.figures.sketch import plot_joint
 from lapjoint.figures.spectrum import plot_spectrum
 from lapjoint.figures.style import new_axes, new_panels, save
 
@@ -24,6 +25,7 @@ __all__ = [
     "plot_convergence",
     "plot_curve",
     "plot_curve_wide",
+    "plot_joint",
     "plot_mode_shapes",
     "plot_motion",
     "plot_phase_portrait",

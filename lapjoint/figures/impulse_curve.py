@@ -1,22 +1,31 @@
 """The impulses that a sweep found, drawn one column wide, as in Figure 4 of the paper.
 
-Several starts are drawn as points.  A second swept field is drawn as one line for each of its values.
+Several starts are drawn as points.  A second swept field is drawn as one line for each of its values, the last one
+darkest.  A line ends where the motion becomes another one, or the impulse jumps; what does not repeat is marked.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, STYLES, THIN, entitle, new_axes, style
-from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name
+from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
 from lapjoint.figures.text import legend_label
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+
+JUMP, STEEP = 4.0, 0.04
+"""A line is not drawn between two points of which the impulses differ by more than `JUMP` times as much as on either
+side, and by more than the part `STEEP` of all that is drawn."""
+_PALEST = 0.35  # opacity of the line of the first of several values
+_SHOWN = 4  # values of a second field in the legend; of more, the first and the last
 
 
 @style()
@@ -38,12 +47,14 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     axes = new_axes(COLUMN_WIDTH, 2.7) if axes is None else axes
     dataset = in_order(dataset)
     first, second = fields(dataset)
+    kinds = each_line(motion_kinds(dataset), second)
     for stop, name in enumerate(dataset.stop_name.values):
         for i, impulse in enumerate(each_line(dataset.impulse.isel(stop=stop), second)):
-            label = legend_label(str(name)) if i == 0 else None
-            draw_line(
-                axes, dataset[first].values, impulse, COLOURS[stop % len(COLOURS)], STYLES[stop % len(STYLES)], label
-            )
+            label = legend_label(str(name)) if i == len(kinds) - 1 else None
+            colour, pattern = COLOURS[stop % len(COLOURS)], STYLES[stop % len(STYLES)]
+            draw_line(axes, dataset[first].values, impulse, colour, pattern, label, kinds[i], _opacity(i, len(kinds)))
+    _name_shades(axes, dataset, second)
+    _name_marks(axes, kinds)
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_xlabel(axis_label(dataset, first))
     axes.set_ylabel("impulse in a period [N s]")
@@ -54,13 +65,70 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
         axes.text(0.5, 0.6, "no stops, no impulses", transform=axes.transAxes, ha="center", color=GREY)
         entitle(axes, ", ".join(constant_fields(dataset)))
     else:
-        values = [] if second is None else [f"{dataset.sizes[second]} values of {short_name(dataset, second)}"]
-        entitle(axes, ", ".join([*values, *constant_fields(dataset)]))
+        shades = "" if second is None else f"{short_name(dataset, second)} [{units(dataset, second)}], paler to darker"
+        entitle(axes, ", ".join([*([shades] if shades else []), *constant_fields(dataset)]))
     return axes
 
 
-def draw_line(axes: Axes, x: FloatArray, y: FloatArray, colour: str, pattern: str, label: str | None) -> None:
-    """Draw a line, or points where there are several starts or only one swept value.
+def motion_kinds(dataset: xr.Dataset) -> xr.DataArray:
+    """What kind of motion each point is: equal numbers for motions that one line may join.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a sweep.
+
+    Returns
+    -------
+    xarray.DataArray
+        Period multiple, with a half for one that mirrors itself; `ERRATIC` where the motion does not repeat, NaN where
+        there is none; without the dimension ``stop``.
+    """
+    kinds: xr.DataArray = (dataset.period_multiple + 0.5 * dataset.symmetric).where(
+        dataset.period_multiple > 0, ERRATIC
+    )
+    return kinds.where(dataset.impulse.notnull().all("stop"))
+
+
+ERRATIC = 0.0
+"""Kind of a motion that was not found to repeat."""
+
+
+def in_pieces(y: FloatArray, kinds: FloatArray) -> list[slice]:
+    """The runs of points that one line may join.
+
+    Parameters
+    ----------
+    y : FloatArray, shape (n,)
+        Impulses, N s.
+    kinds : FloatArray, shape (n,)
+        As `motion_kinds` gives them.
+
+    Returns
+    -------
+    list of slice
+        In order; together all points.
+    """
+    steps = np.abs(np.diff(y))
+    around = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
+    range_of = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
+    jumps = (steps > JUMP * around) & (steps > STEEP * range_of) if y.size > 2 else np.zeros(steps.size, dtype=bool)
+    apart = np.flatnonzero(jumps | (np.diff(kinds) != 0)) + 1
+    edges = [0, *apart.tolist(), y.size]
+    return [slice(a, b) for a, b in pairwise(edges)]
+
+
+def draw_line(
+    axes: Axes,
+    x: FloatArray,
+    y: FloatArray,
+    colour: str,
+    pattern: str,
+    label: str | None,
+    kinds: FloatArray | None = None,
+    opacity: float = 1.0,
+) -> None:
+    """Draw lines with marks on what does not repeat; points where there are several starts or only one swept value.
 
     Parameters
     ----------
@@ -76,14 +144,48 @@ def draw_line(axes: Axes, x: FloatArray, y: FloatArray, colour: str, pattern: st
         Style of the line, one of `lapjoint.figures.style.STYLES`.
     label : str or None
         Name in the legend; None for no entry.
+    kinds : FloatArray, shape (n,) or (n, starts), optional
+        As `motion_kinds` gives them; by default all points are of one kind.
+    opacity : float
+        From 0 to 1.
     """
+    kinds = np.ones(y.shape) if kinds is None else kinds
+    erratic = kinds == ERRATIC
+    look: dict[str, Any] = {"color": colour, "alpha": opacity}
     if y.ndim > 1 or x.size == 1:
-        columns = y.reshape(x.size, -1)
-        axes.plot(
-            np.repeat(x, columns.shape[1]), columns.ravel(), ".", color=colour, markersize=3.5, label=label, mew=0
-        )
+        across = np.repeat(x, y.size // x.size)
+        axes.plot(across, y.ravel(), ".", markersize=3.5, label=label, mew=0, **look)
+        x, y, erratic = across, y.ravel(), erratic.ravel()
     else:
-        axes.plot(x, y, color=colour, linestyle=pattern, linewidth=0.9, label=label)
+        axes.plot([], [], linestyle=pattern, linewidth=0.9, label=label, **look)
+        for piece in in_pieces(y, kinds):
+            alone = piece.stop - piece.start == 1 and not erratic[piece.start]
+            axes.plot(x[piece], y[piece], linestyle=pattern, linewidth=0.9, marker="." if alone else "", ms=2.5, **look)
+    if erratic.any():
+        axes.plot(x[erratic], y[erratic], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=colour, **look)
+
+
+_MARK = 2.2  # points, of what does not repeat
+
+
+def _opacity(i: int, count: int) -> float:
+    return 1.0 if count == 1 else _PALEST + (1 - _PALEST) * i / (count - 1)
+
+
+def _name_shades(axes: Axes, dataset: xr.Dataset, second: str | None) -> None:
+    """Legend entries that say which value of the second field is how dark."""
+    if second is None:
+        return
+    values = dataset[second].values
+    shown = range(len(values)) if len(values) <= _SHOWN else (0, len(values) - 1)
+    for i in shown:
+        axes.plot([], [], "-", color=GREY, alpha=_opacity(i, len(values)), linewidth=1.8, label=f"{values[i]:.4g}")
+
+
+def _name_marks(axes: Axes, kinds: list[FloatArray]) -> None:
+    """A legend entry for the marks of what does not repeat, where there are some."""
+    if any((kind == ERRATIC).any() for kind in kinds):
+        axes.plot([], [], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=GREY, label="does not repeat")
 
 
 def limit(axes: Axes, x: FloatArray) -> None:

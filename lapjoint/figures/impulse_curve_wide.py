@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lapjoint.figures.impulse_curve import draw_line, limit
+from lapjoint.figures.impulse_curve import draw_line, limit, motion_kinds
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
 from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
 from lapjoint.figures.text import apart, literal, shortened, wrapped
@@ -110,9 +110,11 @@ def certificates(dataset: xr.Dataset) -> IntArray:
 def _panel(
     axes: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str | None, legend: bool
 ) -> None:
+    kinds = each_line(motion_kinds(dataset), second)
     for i, line in enumerate(each_line(impulse, second)):
         label = None if second is None else f"{dataset[second].values[i]:.4g}"
-        draw_line(axes, dataset[first].values, line, COLOURS[i % len(COLOURS)], STYLES[i % len(STYLES)], label)
+        colour, pattern = COLOURS[i % len(COLOURS)], STYLES[i % len(STYLES)]
+        draw_line(axes, dataset[first].values, line, colour, pattern, label, kinds[i])
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_ylabel("impulse [N s]")
     if second is not None and legend:

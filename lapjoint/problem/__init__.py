@@ -1,7 +1,8 @@
 """What is solved: an immutable, validated description of a beam, its supports, its stops and its excitation.
 
 The beam lies along x, from the root (x = 0) to the tip (x = L).  z(x, t) is the displacement relative to the
-moving base, positive upwards; y(t) is the base, a sine or a sum of harmonics.  With E I = EI and rho A = m::
+moving base, positive upwards; y(t) is the base: a sine, a sum of harmonics, a record, or random.  With
+E I = EI and rho A = m::
 
     EI z'''' + damping + m z_tt = -m y_tt + supports + stops + point loads
 
@@ -33,6 +34,7 @@ from lapjoint.problem.initial import (
 )
 from lapjoint.problem.presets import paper_joint, sdnl104
 from lapjoint.problem.problem import Problem
+from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, SpringStiffness
 from lapjoint.problem.supports_and_stops import Side, Stop, Support
@@ -60,6 +62,8 @@ __all__ = [
     "PolynomialShape",
     "Positive",
     "Problem",
+    "RandomBaseMotion",
+    "RandomLoad",
     "RecordBaseMotion",
     "RecordLoad",
     "Rectangle",

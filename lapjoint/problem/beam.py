@@ -13,6 +13,7 @@ from lapjoint.problem.schema import Part, Positive
 
 LEAST, MOST = 1e-100, 1e100
 """Least and largest value, in SI units, of what follows from a beam's fields, so that squares of it are finite too."""
+_CANTILEVER = 1.8751040687119611  # beta L of the first mode of a cantilever: the least root of cosh x cos x = -1
 
 
 class Material(Part):
@@ -169,6 +170,11 @@ class Beam(Part):
             assert self.mass_per_length is not None
             return self.mass_per_length
         return self.material.density * self.section.area
+
+    @property
+    def slowest_bending(self) -> float:
+        """Lowest natural angular frequency of the beam as a cantilever, rad/s."""
+        return _CANTILEVER**2 * math.sqrt(self.EI / self.m) / self.length**2
 
     def require_section(self, purpose: str) -> tuple[Material, Section]:
         """The material and the cross-section, for what cannot be done without.

@@ -12,6 +12,7 @@ _EXAMPLE = """\
 # A problem for `lapjoint`.  SI units: m, kg, s, N, rad; angular frequencies in rad/s.
 # x runs from the root (0) to the tip (length); z is the displacement relative to the base, positive upwards.
 # `lapjoint schema` prints every key that is allowed.
+schema_version = 1            # of the keys in this file; may be left out
 title = "Lap joint of Rahmani and Ervin (2014)"
 
 [beam]
@@ -65,7 +66,7 @@ kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2)
 ratio = 0.08                  # of every mode of the current contact state, >= 0; or a list, one per mode
 
 [base_motion]                 # y(t) = amplitude sin(angular_frequency t + phase); leave out for a base at rest
-kind = "sine"                 # or "harmonics" or "record", see below; "sine" where none is given
+kind = "sine"                 # or "harmonics", "record" or "random", see below; "sine" where none is given
 amplitude = 0.06              # m, >= 0
 angular_frequency = 515.0     # rad/s, > 0
 phase = 0.0                   # rad
@@ -86,10 +87,18 @@ phase = 0.0                   # rad
 # time_column = "t"           # or rate = 5000.0, samples a second
 # unit = "g"                  # "m/s2" by default; also skip, delimiter, time_unit, remove = "offset" or "drift"
 
+# [base_motion]               # a stationary Gaussian acceleration
+# kind = "random"
+# psd = [[5.0, 80.0], [500.0, 80.0]]  # one-sided, log-log between breakpoints: [Hz, (m/s2)2/Hz]
+# unit = "g2/Hz"              # "(m/s2)2/Hz" by default
+# rate = 4000.0               # samples a second, 8 times the highest frequency by default
+# seed = 1                    # which realisation
+
 # [[point_loads]]             # transverse forces from t = 0 on; any number
 # kind = "sine"               # "step" (x, force), "sine" (x, force, angular_frequency, phase), "harmonics"
                               # (x, angular_frequency, harmonics = [{multiple = 1, force = 100.0, phase = 0.0}, ...])
                               # or "record" (x, and file and so on as of a base; unit = "kN")
+                              # or "random" (x, and psd and so on as of a base; unit = "kN2/Hz")
 # x = 2.5                     # m, within the beam
 # force = 100.0               # N, positive upwards
 # angular_frequency = 515.0   # rad/s

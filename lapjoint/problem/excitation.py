@@ -1,4 +1,4 @@
-"""The kinds of excitation: periodic motion of the base, constant or periodic loads at points, and records of both.
+"""The kinds of excitation: periodic, recorded or random motion of the base, and such or constant loads at points.
 
 Each says of which waves or samples it consists; `lapjoint.problem.forces` makes one list of all of them, which solvers
 read.
@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
+from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, Whole
 
@@ -211,8 +212,10 @@ def _sine_by_default(part: Any) -> Any:
 
 _Kinds = Field(discriminator="kind")
 AnyBaseMotion = Annotated[
-    BaseMotion | HarmonicsBaseMotion | RecordBaseMotion, _Kinds, BeforeValidator(_sine_by_default)
+    BaseMotion | HarmonicsBaseMotion | RecordBaseMotion | RandomBaseMotion, _Kinds, BeforeValidator(_sine_by_default)
 ]
 """A base motion of any kind."""
-PointLoad = Annotated[StepLoad | SineLoad | HarmonicsLoad | RecordLoad, _Kinds, BeforeValidator(_sine_by_default)]
+PointLoad = Annotated[
+    StepLoad | SineLoad | HarmonicsLoad | RecordLoad | RandomLoad, _Kinds, BeforeValidator(_sine_by_default)
+]
 """A point load of any kind."""

@@ -18,12 +18,12 @@ from pydantic import BaseModel, ValidationError
 from lapjoint.errors import InputError
 from lapjoint.input_files import read_file
 from lapjoint.output_files import write_file
-from lapjoint.problem.messages import explain
+from lapjoint.problem.messages import in_sentences
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples
 from lapjoint.problem.schema import Part
 
-_KINDS = ("kind", "shape")  # the keys that tell parts of a union apart: always written
+_ALWAYS = ("kind", "shape", "schema_version")  # what tells parts of a union and versions apart
 
 
 def read_problem(path: str | Path) -> Problem:
@@ -149,11 +149,7 @@ def problem_from_tables(tables: Mapping[str, Any], source: str = "problem", fold
     try:
         return Problem.model_validate(tables, context={"folder": str(folder)})
     except ValidationError as error:
-        faults = explain(error, tables, Problem).split("\n")
-        if len(faults) == 1:
-            raise InputError(f"{source}: {faults[0]}") from None
-        lines = "\n".join(f"  {fault}" for fault in faults)
-        raise InputError(f"{source}: {len(faults)} faults\n{lines}") from None
+        raise InputError(in_sentences(error, tables, Problem, source)) from None
 
 
 def from_toml(text: str) -> Problem:
@@ -240,7 +236,7 @@ def _table(part: BaseModel) -> dict[str, Any]:
     table: dict[str, Any] = {}
     for name, info in type(part).model_fields.items():
         value = getattr(part, name)
-        if value is None or (name not in _KINDS and not info.is_required() and value == info.default):
+        if value is None or (name not in _ALWAYS and not info.is_required() and value == info.default):
             continue
         table[name] = _value(value)
     return table

@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from lapjoint.problem.excitation import MOST_MULTIPLE, AnyBaseMotion, PointLoad
+from lapjoint.problem.ramps import RampBlocks, RandomForce, RecordedForce, SampledForce
+from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import FloatArray
 
-_EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
 _WHOLE = 1e-12
 """Relative: so much may the quotient of two frequencies miss a whole number, by the rounding of both."""
 
@@ -71,89 +72,6 @@ class HarmonicForce:
         return np.asarray(self.amplitude * np.sin(self.angular_frequency * t + self.phase))
 
 
-@dataclass(frozen=True, eq=False)
-class SampledForce:
-    """A force that is linear between knots, at a point or uniform along the beam."""
-
-    x: float | None
-    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
-    knots: FloatArray
-    """Times, s, ascending from 0, shape ``(K,)``."""
-    values: FloatArray
-    """The force there, N at a point, N/m along the beam, shape ``(K,)``; positive upwards."""
-
-    def at(self, t: FloatArray) -> FloatArray:
-        """The force at given times.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, from 0 to the last knot.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            N at a point, N/m along the beam.
-        """
-        return np.asarray(np.interp(t, self.knots, self.values))
-
-
-@dataclass(frozen=True, eq=False)
-class Ramps:
-    """Several forces that are linear between common knots."""
-
-    time: FloatArray
-    """The knots, s, ascending, shape ``(K,)``."""
-    force: FloatArray
-    """The forces there, N or N/m, shape ``(K, R)``."""
-
-    @cached_property
-    def slope(self) -> FloatArray:
-        """How fast each force changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
-        return np.diff(self.force, axis=0) / np.diff(self.time)[:, None]
-
-    @cached_property
-    def spacing(self) -> float:
-        """The time between knots, s, where that is the same for most of them; else 0."""
-        between = np.diff(self.time)
-        middle = float(np.median(between))
-        even = np.abs(between - middle) <= _EVEN * (middle + np.abs(self.time[1:]) * np.finfo(float).eps / _EVEN)
-        return (float(self.time[-1] - self.time[0]) / between.size if even.all() else middle) if even.any() else 0.0
-
-    def until(self, t: float) -> float:
-        """The first knot after a time.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        float
-            s; infinite after the last one.
-        """
-        return (
-            float(self.time[i]) if (i := int(np.searchsorted(self.time, t, side="right"))) < self.time.size else np.inf
-        )
-
-    def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The forces, and how fast they change, at given times; at a knot after it.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s; before the first knot and after the last one the nearest ramp goes on.
-
-        Returns
-        -------
-        FloatArray, FloatArray, each of shape (m, R)
-            N or N/m; N/s or N/(m s).
-        """
-        j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
-        return self.force[j] + self.slope[j] * (t - self.time[j])[:, None], self.slope[j]
-
-
 @dataclass(frozen=True)
 class Forces:
     """All forces of a problem but those of its supports and stops."""
@@ -172,15 +90,9 @@ class Forces:
         return (*self.constant, *self.harmonic, *self.sampled)
 
     @cached_property
-    def ramps(self) -> Ramps | None:
+    def ramps(self) -> RampBlocks | None:
         """The sampled forces with the knots of all, up to where the first of them ends; None without any."""
-        if not self.sampled:
-            return None
-        end = min(force.knots[-1] for force in self.sampled)
-        time = np.unique(np.concatenate([force.knots[force.knots <= end] for force in self.sampled]))
-        near = np.append(False, np.diff(time) <= _EVEN * end / time.size)  # knots of two records, a rounding apart
-        time = time[~near]
-        return Ramps(time, np.stack([force.at(time) for force in self.sampled], axis=1))
+        return RampBlocks(self.sampled) if self.sampled else None
 
     @property
     def fastest(self) -> float:
@@ -193,13 +105,7 @@ class Forces:
 
         For a sine it is its angular frequency, for white noise up to a frequency f it is 2 pi f / sqrt(3).
         """
-        rates = [0.0]
-        for force in self.sampled:
-            h, f = np.diff(force.knots), force.values
-            square = float(h @ (f[1:] ** 2 + f[1:] * f[:-1] + f[:-1] ** 2)) / 3
-            if square > 0:
-                rates.append(float(np.sqrt(np.sum(np.diff(f) ** 2 / h) / square)))
-        return max(rates)
+        return max((force.usual_rate for force in self.sampled), default=0.0)
 
     @property
     def change_sign(self) -> bool:
@@ -256,7 +162,7 @@ def forces_of(
     ----------
     mass_per_length : float
         m of the beam, kg/m: relative to a base y(t) every part of it feels the force -m y''.
-    base : BaseMotion, HarmonicsBaseMotion, RecordBaseMotion or None
+    base : BaseMotion, HarmonicsBaseMotion, RecordBaseMotion, RandomBaseMotion or None
         The motion of the base.
     loads : iterable of PointLoad
         The point loads.
@@ -266,18 +172,23 @@ def forces_of(
     Returns
     -------
     Forces
-        Each wave of the base, and each constant and each wave of a point load, and records of both.
+        Each wave of the base, each constant and each wave of a point load, and what is recorded or random of both.
     """
-    constant, harmonic, sampled = [], [], []
+    constant, harmonic = [], []
+    sampled: list[SampledForce] = []
     if isinstance(base, RecordBaseMotion):
-        sampled.append(SampledForce(None, base.motion.time, -mass_per_length * base.motion.acceleration))
+        sampled.append(RecordedForce(None, base.motion.time, -mass_per_length * base.motion.acceleration))
+    if isinstance(base, RandomBaseMotion):
+        sampled.append(RandomForce(None, base.realisation, -mass_per_length))
     for wave in () if base is None else base.waves:
         inertia = mass_per_length * wave.amplitude * wave.angular_frequency**2
         harmonic.append(HarmonicForce(None, inertia, wave.angular_frequency, wave.phase))
-    for load in loads:
+    for i, load in enumerate(loads):
         if load.constant:
             constant.append(ConstantForce(load.x, load.constant))
         if isinstance(load, RecordLoad):
-            sampled.append(SampledForce(load.x, load.time, load.force))
+            sampled.append(RecordedForce(load.x, load.time, load.force))
+        if isinstance(load, RandomLoad):
+            sampled.append(RandomForce(load.x, load.realisation(i), 1.0))
         harmonic += [HarmonicForce(load.x, w.amplitude, w.angular_frequency, w.phase) for w in load.waves]
     return Forces(tuple(constant), tuple(harmonic), None if sampled else fundamental, tuple(sampled))

@@ -47,6 +47,31 @@ def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> str:
     return "\n".join(lines)
 
 
+def in_sentences(error: ValidationError, data: Any, model: type[BaseModel], source: str) -> str:
+    """All faults that a validation found, for a message.
+
+    Parameters
+    ----------
+    error : pydantic.ValidationError
+        What validation of `data` against `model` raised.
+    data : mapping
+        The tables as read from a file, or the arguments.
+    model : type
+        The schema, for the names of the keys that are allowed.
+    source : str
+        Whose faults they are: the file, or the name of the part.
+
+    Returns
+    -------
+    str
+        The source and the fault in a line, or how many there are and a line for each.
+    """
+    faults = explain(error, data, model).split("\n")
+    if len(faults) == 1:
+        return f"{source}: {faults[0]}"
+    return "\n".join([f"{source}: {len(faults)} faults", *(f"  {fault}" for fault in faults)])
+
+
 def shown(value: Any) -> str:
     """A value as its file would write it, shortened.
 

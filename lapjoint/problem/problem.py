@@ -6,31 +6,37 @@ import math
 import warnings
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from lapjoint.errors import InputError, RecordWarning
+from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.messages import shown
-from lapjoint.problem.records import RecordBaseMotion, RecordLoad
+from lapjoint.problem.random_motion import Random, RandomBaseMotion, RandomLoad
+from lapjoint.problem.records import Record, RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
 from lapjoint.problem.supports_and_stops import Stop, Support
 
-_CANTILEVER = 1.8751040687119611  # beta L of the first mode: the least root of cosh x cos x = -1
 _ROUNDINGS = 1e-12  # relative: so much may a duration exceed that of a record, by the rounding of both
 _SAMPLES_A_PERIOD = 10
 """Of the slowest bending: with fewer, straight lines between samples miss its acceleration by some percent."""
 
 
+SCHEMA_VERSION: Literal[1] = 1
+"""It is raised whenever an older reader would misread a file, or refuse what an older one took."""
+
+
 class Problem(Part):
     """A beam with supports, stops, damping, excitation and an initial state."""
 
+    schema_version: Literal[1] = SCHEMA_VERSION
+    """Version of this schema; a file may state it, and one of another version is refused."""
     title: str = ""
     """What this problem is, in a line."""
     beam: Beam
@@ -52,6 +58,8 @@ class Problem(Part):
             raise ValueError("\n".join(faults))
         for line in _too_slow(self):
             warnings.warn(line, RecordWarning, stacklevel=2)
+        for line in _too_low(self):
+            warnings.warn(line, ExcitationWarning, stacklevel=2)
         return self
 
     @property
@@ -95,6 +103,9 @@ class Problem(Part):
             return self.excitation_frequency
         if self.records:
             raise InputError(f"{purpose}: {next(iter(self.records))} is a record, which has no period; simulate it")
+        if self.random:
+            path = next(iter(self.random))
+            raise InputError(f"{purpose}: {path} is random, and has no period; simulate it, or ask for statistics")
         found = _angular_frequencies(self)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
@@ -102,6 +113,7 @@ class Problem(Part):
         raise InputError(
             f"{purpose}: the excitation must have one angular_frequency, or whole multiples of the lowest; "
             + (there or "there is neither a base_motion with an amplitude nor a periodic load with a force")
+            + "; `lapjoint simulate`, and `simulate` in Python, follow any motion from its start"
         )
 
     def require_excitation_period(self, purpose: str) -> float:
@@ -147,12 +159,57 @@ class Problem(Part):
         return float(x)
 
     @property
+    def hints(self) -> tuple[str, ...]:
+        """What looks like a slip of unit, a line for each; see `lapjoint.problem.hints`."""
+        from lapjoint.problem.hints import hints
+
+        return hints(self)
+
+    @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
         """All recorded excitation, by its path."""
         found: dict[str, RecordBaseMotion | RecordLoad] = {}
         if isinstance(self.base_motion, RecordBaseMotion):
             found["base_motion"] = self.base_motion
         return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RecordLoad)}
+
+    @property
+    def random(self) -> dict[str, RandomBaseMotion | RandomLoad]:
+        """All random excitation, by its path."""
+        found: dict[str, RandomBaseMotion | RandomLoad] = {}
+        if isinstance(self.base_motion, RandomBaseMotion):
+            found["base_motion"] = self.base_motion
+        return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RandomLoad)}
+
+    def reseeded(self, seed: int) -> Problem:
+        """The same problem with another realisation of all that is random.
+
+        Parameters
+        ----------
+        seed : int
+            The seed of every random part, 0 or more; they are independent of each other.
+
+        Returns
+        -------
+        Problem
+            A validated copy.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            If the seed is not possible.
+        """
+
+        def other(part: Any) -> Any:
+            if not isinstance(part, Random):
+                return part
+            fields = {name: getattr(part, name) for name in type(part).model_fields}
+            return type(part).model_validate(fields | {"seed": seed})
+
+        with warnings.catch_warnings(action="ignore", category=ExcitationWarning):  # it was said of this problem
+            return self.replace(
+                base_motion=other(self.base_motion), point_loads=tuple(other(load) for load in self.point_loads)
+            )
 
     @property
     def longest(self) -> float:
@@ -196,20 +253,20 @@ class Problem(Part):
 
         Raises
         ------
-        pydantic.ValidationError
+        InputError
             If the parts do not fit together.
         """
-        return Problem.model_validate({name: getattr(self, name) for name in Problem.model_fields} | changes)
+        return Problem(**{name: getattr(self, name) for name in Problem.model_fields} | changes)
 
 
 def _angular_frequencies(problem: Problem) -> dict[str, float]:
     """Angular frequencies, rad/s, of base motion and periodic loads that are not zero, by their paths."""
     base, loads = problem.base_motion, problem.point_loads
     found: dict[str, float] = {}
-    if not (base is None or isinstance(base, RecordBaseMotion)) and _moves(base.waves):
+    if not (base is None or isinstance(base, Record | Random)) and _moves(base.waves):
         found["base_motion"] = base.angular_frequency
     for i, load in enumerate(loads):
-        if not isinstance(load, StepLoad | RecordLoad) and _moves(load.waves):
+        if not isinstance(load, StepLoad | Record | Random) and _moves(load.waves):
             found[f"point_loads[{i}]"] = load.angular_frequency
     return found
 
@@ -236,14 +293,24 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
 
 def _too_slow(problem: Problem) -> Iterator[str]:
     """Records with few samples in a period of the slowest bending, that of a cantilever."""
-    beam = problem.beam
-    slowest = _CANTILEVER**2 * math.sqrt(beam.EI / beam.m) / beam.length**2 / (2 * math.pi)
+    slowest = problem.beam.slowest_bending / (2 * math.pi)
     for path, record in problem.records.items():
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
             yield (
                 f"{path}: has {rate:.3g} samples a second, and the beam bends at {slowest:.3g} Hz or more: what lies "
                 "between samples decides how its modes are driven"
+            )
+
+
+def _too_low(problem: Problem) -> Iterator[str]:
+    """Random excitation that ends below the slowest bending."""
+    slowest = problem.beam.slowest_bending / (2 * math.pi)
+    for path, part in problem.random.items():
+        if part.density.top < slowest:
+            yield (
+                f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "
+                "it drives no mode at its own frequency"
             )
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from lapjoint.errors import InputError
+from lapjoint.problem.messages import in_sentences
 
 FloatArray = npt.NDArray[np.float64]
 """Real numbers in double precision; docstrings say shape and unit."""
+IntArray = npt.NDArray[np.int64]
+"""Whole numbers; docstrings say shape and what they count."""
 
 
 def _refuse_text_and_booleans(value: object) -> object:
@@ -26,7 +31,23 @@ Whole = Annotated[int, _Number]
 SpringStiffness = Annotated[float, _Number, Field(ge=0)]  # infinite allowed, NaN refused by ge
 
 
-class Part(BaseModel):
-    """Base of every part of a problem: frozen, and unknown keys are refused."""
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)  # pydantic names it in private only
+
+
+class _InSentences(ModelMetaclass):
+    """Lets whoever makes a part in Python read what the command line says of a file, one sentence for each fault."""
+
+    def __call__(cls, *args: Any, **given: Any) -> Any:  # noqa: N805, whose self is a class
+        try:
+            return super().__call__(*args, **given)
+        except ValidationError as error:
+            raise InputError(in_sentences(error, given, cast(type[BaseModel], cls), cls.__name__)) from None
+
+
+class Part(BaseModel, metaclass=_InSentences):
+    """Base of every part of a problem: frozen, and unknown keys are refused, by an `InputError`."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)

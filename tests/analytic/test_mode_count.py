@@ -9,12 +9,12 @@ import pytest
 
 import analytic
 from analytic.modes.mode_count import most_closed
-from lapjoint import FREE, BaseMotion, Beam, ContactState, ModalDamping, Problem, Stop, Support, paper_joint
+from lapjoint import FREE, BaseMotion, Beam, ContactState, ModalDamping, Problem, SineLoad, Stop, Support, paper_joint
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
-from tests.helpers.population import stiff_joint
+from tests.helpers.population import joint, stiff_joint
 
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 FIRST = 6  # contacts compared: fewer than it takes a chaotic motion to magnify an error much
@@ -125,6 +125,65 @@ def test_the_papers_joint_needs_few_modes() -> None:
 def test_the_number_grows_as_the_two_sevenths_power_of_the_stiffness() -> None:
     few, many = (analytic.Solver().mode_counts(cantilever(k))[0] for k in (1e4, 1e7))
     assert many / few == pytest.approx(1000 ** (2 / 7), rel=0.1)
+
+
+def sudden_joint(seed: int, index: int) -> Problem:
+    """A random joint without stops, any mode of which may be overdamped, whose base or sine load starts at once."""
+    rng = np.random.default_rng((seed, index))
+    problem = joint(seed, 2 * index + 1).replace(stops=())
+    base = problem.base_motion
+    assert isinstance(base, BaseMotion)
+    phase = float(rng.uniform(0.3, 2.8))
+    if index % 3 == 2:
+        load = SineLoad(
+            x=float(rng.uniform(0.3, 1.0)), force=1.0, angular_frequency=base.angular_frequency, phase=phase
+        )
+        problem = problem.replace(base_motion=None, point_loads=(load,))
+    else:
+        problem = problem.replace(base_motion=base.model_copy(update={"phase": phase}))
+    ratios = tuple(float(10 ** rng.uniform(-2, 0.7)) for _ in range(3))
+    return problem if index % 2 else problem.replace(damping=ModalDamping(ratio=ratios))
+
+
+def start_error(problem: Problem, solver: analytic.Solver) -> float:
+    """Error of displacements along the beam in a third of a period, against 200 modes, over the largest of them."""
+    x, end = np.linspace(0.0, 1.0, 21), problem.require_excitation_period("test") / 3
+    t = end * np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 20)])
+    some, many = (
+        one.simulate(problem, end, errors=False).displacement(x, t) for one in (solver, analytic.Solver(n_modes=200))
+    )
+    return float(np.abs(some - many).max() / np.abs(many).max())
+
+
+def check_sudden_starts(seed: int, indices: range) -> None:
+    errors = np.array([start_error(sudden_joint(seed, i), analytic.Solver()) for i in indices])
+    # A motion that damping or the phase keeps small in its first third of a period makes them larger.
+    assert np.count_nonzero(errors <= 2e-5) >= 0.8 * errors.size, np.sort(errors)[::-1][:40]
+    assert errors.max() <= 1e-4
+
+
+def test_a_load_that_is_there_at_once_asks_for_the_modes_that_it_excites() -> None:
+    """They are at rest in truth; those left out start from their equilibrium: 3.6e-4 of the largest in this problem."""
+    slow = 1.67
+    overhung = Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(
+            Support(x=1.0, translational=3e6),
+            Support(x=0.1386, translational=3e9, torsional=math.inf),
+        ),
+        damping=ModalDamping(ratio=(3.83, 4.91, 4.98)),
+        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=slow, phase=1.717),
+    )
+    assert start_error(overhung, analytic.Solver(n_modes=10)) > 1e-4
+    assert start_error(overhung, analytic.Solver()) <= 1e-5
+    still = overhung.replace(base_motion=BaseMotion(amplitude=1e-3, angular_frequency=slow))
+    assert analytic.Solver().mode_counts(still)[0] == 10
+    check_sudden_starts(seed=43, indices=range(6))
+
+
+@pytest.mark.slow
+def test_many_sudden_starts() -> None:
+    check_sudden_starts(seed=44, indices=range(150))
 
 
 def test_most_closed_takes_the_stiffer_side_of_every_position() -> None:

@@ -19,7 +19,7 @@ from lapjoint import FREE, ContactState, History, Outcome, Problem, SteadyState
 from lapjoint.answers import Contact, Modes, SectionPoint
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.errors import InputError, SolverError
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -57,7 +57,7 @@ class Counting:
     def name(self) -> str:
         return "counting"
 
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         def shapes(x: np.ndarray, derivative: int = 0) -> np.ndarray:
             return np.stack([1 - np.cos((n + 1) * x) for n in range(count)])
 

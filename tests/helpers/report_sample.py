@@ -52,7 +52,16 @@ def everything() -> list[CaseResult]:
     )
     return [
         CaseResult(
-            f"all {HOSTILE}", HOSTILE, f"Why? {HOSTILE}", checks(), criteria(), tables, drawings(), (HOSTILE,), 1.0
+            f"all {HOSTILE}",
+            HOSTILE,
+            f"Why? {HOSTILE}",
+            checks(),
+            criteria(),
+            tables,
+            drawings(),
+            (HOSTILE,),
+            HOSTILE,
+            1.0,
         ),
         CaseResult("twice", "It agrees", "Does it?", checks()[:1], seconds=2.0),
         CaseResult("twice", "Criteria only", "Are they met?", criteria=criteria()[:1]),

@@ -21,6 +21,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from lapjoint import (
+    FREE,
     BaseMotion,
     Beam,
     ContactState,
@@ -38,7 +39,7 @@ from lapjoint.errors import SolverError
 from lapjoint.orbits import Effort, Passage, find_steady_state
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 _SAMPLES = 32  # in a cycle of the excitation or of free vibration, whichever is shorter
 _MOST_SWITCHES = 1000  # in one period
@@ -332,7 +333,7 @@ class Bar:
         """The motion from section point to section point."""
         return BarMap(problem, self.name)
 
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The one mode."""
         m, _, K, _ = self.period_map(problem).constants(state)
 

@@ -10,6 +10,7 @@ import itertools
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes, refined_nodes
 from lapjoint import FREE, BaseMotion, ContactState, History, Problem, paper_joint, paper_state_number, sdnl104
 from lapjoint.answers import Contact
-from lapjoint.answers.steady_state import impulses_per_period
+from lapjoint.answers.steady_state import chatters, impulses_per_period
 from lapjoint.orbits.exponent import exponent_of
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml, problem_from_tables, to_toml
@@ -306,6 +307,31 @@ def arithmetic(problem: Problem) -> Iterator[Check]:
     yield same("time of its measurement", found.time, series.size * 0.25, "s", ROUNDING)
 
 
+BOUNCES: dict[str, tuple[bool, tuple[tuple[float, float], ...]]] = {
+    "three ever shorter flights, and a rest": (True, ((0, 2), (10, 12), (16, 18), (19, 40))),
+    "the same over the end of the period": (True, ((0, 10), (50, 52), (60, 62), (66, 68), (69, 80))),
+    "two of them": (False, ((0, 2), (10, 12), (14, 40), (43, 60), (64, 76))),
+    "three, and a rest shorter than the contact before": (False, ((0, 2), (10, 12), (16, 18), (19, 20.5))),
+    "three, and a rest shorter than the flight before": (False, ((0, 2), (10, 12), (17, 18), (21, 23))),
+}
+"""Start and end of contacts of one stop in a period of 80 ms, ms, and whether it chatters: it bounces, three flights in
+a row being shorter each time, and then leans on the stop for longer than the contact and the flight before."""
+
+
+def chatter(problem: Problem) -> Iterator[Check]:
+    """Which contacts of a period are chatter."""
+    motion = written_down(problem)
+    for what, (wanted, times) in BOUNCES.items():
+        contacts = tuple(
+            Contact(
+                0, start / 1e3, end / 1e3, -1.0, 1.0, open_start=start == 0 and times[-1][1] == 80, open_end=end == 80
+            )
+            for start, end in times
+        )
+        found = chatters(replace(motion, contacts=contacts), 0)
+        yield same(f"chatter (1: yes): {what}", float(found), float(wanted), "1")
+
+
 PAPER_STATES = {1: "", 2: "P2", 3: "P3", 4: "P4", 5: "P5", 6: "P2 P3", 7: "P2 P5", 8: "P3 P4", 9: "P4 P5"}
 """The paper's Table 1: closed stops, tip (P2, P4) and mid-span (P3, P5), bottom before top; its Table 4 has 6 to 9 by
 the springs that act."""
@@ -404,6 +430,7 @@ def run(level: Level, say: Say) -> CaseResult:
         *presets(),
         *states(),
         *arithmetic(problem),
+        *chatter(problem),
         *statistics(),
         *frequencies(problem),
         *meshes(),
@@ -416,7 +443,8 @@ def run(level: Level, say: Say) -> CaseResult:
         "The ground: problems as given",
         "Both solvers share what is solved and what an answer is, so neither can tell when that is wrong. Every value "
         "of a problem file is compared with what tomllib reads, both presets with the tables that they are from, and "
-        "sections, initial shapes, forces, moments, impulses per period and exponents with plain arithmetic.",
+        "sections, initial shapes, forces, moments, impulses per period and exponents with plain arithmetic, "
+        "chatter with its definition.",
         checks=checks,
         criteria=tuple(item for item in items if isinstance(item, Criterion)),
         tables=(table("As given", ("quantity", "unit", "given", "found", "from"), rows),),

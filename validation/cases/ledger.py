@@ -39,7 +39,7 @@ def run(level: Level, say: Say) -> CaseResult:
     entries = [*modal, *figure, *numbers]
     return CaseResult(
         "ledger",
-        f"The paper on trial: {counted(entries)}",
+        "The paper on trial",
         "Each number, table and claim of Rahmani and Ervin (2014) beside what both solvers give, and where it bears on "
         "the claim beside what the paper's own scheme gives with its own eight free and five contact modes. Each "
         "ruling follows from the computed numbers by a rule, which stands beside it; the case disagrees if one is not "
@@ -64,7 +64,7 @@ def run(level: Level, say: Say) -> CaseResult:
                 for omega in PORTRAITS
             ),
         ),
-        notes=(f"Of {len(entries)} claims: {counted(entries)}.",),
+        headline=f"{len(entries)} claims: {counted(entries)}; the verdict is on whether each ruling is as expected",
     )
 
 

@@ -22,6 +22,7 @@ import fe_lapjoint
 from lapjoint import History, ModalDamping, Problem
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import SolverError
+from lapjoint.orbits.compiled_watch import terms_at_points
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
@@ -78,6 +79,10 @@ BEYOND = (1.5, 4.0, 20.0)  # times that size, at which the rule says how long to
 NEARLY = 0.95  # of the share that the rule allows: what bounds in place of true deviations and distances leave of it
 BACK = 40  # periods after which a march from such a deviation must be back
 RETURNED = 1e-2  # of the deviation that is left then: 0.85 to the power of 40 is 1.5e-3
+DECAYING = -np.array([0.1, 1.0, 3.0, 0.0]) + 1j * np.array([2.0, 9.0, 0.0, 4.0])
+"""Exponents of terms over which chords are drawn, 1/s: ringing, overdamped, and undamped ones."""
+CUTS = (0.0, 0.01, 0.015, 0.02, 0.04, 0.06)  # s: ends of intervals in a segment
+OVER = 1.1  # times what a chord misses: a bound that the term at the start of an interval makes, 0.2 rad wide at most
 
 
 @dataclass(frozen=True)
@@ -308,6 +313,30 @@ def out_of_reach(it: Known) -> Iterator[Criterion]:
     )
 
 
+def chords() -> Iterator[Criterion]:
+    """What chords of terms miss, against the terms themselves, in every interval of two segments and at two places."""
+    rng = np.random.default_rng(3)
+    segment, tau = np.repeat([0, 1], len(CUTS)), np.tile(CUTS, 2)
+    rates = np.stack([DECAYING, DECAYING[::-1]])
+    weights = rng.standard_normal((2, 2, rates.shape[1])) + 1j * rng.standard_normal((2, 2, rates.shape[1]))
+    terms, misses = terms_at_points(segment.astype(np.intp), tau, rates, weights, rates.shape[1])
+    part = np.linspace(0.0, 1.0, 33)
+    shares, summed = [], 0.0
+    for i in range(tau.size):
+        s = segment[i]
+        exact = weights[s] * np.exp(rates[s] * tau[i])
+        summed = max(summed, float(np.abs(terms[0, :, i] + 1j * terms[1, :, i] - exact).max()))
+        if i + 1 < tau.size and segment[i + 1] == s:
+            wave = np.exp(rates[s] * (tau[i] + part[:, None] * (tau[i + 1] - tau[i])))
+            chord = wave[0] + part[:, None] * (wave[-1] - wave[0])
+            shares.append(misses[:, i] / (np.abs(weights[s]) * np.abs(wave - chord).max(axis=0)))
+    least, largest = float(np.min(shares)), float(np.max(shares))
+    yield Criterion("terms at the points between intervals: largest difference", "1", summed, 0.0, CLOSED, "of numpy")
+    reason = "a bound in every interval, and a tight one"
+    yield Criterion("what a chord misses, least bound over the true one", "1", least, 1 - EXACT, OVER, reason)
+    yield Criterion("what a chord misses, largest of these", "1", largest, 1.0, OVER, reason)
+
+
 def conditions(it: Known, deviated: Deviated) -> npt.NDArray[np.bool_]:
     """Whether deviations meet the rule, as it is stated."""
     watch = it.orbit.watch
@@ -404,7 +433,7 @@ def damping_rates() -> Iterator[Check]:
 
 def run(level: Level, say: Say) -> CaseResult:
     """All orbits."""
-    items: list[Check | Criterion] = [*damping_rates()]
+    items: list[Check | Criterion] = [*damping_rates(), *chords()]
     for label, problem, solver in ORBITS:
         it = known(label, problem, solver)
         items += [*derivative(it), *switches(it), *rule(it)]

@@ -62,6 +62,22 @@ ANALYTIC = (
         new="forces[0, node(load.x)] += 1.001 * load.force",
     ),
     Fault(
+        "analytic-record-lag",
+        "a term dropped",
+        "analytic.march.ramps",
+        "What damping makes of a force that grows is missed.",
+        old="= -np.divide(twice *",
+        new="= -0.0 * np.divide(twice *",
+    ),
+    Fault(
+        "analytic-record-kick",
+        "a sign",
+        "analytic.march.ramps",
+        "Where a force turns, the free motion of ringing modes takes its part with the wrong phase.",
+        old="x[:, oscillating] - 1j * (y",
+        new="x[:, oscillating] + 1j * (y",
+    ),
+    Fault(
         "analytic-gap-force",
         "a factor",
         "analytic.march.loads",

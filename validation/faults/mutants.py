@@ -2,7 +2,8 @@
 
 Each mutant goes through the cases as a fault does.  One that no case catches either shows what the cases lack, or
 changes no answer: `equivalent.toml` then holds it with the reason.  The run whose page the documents show is kept in
-`mutants.json`; its mutants come first in every later run.
+`mutants.json`, with the commit whose source it was, and those whose source the mutants were drawn from; its mutants
+come first in every later run.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -22,7 +24,7 @@ from typing import Any
 from rich.console import Console
 
 from lapjoint.output_files import write_file
-from validation.faults.changed_tree import source_of
+from validation.faults.changed_tree import PACKAGES, installed_tree, source_of
 from validation.faults.mutation import Mutant, drawn
 from validation.faults.record import recorded
 from validation.faults.run import LEVEL, seen_line, sound, sound_tree
@@ -31,11 +33,13 @@ from validation.faults.trial import Result, Seen
 from validation.suite import modules_of
 
 SEED = 1
-EQUIVALENT = "equivalent.toml"
+REASONS = "equivalent.toml"
 """File beside this module: a reason for each mutant that changes no answer."""
 RECORD, PAGE = "mutants.json", "mutants.md"
 """File beside this module that keeps the run which the documents show, and their page."""
 KEPT = "mutants.jsonl"
+EQUIVALENT = "equivalent"
+"""Verdict on what no case catches, for a reason that is given."""
 BESIDES = ("as_published", "slow_modes")
 """Cases that mutants go through besides those that it takes to catch all faults."""
 _HEAD = """# Mutants
@@ -44,10 +48,12 @@ _HEAD = """# Mutants
 
 Changes drawn at random from the source of both solvers and of the ground: a sign, a factor of 1.001, a term dropped, an
 index off by one. Each goes through the cases that it takes to catch all [faults](faults.md) and two more, at the quick
-level, the cheapest first, until one disagrees; a crash, or a case that takes far too long, is told apart. What is not
-caught needs a check, or a reason why it changes no answer; those with a reason are called equivalent.
+level, until one disagrees: first the case that ended it when it was last run, then the others, the cheapest first. A
+crash, or a case that takes far too long, is told apart. What is not caught needs a check, or a reason why it changes no
+answer; those with a reason are called equivalent.
 
-These are the first {count} that the seed {seed} draws: {found}.
+The seed {seed} drew {drawn}. Judged were {judged}: {found}. The source has moved on since; a name says what was
+changed, and where it stood.
 
 | mutant | kind | result | by | number | bound |
 |---|---|---|---|---|---|
@@ -62,16 +68,20 @@ class Outcome:
     seen: Seen
     reason: str
     """Why it changes no answer; empty where none is known, or none is due."""
+    drawn: str
+    """The commit from whose source it was drawn."""
+    judged: str
+    """The commit in whose source it was judged; empty where that is unknown."""
 
     @property
     def verdict(self) -> str:
         """In a word or two."""
-        return "equivalent" if self.seen.result is Result.MISSED and self.reason else self.seen.result.value
+        return EQUIVALENT if self.seen.result is Result.MISSED and self.reason else self.seen.result.value
 
 
 def reasons() -> dict[str, str]:
     """Why mutants change no answer, by their identity."""
-    text = (Path(str(files("validation.faults"))) / EQUIVALENT).read_text()
+    text = (Path(str(files("validation.faults"))) / REASONS).read_text()
     return {entry["mutant"]: entry["reason"] for entry in tomllib.loads(text).get("equivalent", [])}
 
 
@@ -80,47 +90,116 @@ def record_path() -> Path:
     return Path(str(files("validation.faults"))) / RECORD
 
 
-def recorded_outcomes() -> tuple[Outcome, ...]:
-    """The run that the documents show, with the reasons that are known now."""
+@dataclass(frozen=True)
+class Run:
+    """What became of the mutants that a seed draws."""
+
+    seed: int
+    outcomes: tuple[Outcome, ...]
+    """In the sequence in which they were drawn."""
+
+    @property
+    def survivors(self) -> list[str]:
+        """Names of the mutants that nothing caught, and for which no reason is given."""
+        return [it.mutant.identity for it in self.outcomes if it.verdict == Result.MISSED.value]
+
+    @property
+    def text(self) -> str:
+        """The record, JSON."""
+
+        def line(seen: Seen) -> dict[str, Any]:
+            return {key: value for key, value in plain(seen).items() if key not in ("spent", "seconds") and value != ""}
+
+        found = [
+            {"drawn": it.drawn, "judged": it.judged, "mutant": vars(it.mutant), "seen": line(it.seen)}
+            for it in self.outcomes
+        ]
+        return json.dumps({"seed": self.seed, "mutants": found}, indent=1) + "\n"
+
+    @property
+    def page(self) -> str:
+        """Its page, Markdown."""
+        text = _HEAD.format(
+            seed=self.seed,
+            drawn=_counted((it.drawn for it in self.outcomes), "{0} from the source of commit {1}"),
+            judged=_counted((it.judged for it in self.outcomes), "{0} in the source of commit {1}"),
+            found=_counted((it.verdict for it in self.outcomes), "{0} {1}"),
+        )
+        for it in self.outcomes:
+            by = it.reason if it.verdict == EQUIVALENT else f"{it.seen.case.replace('_', '-')}: {it.seen.item}"
+            cells = (f"`{it.mutant.identity}`", it.mutant.kind, it.verdict, by, it.seen.number, it.seen.bound)
+            text += "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
+        return text
+
+
+def _counted(names: Iterable[str], words: str) -> str:
+    """How often each name is there, most often first."""
+    return ", ".join(words.format(number, name) for name, number in Counter(names).most_common())
+
+
+def recorded_run() -> Run:
+    """The run that the documents show, with the reasons that are known now; without mutants if there is none."""
     if not record_path().exists():
-        return ()
-    known = reasons()
-    found = ((Mutant(**entry["mutant"]), seen_from(entry["seen"])) for entry in json.loads(record_path().read_text()))
-    return tuple(Outcome(mutant, seen, known.get(mutant.identity, "")) for mutant, seen in found)
+        return Run(SEED, ())
+    known, data = reasons(), json.loads(record_path().read_text())
+
+    def outcome(entry: dict[str, Any]) -> Outcome:
+        mutant = Mutant(**entry["mutant"])
+        return Outcome(
+            mutant, seen_from(entry["seen"]), known.get(mutant.identity, ""), entry["drawn"], entry["judged"]
+        )
+
+    return Run(data["seed"], tuple(map(outcome, data["mutants"])))
 
 
-def written(outcomes: Sequence[Outcome]) -> str:
-    """The record as text.
+def commit_of(tree: Path) -> str:
+    """The commit that a tree of packages is; empty if it is none, or if its source was changed since.
 
     Parameters
     ----------
-    outcomes : sequence of Outcome
-        In the sequence in which they were drawn.
+    tree : Path
+        The folder that holds the packages.
 
     Returns
     -------
     str
-        JSON.
+        Its first digits.
     """
+    source = [f"{package}/*.{ending}" for package in PACKAGES for ending in ("py", "toml")]
+    status = _asked(tree, "status", "--porcelain", "--", *source)
+    return "" if status is None or status else _asked(tree, "rev-parse", "--short=7", "HEAD") or ""
 
-    def line(seen: Seen) -> dict[str, Any]:
-        return {key: value for key, value in plain(seen).items() if key not in ("spent", "seconds") and value != ""}
 
-    data = [{"mutant": vars(it.mutant), "seen": line(it.seen)} for it in outcomes]
-    return json.dumps(data, indent=1) + "\n"
+def _asked(tree: Path, *question: str) -> str | None:
+    """What git says of a folder; None where there is no git, or nothing that it knows."""
+    try:
+        found = subprocess.run(("git", *question), cwd=tree, capture_output=True, text=True, check=False)
+    except OSError:
+        return None
+    return found.stdout.strip() if found.returncode == 0 else None
 
 
 def judged(
-    mutants: Sequence[Mutant], cases: Sequence[str], output: Path, console: Console, workers: int
+    mutants: Mapping[Mutant, str],
+    cases: Sequence[str],
+    first: Mapping[str, str],
+    commit: str,
+    output: Path,
+    console: Console,
+    workers: int,
 ) -> list[Outcome]:
     """Run the cases on each mutant until something disagrees.
 
     Parameters
     ----------
-    mutants : sequence of Mutant
-        What was drawn.
+    mutants : mapping of Mutant to str
+        What was drawn, and the commit from whose source.
     cases : sequence of str
         Modules of the cases.
+    first : mapping of str to str
+        The case that a mutant goes through first, by its identity.
+    commit : str
+        The commit whose source this is; empty if none.
     output : Path
         Folder that keeps the trials that are done.
     console : rich.console.Console
@@ -145,37 +224,13 @@ def judged(
             for name, mutant in by_name.items()
         )
         order = Order({case: seen.seconds for case, seen in baseline.items()})
-        for changed, seen in trials.judged(changes, order):
+        for changed, seen in trials.judged(changes, order, first):
             name = changed.label
-            found[name] = Outcome(by_name[name], seen, known.get(name, ""))
+            mutant = by_name[name]
+            found[name] = Outcome(mutant, seen, known.get(name, ""), mutants[mutant], commit)
             line = f"  {len(found)}/{len(by_name)} {name}: {seen_line(seen)}"
             console.print(line, highlight=False, markup=False, soft_wrap=True)
     return [found[name] for name in by_name]
-
-
-def table(outcomes: Sequence[Outcome], seed: int) -> str:
-    """The outcomes as a page.
-
-    Parameters
-    ----------
-    outcomes : sequence of Outcome
-        In the sequence in which they were drawn.
-    seed : int
-        With which they were drawn.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
-    counts = Counter(outcome.verdict for outcome in outcomes)
-    found = ", ".join(f"{number} {verdict}" for verdict, number in counts.most_common())
-    text = _HEAD.format(count=len(outcomes), seed=seed, found=found)
-    for it in outcomes:
-        by = it.reason if it.verdict == "equivalent" else f"{it.seen.case.replace('_', '-')}: {it.seen.item}"
-        cells = (f"`{it.mutant.identity}`", it.mutant.kind, it.verdict, by, it.seen.number, it.seen.bound)
-        text += "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
-    return text
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -201,19 +256,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--page", type=Path, help=f"write the table here, too, and {RECORD}, from which it is made")
     parser.add_argument("-o", "--output", type=Path, default=Path("report"), help="folder (report)")
     given = parser.parse_args(arguments)
+    commit = commit_of(installed_tree())
+    if given.page is not None and not commit:
+        parser.error("--page: the source is not that of a commit, which the page has to name")
     given.output.mkdir(parents=True, exist_ok=True)
+    before = {it.mutant.identity: it for it in recorded_run().outcomes}
+    first = {name: it.seen.case for name, it in before.items()}
     with sound_tree() as tree:
-        mutants = drawn(tree, given.seed, given.count, [it.mutant.identity for it in recorded_outcomes()])
+        found = drawn(tree, given.seed, given.count, before)
+        mutants = {it: before[it.identity].drawn if it.identity in before else commit for it in found}
     usual = tuple(dict.fromkeys((*recorded()[1], *BESIDES))) if recorded()[1] else modules_of(())
     cases = modules_of(tuple(given.case)) if given.case else usual
-    outcomes = judged(mutants, cases, given.output, Console(), given.workers)
-    write_file(given.output / RECORD, written(outcomes))
-    write_file(given.output / PAGE, table(outcomes, given.seed))
-    if given.page is not None and outcomes:
-        write_file(record_path(), written(outcomes))
-        write_file(given.page, table(outcomes, given.seed))
-    print(f"{given.output / PAGE}: {dict(Counter(it.verdict for it in outcomes))}")
-    return 0 if outcomes and all(it.seen.result is not Result.MISSED or it.reason for it in outcomes) else 1
+    run = Run(given.seed, tuple(judged(mutants, cases, first, commit, given.output, Console(), given.workers)))
+    if not run.outcomes:
+        return 1
+    write_file(given.output / RECORD, run.text)
+    write_file(given.output / PAGE, run.page)
+    if given.page is not None:
+        write_file(record_path(), run.text)
+        write_file(given.page, run.page)
+    print(f"{given.output / PAGE}: {dict(Counter(it.verdict for it in run.outcomes))}")
+    return 1 if run.survivors else 0
 
 
 if __name__ == "__main__":

@@ -54,6 +54,8 @@ class Order:
 
     costs: Mapping[str, float]
     """The time of each case on the sound tree, s."""
+    first: str = ""
+    """A case that runs before them, such as the one that caught the same change before."""
 
     def limits(self, compiles: bool) -> tuple[tuple[str, float], ...]:
         """The cases, and the most time that each may take on a changed tree.
@@ -69,7 +71,7 @@ class Order:
             Modules of the cases, and seconds.
         """
         more = ALLOWANCE + (COMPILING if compiles else 0.0)
-        ordered = sorted(self.costs.items(), key=lambda item: item[1])
+        ordered = sorted(self.costs.items(), key=lambda item: (item[0] != self.first, item[1]))
         return tuple((case, more + TIMES * seconds) for case, seconds in ordered)
 
 
@@ -282,7 +284,10 @@ class Trials:
         self._context.set_forkserver_preload(["validation.faults.preload"])
 
     def costs(self, cases: Sequence[str], done: Callable[[str, Seen], None]) -> dict[str, Seen]:
-        """Run each case alone on the sound packages.
+        """Run each case alone on the sound packages, whether that was done before or not.
+
+        What they compile stays in that tree, and goes with every copy of it: without it a trial would take the time
+        of compiling, for which it has no allowance, and count as too slow.
 
         Parameters
         ----------
@@ -303,7 +308,9 @@ class Trials:
             done(changed.label, seen)
         return found
 
-    def judged(self, changes: Iterable[Changed], order: Order) -> Iterator[tuple[Changed, Seen]]:
+    def judged(
+        self, changes: Iterable[Changed], order: Order, first: Mapping[str, str] | None = None
+    ) -> Iterator[tuple[Changed, Seen]]:
         """Run the cases on changed packages, each until the first disagreement.
 
         Parameters
@@ -312,13 +319,16 @@ class Trials:
             What is changed, one at a time.
         order : Order
             The cases.
+        first : mapping of str to str, optional
+            The case that runs first, by the label of the change, where that is not the cheapest.
 
         Yields
         ------
         Changed, Seen
             Each change, and what became of it, in the sequence in which they are done.
         """
-        yield from self._run((changed, order) for changed in changes)
+        known = first or {}
+        yield from self._run((it, replace(order, first=known.get(it.label, ""))) for it in changes)
 
     def _run(self, jobs: Iterable[tuple[Changed, Order | Limits]]) -> Iterator[tuple[Changed, Seen]]:
         waiting, running = iter(jobs), dict[Connection, _Trial]()
@@ -328,7 +338,7 @@ class Trials:
                     changed, cases = job
                     key = self._key(changed)
                     seen = self._kept.get(key, self._with_digests(_limits(cases, False)))
-                    if seen is not None:
+                    if seen is not None and changed.module:
                         yield changed, seen
                         continue
                     here, trial = self._begin(changed, cases, key)
@@ -344,13 +354,17 @@ class Trials:
                     del running[ready]
                     ready.close()
                     trial.folder.cleanup()
-                    yield trial.changed, self._kept.put(trial.key, seen, self._sources)
+                    yield trial.changed, self._put(trial, seen)
         finally:
             for connection, trial in running.items():
                 trial.process.kill()
                 trial.process.join()
                 connection.close()
                 trial.folder.cleanup()
+
+    def _put(self, trial: _Trial, seen: Seen) -> Seen:
+        """What was seen of a trial, kept if anything is changed in it."""
+        return self._kept.put(trial.key, seen, self._sources) if trial.changed.module else seen
 
     def _with_digests(self, limits: Limits) -> dict[str, str]:
         return {case: self._sources[case] for case, _ in limits}
@@ -368,7 +382,7 @@ class Trials:
             tree = Path(folder.name)
             copied_tree(self.tree, tree)
             compiles = change(tree, changed.module, changed.source)
-        passed = {case for case, _ in self._kept.passed(key, self._sources).spent}
+        passed = {case for case, _ in self._kept.passed(key, self._sources).spent} if changed.module else set()
         limits = tuple((case, most) for case, most in _limits(cases, compiles) if case not in passed)
         here, there = self._context.Pipe(duplex=False)
         process = self._context.Process(target=try_tree, args=(str(tree), limits, self._level, there))

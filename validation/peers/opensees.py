@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass, replace
 
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, ModalDamping, Problem
-from lapjoint.solver import Progress
+from lapjoint.solver import MODES, Progress
 
 MOST_ELEMENTS = 400  # 80 of them with dt = 1e-6 s take 418 s of wall time for a second of motion
 MOST_STEPS = 1_000_000  # of a march or an excitation period: each is recorded at every node
@@ -72,7 +72,7 @@ class Solver:
         """
         return replace(self, elements=max(1, math.ceil(self.elements * factor)), dt=self.dt / factor)
 
-    def modes(self, problem: Problem, state: ContactState, count: int) -> Modes:
+    def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest `count` modes of a contact state by OpenSees' dense eigensolver.
 
         See `lapjoint.solver.Solver.modes`.
@@ -162,8 +162,9 @@ def check_problem(problem: Problem) -> None:
         raise InputError("point_loads: the OpenSees solver knows base motion only")
     if not isinstance(problem.initial, AtRest):
         raise InputError(f'initial.kind = "{problem.initial.kind}": the OpenSees solver starts at rest only')
-    if problem.records:
-        raise InputError(f"{next(iter(problem.records))}: is a record; the OpenSees solver knows sums of sines only")
+    for what, parts in (("a record", problem.records), ("random", problem.random)):
+        if parts:
+            raise InputError(f"{next(iter(parts))}: is {what}; the OpenSees solver knows sums of sines only")
     base = problem.base_motion
     for i, wave in enumerate(() if base is None else base.waves):
         if base is not None and wave.phase:

@@ -7,25 +7,31 @@ import hashlib
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from validation.case import CaseResult
+from validation.case import CaseResult, Drawing
 from validation.report.records import VERDICTS, checks_sheet, counts, criteria_sheet, tightest
 from validation.report.table_files import FOLDER, Sheet, distinct
 from validation.report.uncertainty_budget import budget_sheet
 from validation.verdict import Check, Criterion, Verdict
 
-OPEN_ROWS = 16
-"""Tables up to this long are open from the start."""
 PRINT_SCRIPT = (
-    'addEventListener("beforeprint",()=>{for(const d of document.querySelectorAll("details:not([open])"))'
+    'addEventListener("beforeprint",()=>{for(const d of document.querySelectorAll("details.case:not([open])"))'
     '{d.open=true;d.dataset.shut=""}});'
     'addEventListener("afterprint",()=>{for(const d of document.querySelectorAll("details[data-shut]"))'
     "{d.open=false;delete d.dataset.shut}});"
+    "const show=()=>{let e=location.hash&&document.getElementById(decodeURIComponent(location.hash.slice(1)));"
+    "if(!e)return;for(let d=e;d;d=d.parentElement)if(d.tagName==='DETAILS')d.open=true;e.scrollIntoView()};"
+    'addEventListener("hashchange",show);addEventListener("DOMContentLoaded",show);'
 )
-"""Opens what is folded for printing, in browsers whose style sheets cannot."""
+"""Opens the folded cases for printing, and what holds the target of a link, in browsers that do not by themselves."""
+PICTURED = ("ledger", "steady", "transient")
+"""Cases whose first figure may stand on the first screen, the best first."""
+
+
+_DOES = {Verdict.AGREE: "agree", Verdict.EXPLAINED: "differ for a named reason", Verdict.DISAGREE: "disagree"}
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,14 @@ class View:
                 groups.setdefault((item.verdict, getattr(item, "explanation", "")), []).append((anchor, item))
         ordered = sorted(groups.items(), key=lambda group: VERDICTS.index(group[0][0]))
         return [Finding(verdict, why, tuple(items)) for (verdict, why), items in ordered]
+
+    @property
+    def headline(self) -> str:
+        """What the case came to, in a line: its own words, or how many comparisons agree."""
+        if self.result.headline:
+            return self.result.headline
+        found = [f"{self.counts[v]} {_DOES[v]}" for v in reversed(VERDICTS) if self.counts[v]]
+        return ", ".join(found) or "nothing was compared"
 
     @property
     def counts(self) -> dict[Verdict, int]:
@@ -241,7 +255,31 @@ def short(value: float, digits: int = 2) -> str:
     return f"{value:.{digits}g}"
 
 
-def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str, Any]) -> str:
+def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:
+    """The figure for the first screen.
+
+    Parameters
+    ----------
+    shown : sequence of View
+        The cases.
+
+    Returns
+    -------
+    tuple of str, or None
+        Its title and its SVG; None where no case of `PICTURED` has one.
+    """
+    found = {view.result.name: view.result.drawings[0] for view in shown if view.result.drawings}
+    return next(((found[name].title, own_ids(found[name].svg, "first")) for name in PICTURED if name in found), None)
+
+
+def _answer(shown: Sequence[View]) -> Sheet | None:
+    """The numbers that a user's own problem was asked for: those of the steady state, or else of the first contacts."""
+    found = {view.result.name: sheet for view in shown for sheet in view.tables[:1] if sheet.rows}
+    best = next((found[name] for name in PICTURED if name in found), None)
+    return None if best is None else replace(best, title=f"{best.title}: both solvers")
+
+
+def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str, Any], joint: Drawing) -> str:
     """The page as HTML.
 
     Parameters
@@ -249,9 +287,11 @@ def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str
     shown : sequence of View
         The cases, in the order in which they are shown.
     overall : mapping of str to Sheet
-        Tables of all cases: ``summary``, ``kinds`` and ``budget``.
+        Tables of all cases: ``summary``, ``kinds`` and ``budget``, and either ``faults`` or ``parameters``.
     about : mapping of str to Any
         Level, run time, date, machine and versions; the problem, where there was one.
+    joint : Drawing
+        The sketch of what was solved.
 
     Returns
     -------
@@ -269,12 +309,15 @@ def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str
         views=shown,
         overall=overall,
         about=about,
+        own=about.get("problem"),
+        joint=own_ids(joint.svg, "joint"),
+        picture=first_picture(shown),
+        answer=_answer(shown) if "problem" in about else None,
         sentence=sentence([view.result for view in shown]),
         worst=next((v for v in VERDICTS if any(view.counts[v] for view in shown)), None),
         significant=significant,
         verdicts=VERDICTS,
         folder=FOLDER,
-        open_rows=OPEN_ROWS,
         script=PRINT_SCRIPT,
         digest=digest,
     )

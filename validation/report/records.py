@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from lapjoint.problem import Problem
+from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult
 from validation.report.table_files import Cell, Sheet
 from validation.verdict import Check, Criterion, Estimate, Verdict, source_name
@@ -247,3 +249,74 @@ def kinds_sheet(results: Sequence[CaseResult]) -> Sheet:
     rows: list[tuple[Cell, ...]] = [(kind, *(verdicts.count(v) for v in VERDICTS)) for kind, verdicts in found.items()]
     columns = ("kind of reference", *(v.value for v in VERDICTS))
     return Sheet("kinds", "Comparisons by kind of reference", columns, tuple(rows))
+
+
+def parameters_sheet(problem: Problem) -> Sheet:
+    """Every value of a problem that is given, a row for each part of it.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+
+    Returns
+    -------
+    Sheet
+        Parts as they are called in the file, and their values.
+    """
+    rows: list[tuple[Cell, ...]] = []
+    for key, part in problem_tables_json(problem).items():
+        if key in ("title", "schema_version"):
+            continue
+        if isinstance(part, Sequence) and not isinstance(part, str):
+            rows += [(f"{key}[{i}]", ", ".join(_values("", one))) for i, one in enumerate(part)]
+        else:
+            rows.append((key, ", ".join(_values("", part))))
+    return Sheet("parameters", "The problem, in SI units", ("part", "values"), tuple(rows))
+
+
+def _values(path: str, value: object) -> Iterator[str]:
+    """The values in nested tables, as ``material.density = 7890``."""
+    if isinstance(value, Mapping):
+        for key, part in value.items():
+            yield from _values(f"{path}.{key}" if path else str(key), part)
+    elif isinstance(value, float):
+        yield f"{path} = {value:.10g}"
+    elif isinstance(value, Sequence) and not isinstance(value, str):
+        yield f"{path} = {_row(value)}"
+    else:
+        yield f"{path} = {value}"
+
+
+def _row(values: Sequence[object]) -> str:
+    """Several values; of many the first ones, and how many there are."""
+    shown = ", ".join(f"{v:.10g}" if isinstance(v, float) else str(v) for v in values[:_SHOWN])
+    return f"[{shown}{f', ... ({len(values)} in all)' if len(values) > _SHOWN else ''}]"
+
+
+_SHOWN = 12
+"""Values of a row that a table shows: a record has thousands."""
+
+
+def faults_sheet() -> Sheet:
+    """What each of the faults does that were put into the program, and what caught it: the last complete run.
+
+    Returns
+    -------
+    Sheet
+        A row for each fault.
+    """
+    from validation.faults.catalogue import CONTROL
+    from validation.faults.record import recorded
+
+    columns = ("fault", "where", "what it does", "result", "caught by", "by", "against")
+    faults = [one for one in recorded()[0] if one.fault != CONTROL]
+    rows = tuple(
+        (
+            *(one.fault.name, one.fault.place, one.fault.what, one.seen.result.value),
+            f"{one.seen.case.replace('_', '-')}: {one.seen.item}",
+            *(one.seen.number, one.seen.bound),
+        )
+        for one in faults
+    )
+    return Sheet("faults", "Faults put into the program, and what caught each", columns, rows)

@@ -10,12 +10,15 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from lapjoint import paper_joint
+from lapjoint.figures import plot_joint
 from lapjoint.output_files import completed_series, unwritable
 from lapjoint.problem import Problem
 from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult
+from validation.report.drawing import drawing
 from validation.report.page import page, views
-from validation.report.records import case_record, kinds_sheet, summary_sheet
+from validation.report.records import case_record, faults_sheet, kinds_sheet, parameters_sheet, summary_sheet
 from validation.report.table_files import remove_sheets, write_sheets
 from validation.report.uncertainty_budget import overall_sheet
 
@@ -42,7 +45,7 @@ def write_reports(
     seconds : float
         Run time of all.
     problem : Problem, optional
-        The one problem that was compared, for ``report.json``.
+        The one problem that was compared; None for the suite.
 
     Returns
     -------
@@ -66,11 +69,13 @@ def write_reports(
         about["problem"] = problem_tables_json(problem)
     shown = views(results)
     overall = {"summary": summary_sheet(results), "kinds": kinds_sheet(results), "budget": overall_sheet(results)}
+    overall |= {"faults": faults_sheet()} if problem is None else {"parameters": parameters_sheet(problem)}
+    joint = drawing("The joint", plot_joint(paper_joint() if problem is None else problem))
     data: dict[str, Any] = {"about": about, "cases": [case_record(result) for result in results]}
     try:
         with completed_series(output, lambda: remove_sheets(output)) as draft:
             write_sheets([*overall.values(), *(sheet for view in shown for sheet in view.sheets)], draft)
-            (draft / _PAGES[0]).write_text(page(shown, overall, about), encoding="utf-8", newline="")
+            (draft / _PAGES[0]).write_text(page(shown, overall, about, joint), encoding="utf-8", newline="")
             text = json.dumps(data, indent=1, allow_nan=False) + "\n"
             (draft / _PAGES[1]).write_text(text, encoding="utf-8", newline="")
     except OSError as error:

@@ -84,6 +84,9 @@ class Spike:
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         return np.full((1, t.size), min(self.height, self.height * 2 / self.width**2 * width**2 / 8))
 
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        return np.asarray((side * ends).max(axis=0) + self.from_chord(t, width)[k])
+
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         raise NotImplementedError
 

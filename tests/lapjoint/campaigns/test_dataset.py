@@ -176,7 +176,7 @@ def test_a_damaged_file_is_refused_in_one_sentence(tmp_path: Path) -> None:
         with pytest.raises(InputError) as error:
             read_curve(path)
         said.add(str(error.value).removeprefix(f"{path}: "))
-    reason = "its content does not fit its checksum; the sweep that made it, with --force, computes it again"
+    reason = "its content does not fit its checksum; what made it, with --force, computes it again"
     a_part = ("cannot be read: is not a NetCDF-4 file", "is not the result of a sweep, or only a part of it")
     older = "has no checksum, as an older lapjoint wrote it; this one reads format version 3 only"
     assert said <= {f"is damaged: {reason}", *a_part, older}
@@ -210,9 +210,11 @@ def test_a_file_that_another_program_changed_is_refused(gone: str, tmp_path: Pat
 def test_a_curve_shows_every_stop_with_its_sign() -> None:
     found = dataset(plan())
     ax = plot_curve(found)
-    lines = {line.get_label(): line for line in ax.lines if not str(line.get_label()).startswith("_")}
-    assert list(lines) == ["P2", "P3", "P4", "P5"]
-    np.testing.assert_array_equal(lines["P4"].get_ydata(), found.impulse.sel(stop=2))
+    named = {str(line.get_label()): line for line in ax.lines if not str(line.get_label()).startswith("_")}
+    assert list(named) == ["P2", "P3", "P4", "P5", "does not repeat"]
+    ours = [line for line in ax.lines if line.get_color() == named["P4"].get_color() and line.get_marker() != "o"]
+    drawn = np.concatenate([np.asarray(line.get_ydata()) for line in ours])
+    np.testing.assert_array_equal(drawn, found.impulse.sel(stop=2))
     assert ax.get_xlabel() == "angular frequency ω [rad/s]"
     assert ax.get_ylabel() == "impulse in a period [N s]"
     assert ax.figure.get_figwidth() == 3.4
@@ -223,7 +225,8 @@ def test_a_third_field_is_drawn_at_its_first_value_and_the_figure_says_so() -> N
     this = Plan(Grid(JOINT, tuple(axes)))
     legend = plot_curve(dataset(this)).get_legend()
     assert legend is not None
-    assert legend.get_title().get_text() == "2 values of gap (all stops), damping ratio = 0.05"
+    title = legend.get_title().get_text().replace("\n", " ")
+    assert title == "gap (all stops) [m], paler to darker, damping ratio = 0.05"
     assert plot_curve_wide(dataset(this))[0].figure.get_suptitle() == "damping ratio = 0.05"
 
 

@@ -262,8 +262,9 @@ def test_a_file_that_may_not_grow_ends_the_command_with_status_3(room: int, out:
 
 
 def test_a_finished_sweep_is_read_once_and_a_new_one_not_at_all(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    read, reads = lapjoint.campaigns.dataset.read_curve, []
-    monkeypatch.setattr(lapjoint.campaigns.dataset, "read_curve", lambda path: reads.append(path) or read(path))
+    read, reads = lapjoint.campaigns.dataset.read_result, []
+    counted = lambda path, noun: reads.append(path) or read(path, noun)  # noqa: E731
+    monkeypatch.setattr(lapjoint.campaigns.dataset, "read_result", counted)
     made = run(plan(), out=out)
     assert reads == []
     xr.testing.assert_identical(run(plan(), out=out), made)

@@ -61,7 +61,7 @@ def test_init_writes_the_example_and_overwrites_only_when_told(tmp_path: Path) -
 
 def test_modes_prints_every_state_and_writes_all_digits(tmp_path: Path) -> None:
     path = tmp_path / "modes.json"
-    printed = run_well("modes", PAPER, "--count", "3", "--json", path)
+    printed = run_well("modes", PAPER, "--modes", "3", "--json", path)
     assert len(printed.splitlines()) == 10
     states = json.loads(path.read_text())["states"]
     joint = paper_joint()
@@ -74,7 +74,7 @@ def test_modes_prints_every_state_and_writes_all_digits(tmp_path: Path) -> None:
 @pytest.mark.parametrize("state", ["6", "P2+P3", "P3 + P2"])
 def test_a_state_is_chosen_by_number_or_by_names(state: str, tmp_path: Path) -> None:
     figure = tmp_path / "shapes.svg"
-    printed = run_well("modes", PAPER, "--state", state, "--count", "2", "--figure", figure)
+    printed = run_well("modes", PAPER, "--state", state, "--modes", "2", "--figure", figure)
     assert printed.splitlines()[1].startswith("6  P2 + P3")
     assert figure.exists()
 
@@ -143,7 +143,7 @@ def test_a_steady_state_is_drawn(tmp_path: Path) -> None:
 
 def test_the_shapes_of_all_states_are_drawn_in_one_figure(tmp_path: Path) -> None:
     figure = tmp_path / "shapes.svg"
-    run_well("modes", PAPER, "--count", "2", "--figure", figure)
+    run_well("modes", PAPER, "--modes", "2", "--figure", figure)
     assert all(
         text in figure.read_text() for text in ("State 1:", "States 2, 4:", "States 3, 5:", "States 6, 7, 8, 9:")
     )
@@ -193,7 +193,7 @@ def test_export_puts_another_solver_beside_at_the_times_given(tmp_path: Path) ->
 
 
 def test_export_writes_the_mode_shapes_of_all_states(tmp_path: Path) -> None:
-    printed = run_well("export", PAPER, "-o", tmp_path, "--modes-of", "all", "--count", "2", "--format", "vtkhdf")
+    printed = run_well("export", PAPER, "-o", tmp_path, "--state", "all", "--modes", "2", "--format", "vtkhdf")
     assert len(printed.splitlines()) == 9
     assert (tmp_path / "modes_6_P2+P3.vtkhdf").is_file()
 
@@ -229,13 +229,13 @@ def test_stops_whose_names_hold_a_plus_are_chosen(text: str, expected: str, tmp_
     path = tmp_path / "problem.toml"
     stops = [Stop(name=name, x=0.5 + 0.1 * i, side="top", gap=1e-3, stiffness=1e5) for i, name in enumerate(NAMES)]
     path.write_text(to_toml(paper_joint().replace(stops=tuple(stops))))
-    result = run("modes", path, "--state", text, "--count", "2", *FEW)
+    result = run("modes", path, "--state", text, "--modes", "2")
     if result.exit_code:
         assert_refused(result, expected)
     else:
         line = result.stdout.splitlines()[1]
         assert line.startswith(expected)
-        free = run_well("modes", path, "--state", "free", "--count", "2", *FEW).split()[-1]
+        free = run_well("modes", path, "--state", "free", "--modes", "2").split()[-1]
         assert (line.split()[-1] == free) == (text == "free")
 
 
@@ -248,7 +248,7 @@ def test_many_stops_are_taken_only_when_asked_for(command: str, tmp_path: Path) 
     stop = '[[stops]]\nx = 0.5\nside = "top"\ngap = 0.0\nstiffness = 1.0\n'
     path.write_text(to_toml(paper_joint().replace(stops=())) + 101 * stop)
     assert_refused(run(command, path), "stops: there are 101; more than 100 are taken only with --large")
-    assert run_well("modes", path, "--large", "--count", "1", *FEW).startswith("Natural")
+    assert run_well("modes", path, "--large", "--modes", "1").startswith("Natural")
 
 
 def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_path: Path) -> None:
@@ -259,7 +259,7 @@ def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_p
     path.write_text(to_toml(paper_joint().replace(stops=tuple(stops), title=evil)))
     results = [
         run("simulate", path, "--duration", "0.03", *FEW, "--contacts", table),
-        run("modes", path, "--count", "1", *FEW),
+        run("modes", path, "--modes", "1"),
         run("modes", path, "--state", "nothing"),
         run("modes", path, "--set", f'"{evil}"=1'),
         run("modes", path, "--set", f"stops.{evil}.gap=-1"),
@@ -329,9 +329,9 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("a deep path", ("modes", PAPER, "--set", f"{'a.' * 3000}b=1"), "is 3001 keys deep; a problem is at most 20"),
     ("a deep list", ("modes", PAPER, "--set", f"stops={'[' * 3000}{']' * 3000}"), "[...: must be a list"),
     ("bad assignment", ("modes", PAPER, "--set", "gap"), "must be key=value"),
-    ("a million modes", ("modes", PAPER, "--count", "1000000"), "1000000"),
-    ("no modes", ("modes", PAPER, "--count", "0"), "0"),
-    ("a million FE modes", ("modes", PAPER, "--solver", "fe", "--count", "1000000"), "1000000"),
+    ("a million modes", ("modes", PAPER, "--modes", "1000000"), "1000000"),
+    ("no modes", ("modes", PAPER, "--modes", "0"), "0"),
+    ("a million FE modes", ("modes", PAPER, "--solver", "fe", "--modes", "1000000"), "1000000"),
     ("modes in the solver", (*SIMULATE, "--modes", "1000000"), "n_modes = 1000000"),
     ("negative elements", (*SIMULATE, "--solver", "fe", "--elements", "-1"), "elements = -1"),
     ("unknown state", ("modes", PAPER, "--state", "P7"), "--state P7: there is no such state; allowed: all, free"),
@@ -376,10 +376,10 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("times in words", ("export", PAPER, "-o", "x", "--steady", "--times", "0,now"), "--times 0,now: must be numbers"),
     (
         "modes in motion",
-        ("export", PAPER, "-o", "x", "--modes-of", "all", "--steady"),
+        ("export", PAPER, "-o", "x", "--state", "all", "--steady"),
         "--steady: mode shapes have none",
     ),
-    ("modes of no state", ("export", PAPER, "-o", "x", "--modes-of", "P9"), "--modes-of P9: there is no such state"),
+    ("modes of no state", ("export", PAPER, "-o", "x", "--state", "P9"), "--state P9: there is no such state"),
     ("nobody beside", ("export", PAPER, "-o", "x", "--steady", "--beside", "magic"), "'magic' is not installed"),
     ("a picture as a report", ("show", PAPER, "-o", "x.pdf", "--steady"), "must end in .png, .gif, .mp4"),
     ("size in words", ("show", PAPER, "-o", "x.png", "--steady", "--size", "big"), "--size big: must be width and"),
@@ -628,3 +628,23 @@ def test_progress_of_a_sweep_says_how_much_time_is_left() -> None:
         "sweep: 100 %, 5000 of 5000",
     ]
     assert [duration_text(seconds) for seconds in (40.4, 700.0, 12000.0)] == ["40 s", "12 min", "3 h 20 min"]
+
+
+def test_frequencies_in_hz_and_within_the_width_of_a_terminal(tmp_path: Path) -> None:
+    path = tmp_path / "modes.json"
+    slow = run_well("modes", PAPER, "--modes", "9", "--hz", "--json", path)
+    assert slow.startswith("Natural frequencies [Hz]")
+    assert max(len(line) for line in slow.splitlines()) <= 80
+    free = json.loads(path.read_text())["states"][0]
+    numbers = [float(word) for word in "".join(slow.splitlines()[1:3]).split()[-9:]]
+    assert numbers == pytest.approx(free["frequencies_Hz"], rel=1e-5)
+    assert numbers == pytest.approx([w / (2 * math.pi) for w in free["angular_frequencies"]], rel=1e-5)
+
+
+def test_many_states_are_cut_and_it_says_how_to_see_the_rest(tmp_path: Path) -> None:
+    path = tmp_path / "many.toml"
+    stops = tuple(Stop(name=f"s{i}", x=0.3 * i, side="top", gap=1e-3, stiffness=1e5) for i in range(1, 8))
+    path.write_text(to_toml(paper_joint().replace(stops=stops)))
+    printed = run_well("modes", path, "--modes", "1")
+    assert len(printed.splitlines()) == 34
+    assert "... and 96 more states (--json writes all, --state prints one)" in printed

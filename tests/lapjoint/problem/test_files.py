@@ -137,7 +137,8 @@ def test_presets_survive_their_files(problem: Problem, tmp_path: Path) -> None:
 
 def test_a_file_leaves_out_defaults_and_what_is_not_given() -> None:
     assert problem_tables(Problem(beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0))) == {
-        "beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0}
+        "schema_version": 1,
+        "beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0},
     }
 
 
@@ -223,7 +224,7 @@ FAULTS: list[tuple[str, str, str]] = [
     (
         "kind of base",
         GOOD + '[base_motion]\nkind = "square"',
-        'base_motion.kind = "square": allowed: harmonics, record, sine',
+        'base_motion.kind = "square": allowed: harmonics, random, record, sine',
     ),
     (
         "no frequency",
@@ -305,3 +306,11 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
             read_problem(f"{tmp_path}/{name}")
     with pytest.raises(OutputError, match="cannot be written"):
         write_problem(paper_joint(), tmp_path / "no" / "such.toml")
+
+
+def test_a_file_of_another_schema_is_refused() -> None:
+    text = to_toml(paper_joint())
+    assert text.startswith("schema_version = 1\n")
+    assert from_toml(text.partition("\n")[2]) == paper_joint()  # a file need not state it
+    with pytest.raises(InputError, match="schema_version = 2: must be 1"):
+        from_toml(text.replace("schema_version = 1", "schema_version = 2"))

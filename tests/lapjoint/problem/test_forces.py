@@ -18,7 +18,8 @@ from lapjoint.problem import (
     SineLoad,
     StepLoad,
 )
-from lapjoint.problem.forces import ConstantForce, Forces, HarmonicForce, SampledForce
+from lapjoint.problem.forces import ConstantForce, HarmonicForce
+from lapjoint.problem.ramps import RampBlocks, RecordedForce
 
 BEAM = Beam(length=2.0, bending_stiffness=3.0, mass_per_length=1.25)
 TIMES = np.linspace(0.0, 2.0, 9)
@@ -64,10 +65,9 @@ def test_the_fastest_force_is_one_that_has_a_size() -> None:
 
 
 def test_sampled_forces_are_linear_between_the_knots_of_all() -> None:
-    first = SampledForce(None, np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, -2.0]))
-    second = SampledForce(0.5, np.array([0.0, 1.0 + 1e-12, 2.0, 4.0]), np.array([5.0, 5.0, 7.0, 9.0]))
-    ramps = Forces((), (), None, (first, second)).ramps
-    assert ramps is not None
+    first = RecordedForce(None, np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, -2.0]))
+    second = RecordedForce(0.5, np.array([0.0, 1.0 + 1e-12, 2.0, 4.0]), np.array([5.0, 5.0, 7.0, 9.0]))
+    ramps = RampBlocks((first, second)).block_at(0.0)
     assert ramps.time.tolist() == [0.0, 1.0, 2.0, 3.0]  # up to where the first of them ends
     t = np.array([0.25, 1.0, 1.5, 2.75])
     force, slope = ramps.at(t)
@@ -80,12 +80,10 @@ def test_sampled_forces_are_linear_between_the_knots_of_all() -> None:
 
 def test_knots_that_are_uneven_have_no_spacing_of_their_own() -> None:
     even = np.arange(1001) / 1000.0
-    assert SampledForce(None, even, even).x is None
-    ramps = Forces((), (), None, (SampledForce(None, even, even),)).ramps
-    assert ramps is not None
+    assert RecordedForce(None, even, even).x is None
+    ramps = RampBlocks((RecordedForce(None, even, even),)).block_at(0.0)
     assert abs(ramps.spacing - 1e-3) < 1e-18
-    uneven = Forces((), (), None, (SampledForce(None, even**1.5, even),)).ramps
-    assert uneven is not None
+    uneven = RampBlocks((RecordedForce(None, even**1.5, even),)).block_at(0.0)
     assert not np.any(np.abs(np.diff(uneven.time)[1:] - uneven.spacing) < 1e-12)
 
 

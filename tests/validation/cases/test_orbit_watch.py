@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from lapjoint.orbits import approach, finite_differences
+from lapjoint.orbits import approach, compiled_watch, finite_differences
 from lapjoint.orbits.watch import SegmentWatch
+from lapjoint.problem import FloatArray
 from validation.cases import orbit_watch
 from validation.verdict import Check, Criterion, Verdict
 
@@ -56,6 +58,19 @@ def test_an_orbit_out_of_reach_is_kept_from_its_stops_by_the_rule(monkeypatch: p
     assert disagree(orbit_watch.out_of_reach(it)) == []
     monkeypatch.setattr(approach, "LINEAR", 1.1)
     assert disagree(orbit_watch.out_of_reach(it))
+
+
+def test_a_chord_that_is_taken_for_exact_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert disagree(orbit_watch.chords()) == []
+    sound = compiled_watch.terms_at_points
+
+    def last_one_missed(*arguments: Any) -> tuple[FloatArray, FloatArray]:
+        terms, misses = sound(*arguments)
+        misses[:, -1] = 0.0
+        return terms, misses
+
+    monkeypatch.setattr(orbit_watch, "terms_at_points", last_one_missed)
+    assert disagree(orbit_watch.chords())
 
 
 def test_intervals_follow_each_other(uneven: orbit_watch.Known) -> None:

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 import analytic
+from lapjoint.orbits import search
 from lapjoint.orbits.approach import Forecast
+from lapjoint.orbits.newton import Orbit
+from lapjoint.orbits.search import Search
+from lapjoint.problem import FloatArray
 from validation.cases import settled
 from validation.verdict import Verdict
 
@@ -17,7 +21,7 @@ def disagree(label: str) -> list[str]:
     problem = settled.JOINTS[label]
     steady = SOLVER.steady_state(problem, sensitivity=False, errors=False)
     checks = settled.compared(label, SOLVER, steady, settled.end_of_march(SOLVER, problem))
-    return [check.name for check in checks if check.verdict is Verdict.DISAGREE]
+    return [item.name for item in checks if item.verdict is Verdict.DISAGREE]
 
 
 @pytest.mark.parametrize("label", settled.JOINTS)
@@ -28,6 +32,25 @@ def test_the_search_finds_what_a_march_ends_on(label: str) -> None:
 def test_a_march_that_is_called_bound_too_early_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Forecast, "bound", True)
     assert disagree("early contacts")
+
+
+def test_an_orbit_that_is_waited_for_though_the_march_has_left_it_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def waits(self: Search, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
+        self._advance(periods)
+        return True
+
+    monkeypatch.setattr(Search, "_on_course", waits)
+    assert any("until it is accepted" in name for name in disagree("early contacts"))
+
+
+def test_chaos_must_have_lasted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missed() -> list[str]:
+        found = settled.lasting("chaos", SOLVER, settled.CHAOTIC["chaos"])
+        return [item.name for item in found if item.verdict is Verdict.DISAGREE]
+
+    assert missed() == []
+    monkeypatch.setattr(search, "DECAY_TIMES", 2.0)
+    assert len(missed()) == 1
 
 
 def test_a_contact_that_the_time_cuts_counts_in_part() -> None:

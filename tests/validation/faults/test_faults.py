@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -73,6 +74,18 @@ def _some(*names: str) -> dict[str, str]:
     return {name: CASES[name] for name in names}
 
 
+def test_the_sound_packages_are_always_run_for_what_they_compile_goes_with_their_copies(tmp_path: Path) -> None:
+    path = tmp_path / "kept"
+    done: list[str] = []
+    for _ in range(2):
+        trials = Trials(TREE, "quick", 1, Kept(path))
+        seen = trials.costs(["table4"], lambda case, _: done.append(case))
+        assert seen["table4"].seconds > 0
+        assert [case for case, _ in seen["table4"].spent] == ["table4"]
+    assert done == ["table4", "table4"]
+    assert not path.exists()
+
+
 def test_a_trial_that_was_done_is_not_run_again_and_a_torn_line_is(tmp_path: Path) -> None:
     path, seen = tmp_path / "kept", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 0.5, (("textbook", 0.5),))
     Kept(path).put("one", seen, CASES)
@@ -99,6 +112,14 @@ def test_what_a_case_saw_counts_as_long_as_its_source_is_the_same() -> None:
     for key in ("one", "two"):
         assert kept.get(key, changed) is None
         assert kept.passed(key, changed).spent == (("table4", 1.0),)
+
+
+def test_the_cheapest_case_runs_first_but_for_one_that_is_named() -> None:
+    order = Order({"table4": 0.5, "textbook": 2.0, "grazing": 1.0})
+    assert [case for case, _ in order.limits(False)] == ["table4", "grazing", "textbook"]
+    named = replace(order, first="textbook").limits(False)
+    assert [case for case, _ in named] == ["textbook", "table4", "grazing"]
+    assert sorted(named) == sorted(order.limits(False))
 
 
 def test_a_case_is_known_by_its_source_and_that_of_the_cases_that_it_imports(tmp_path: Path) -> None:

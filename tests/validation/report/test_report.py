@@ -14,6 +14,7 @@ import pytest
 from report_sample import HOSTILE, checks, everything
 
 import validation.report.page
+from lapjoint import paper_joint
 from lapjoint.errors import OutputError
 from validation.case import CaseResult
 from validation.report.page import sentence, short, significant
@@ -149,11 +150,31 @@ def test_files_of_an_earlier_report_are_removed_and_nothing_else(tmp_path: Path)
 def test_what_differs_comes_first(outline: Outline) -> None:
     page = outline.text
     case = page[page.index("What differs") :]
-    words = ("✗ disagree: 4", "energy created", "! explained: 2", "The question", "Checks")
+    words = ("✗ disagree: 4", "! explained: 2", "Would a mistake be noticed?", "Verdicts", "The cases")
     places = [case.index(word) for word in words]
     assert places == sorted(places)
-    rows = case[case.index("Checks") :]
+    inside = case[case.index("The cases") :]
+    assert inside.index("Why?") < inside.index("energy created") < inside.index("Checks")
+    rows = inside[inside.index("Checks") :]
     assert rows.index("beyond the cap") < rows.index("misprint again") < rows.index("agrees")
+
+
+def test_the_first_screen_convinces(outline: Outline) -> None:
+    """The verdict in a sentence, the joint, what differs, and whether a mistake would be noticed."""
+    assert outline.ids.index("joint") < outline.ids.index("differs") < outline.ids.index("faults")
+    assert re.search(r"(\d+) faults of the kinds .*: \1 changed a verdict", outline.text, re.S)
+
+
+def test_an_own_problem_is_what_its_page_is_about(tmp_path: Path) -> None:
+    joint = paper_joint().replace(title=f"My joint {HOSTILE}")
+    write_reports(everything(), "quick", tmp_path, 1.0, joint)
+    page = Outline((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert f"My joint {HOSTILE}" in page.text
+    assert "paper right" not in page.text
+    for value in ("stops[0]", "gap = 0.001", "material.density = 7890"):
+        assert value in page.text
+    assert page.wrong == []
+    assert "faults" not in page.ids
 
 
 def test_a_verdict_is_never_colour_alone(outline: Outline) -> None:

@@ -1,0 +1,77 @@
+"""What can be read off a motion at a place: the displacement and what follows from it, with names and units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lapjoint.answers.history import History
+from lapjoint.problem import FloatArray, Problem
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A derivative of the displacement, times a constant, with the motion of the base or without."""
+
+    name: str
+    units: str
+    text: str
+    dx: int
+    """Order of the x-derivative."""
+    dt: int
+    """Order of the t-derivative."""
+    absolute: bool = False
+    """Whether the motion of the base is added."""
+
+    def factor(self, problem: Problem) -> float:
+        """What the derivative is multiplied by.
+
+        Parameters
+        ----------
+        problem : Problem
+            The joint.
+
+        Returns
+        -------
+        float
+            In `units` over those of the derivative.
+        """
+        beam = problem.beam
+        if self.name == "stress":
+            material, section = beam.require_section("stress")
+            return -material.youngs_modulus * section.depth / 2
+        return beam.EI if self.dx > 1 else 1.0
+
+    def of(self, history: History, x: FloatArray, t: FloatArray) -> FloatArray:
+        """The quantity at places and times.
+
+        Parameters
+        ----------
+        history : History
+            The motion.
+        x : FloatArray, shape (n,)
+            Positions, m, from 0 to L.
+        t : FloatArray, shape (m,)
+            Times, s, within the history.
+
+        Returns
+        -------
+        FloatArray, shape (n, m)
+            In `units`.
+        """
+        values = self.factor(history.problem) * history.evaluate(x, t, self.dx, self.dt)
+        return values + history.base(t, self.dt) if self.absolute else values
+
+
+_ALL = (
+    Quantity("displacement", "m", "displacement relative to the base", 0, 0),
+    Quantity("velocity", "m s-1", "velocity relative to the base", 0, 1),
+    Quantity("acceleration", "m s-2", "acceleration relative to the base", 0, 2),
+    Quantity("absolute_displacement", "m", "displacement, that of the base added", 0, 0, True),
+    Quantity("absolute_velocity", "m s-1", "velocity, that of the base added", 0, 1, True),
+    Quantity("absolute_acceleration", "m s-2", "acceleration, that of the base added", 0, 2, True),
+    Quantity("moment", "N m", "bending moment, EI z_xx", 2, 0),
+    Quantity("shear", "N", "shear force, EI z_xxx; where it jumps, the value to the left", 3, 0),
+    Quantity("stress", "Pa", "bending stress at the top of the section, tension positive", 2, 0),
+)
+QUANTITIES = {quantity.name: quantity for quantity in _ALL}
+"""The quantities by their names, in the order in which they are listed."""

@@ -1,0 +1,83 @@
+"""The command ``lapjoint statistics``: what is read off long motions, with intervals."""
+
+from __future__ import annotations
+
+import click
+
+from lapjoint.cli.echo import echo
+from lapjoint.cli.options import campaign_options, problem_options, solver_options
+
+
+@click.command()
+@problem_options
+@solver_options
+@click.option("--duration", type=float, help="Of each motion, s, its start included; by default a record's.")
+@click.option("--seeds", type=int, default=1, show_default=True, help="Realisations of what is random.")
+@click.option("--at", metavar="x=X,X,..", help="Places, m.  [default: the stops and the free ends]")
+@click.option(
+    "--quantity",
+    metavar="NAME,NAME,..",
+    help="What is looked at there: displacement, velocity, acceleration (relative to the base), absolute_displacement, "
+    "absolute_velocity, absolute_acceleration, moment, shear, stress.  [default: displacement, velocity, "
+    "absolute_acceleration, moment, stress]",
+)
+@click.option("--settle", type=float, help="Start that is left out, s.  [default: 7 decay times of the slowest mode]")
+@click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in its period]")
+@click.option("-o", "--out", metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option("--json", "json_path", metavar="FILE", help="Write the statistics to FILE as JSON too.")
+@campaign_options
+def statistics(
+    problem: str,
+    overrides: tuple[str, ...],
+    solver_name: str,
+    n_modes: int | None,
+    elements: int | None,
+    options: tuple[str, ...],
+    duration: float | None,
+    seeds: int,
+    at: str | None,
+    quantity: str | None,
+    settle: float | None,
+    rate: float | None,
+    out: str | None,
+    json_path: str | None,
+    workers: int,
+    scheduler: str | None,
+    force: bool,
+) -> None:
+    """Summarise long motions of PROBLEM: peaks, RMS, contacts and their distributions, with 95 % intervals.
+
+    Interrupted in any way, the same command resumes, if it has --out.
+    """
+    from lapjoint.campaigns import solve, stored
+    from lapjoint.campaigns.realisations import Realisations
+    from lapjoint.cli import arguments, printing, statistics_printing
+    from lapjoint.cli.progress import shown_points
+
+    arguments.check_file("--out", out, ".nc")
+    arguments.check_file("--json", json_path)
+    arguments.check_duration(duration)
+    this = arguments.problem_from(problem, overrides)
+    plan = Realisations(
+        this,
+        arguments.duration_of(this, duration),
+        seeds,
+        solver_name,
+        arguments.options_from(n_modes, elements, options),
+        None if at is None else tuple(arguments.places_from(at)),
+        None if quantity is None else tuple(name.strip() for name in quantity.split(",")),
+        settle,
+        rate,
+    )
+    found = None if out is None else stored(plan, out, force=force)
+    if found is None:
+        with shown_points("statistics") as progress:
+            found = solve(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+        if out is not None:
+            echo(f"Wrote {out}")
+    else:
+        echo(f"{out}: holds these statistics already, finished")
+    statistics_printing.print_statistics(found)
+    if json_path:
+        printing.write_json(json_path, statistics_printing.statistics_summary(found))
+    click.get_current_context().exit(1 if found.attrs["failed"] else 0)

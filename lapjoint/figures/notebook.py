@@ -1,0 +1,134 @@
+"""Answers as notebooks show them: a table and a small figure, as one piece of HTML."""
+
+from __future__ import annotations
+
+import base64
+import html
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from lapjoint.answers.history import History
+from lapjoint.answers.modes import Modes
+from lapjoint.answers.steady_state import SteadyState
+from lapjoint.figures.motion import plot_motion
+from lapjoint.figures.style import new_axes, svg_of
+
+CONTACTS_SHOWN = 8
+MODES_SHOWN = 12
+"""Rows of a table, so that an answer takes no more than a screen."""
+_SIZE = 5.6, 2.4  # inches
+_SAMPLES = 800
+_MIDDLE = ' style="text-align: left"'
+
+
+def html_of_modes(modes: Modes) -> str:
+    """Natural frequencies as a table.
+
+    Parameters
+    ----------
+    modes : Modes
+        The answer.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    closed = ", ".join(str(i + 1) for i in modes.state.closed)
+    title = f"Modes with stop {closed} closed" if closed else "Modes with all stops open"
+    shown = modes.angular_frequencies[:MODES_SHOWN]
+    rows = [(str(i), f"{w:.6g}", f"{w / (2 * math.pi):.6g}") for i, w in enumerate(shown, start=1)]
+    left_out = modes.angular_frequencies.size - shown.size
+    return _page(title, [], _table(("mode", "rad/s", "Hz"), rows, left_out))
+
+
+def html_of_history(history: History) -> str:
+    """A motion: its contacts as a table, and displacements over time.
+
+    Parameters
+    ----------
+    history : History
+        The answer.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    lines = [
+        f"{history.solver}, {history.start:g} to {history.end:g} s: {len(history.contacts)} contacts",
+    ]
+    rows = [
+        (
+            history.problem.stop_names[c.stop],
+            f"{c.start:.6g}",
+            f"{c.duration:.4g}",
+            _with_error(c.impulse, c.impulse_error),
+            f"{c.peak_force:.4g}",
+        )
+        for c in history.contacts[:CONTACTS_SHOWN]
+    ]
+    heads = ("stop", "start [s]", "duration [s]", "impulse [N s]", "peak [N]")
+    table = _table(heads, rows, len(history.contacts) - len(rows)) if rows else ""
+    return _page(history.problem.title or "Untitled problem", lines, table + _picture(history))
+
+
+def html_of_steady_state(found: SteadyState) -> str:
+    """A steady state: what was established, the impulses of the stops as a table, and one period.
+
+    Parameters
+    ----------
+    found : SteadyState
+        The answer.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    lines = [f"{found.solver}: {found.outcome.value}"]
+    if found.period_multiple:
+        lines.append(
+            f"It repeats after {found.period_multiple} excitation period{'s' * (found.period_multiple > 1)}"
+            + (", mirrored half-way." if found.symmetric else ".")
+        )
+    if found.multipliers.size:
+        lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(found.multipliers).max():.4g}")
+    errors = [None] * found.impulses.size if found.impulse_errors is None else found.impulse_errors.tolist()
+    rows = [
+        (name, f"{stop.x:g}", stop.side, _with_error(float(impulse), error))
+        for name, stop, impulse, error in zip(
+            found.problem.stop_names, found.problem.stops, found.impulses, errors, strict=True
+        )
+    ]
+    table = _table(("stop", "x [m]", "side", "impulse a period [N s]"), rows, 0) if rows else ""
+    return _page(found.problem.title or "Untitled problem", lines, table + _picture(found.history))
+
+
+def _with_error(value: float, error: float | None) -> str:
+    if error is None:
+        return f"{value:.6g}"
+    return f"{value:.6g} ± {error:.1e}" if math.isfinite(error) else f"{value:.6g} ± ?"
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], left_out: int) -> str:
+    """A table, and how many rows it leaves out."""
+    head = "".join(f"<th{_MIDDLE}>{html.escape(text)}</th>" for text in heads)
+    body = "".join("<tr>" + "".join(f"<td{_MIDDLE}>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    more = f"<p>... and {left_out} more</p>" if left_out > 0 else ""
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
+
+
+def _picture(history: History) -> str:
+    """Displacements over time as an image, on white, so that it can be read on a dark page too."""
+    axes = plot_motion(history, new_axes(*_SIZE), samples=_SAMPLES)
+    data = base64.b64encode(svg_of(axes).encode()).decode()
+    text = "Displacement over time, with the gaps and the contacts of the stops"
+    return f'<img alt="{text}" style="background: white; max-width: 100%" src="data:image/svg+xml;base64,{data}">'
+
+
+def _page(title: str, lines: Sequence[str], rest: str) -> str:
+    said = "".join(f"<br>{html.escape(line)}" for line in lines)
+    return f"<div><p><strong>{html.escape(title)}</strong>{said}</p>{rest}</div>"

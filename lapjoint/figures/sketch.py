@@ -1,0 +1,222 @@
+"""The sketch of a joint: beam, supports, stops behind their gaps, and what drives it.  Only x is to scale."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, figure_of, new_axes, style
+from lapjoint.figures.text import SMALL, cut_to, literal, width_of
+from lapjoint.problem import FloatArray, Problem, Stop, Support
+from lapjoint.problem.excitation import StepLoad
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HEIGHT = 2.5
+"""Of the figure, inches."""
+_WIDE, _LEFT = 10.0, 1.4  # length of the beam on the page, and the room on its left, in units of the sketch
+_HALF = 0.13  # half the beam's depth
+_GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
+_BELOW = -2.45  # where the line of positions stands
+_NAME_SHOWN = 14  # characters
+_NEAR = 0.5  # what is nearer than this shares a place
+_RIGHT = 1.75  # room on the right of the beam
+_LINE = 0.26  # height of a line of text, in units of the sketch at the usual size
+_INK = "0.15"
+_BEAM, _STOP, _DRIVE = COLOURS[0], COLOURS[1], COLOURS[2]
+
+
+@dataclass
+class _Page:
+    """Axes, and what is taken of them: a text that would stand on something else is left out."""
+
+    axes: Axes
+    per_inch: float
+    """Units of the sketch in an inch."""
+    taken: list[tuple[float, float, float, float]] = field(default_factory=list)
+    """Boxes: left, right, lowest, highest."""
+
+    def line(self, x: FloatArray | list[float], y: FloatArray | list[float], colour: str, width: float) -> None:
+        """Draw a line."""
+        self.axes.plot(x, y, color=colour, linewidth=width, linestyle="-")
+
+    def take(self, left: float, right: float, lowest: float, highest: float) -> None:
+        """Keep texts out of a box."""
+        self.taken.append((min(left, right), max(left, right), min(lowest, highest), max(lowest, highest)))
+
+    def say(self, x: float, y: float, text: str, colour: str = _INK, align: str = "left") -> bool:
+        """Write a text whose middle line is at `y`, if there is room; whether it was written."""
+        lines = text.split("\n")
+        wide = max(width_of(line, SMALL) for line in lines) * self.per_inch
+        left = x - {"left": 0.0, "center": wide / 2, "right": wide}[align]
+        half = len(lines) * _LINE / 2
+        box = left, left + wide, y - half, y + half
+        if any(box[0] < b[1] and b[0] < box[1] and box[2] < b[3] and b[2] < box[3] for b in self.taken):
+            return False
+        self.taken.append(box)
+        self.axes.text(x, y, text, color=colour, fontsize=SMALL, ha=align, va="center", linespacing=1.15)
+        return True
+
+    def ground(self, x: float, y: float, up: float, wide: float = 0.32) -> None:
+        """A hatched line at `y`, its body above (`up` = 1) or below (-1)."""
+        self.line([x - wide, x + wide], [y, y], _INK, 0.9)
+        for at in np.linspace(x - wide, x + wide * 0.75, 6):
+            self.line([float(at), float(at) + 0.2 * wide], [y, y + up * 0.14], _INK, 0.5)
+        self.take(x - wide, x + 1.05 * wide, y, y + up * 0.14)
+
+    def spring(self, x: float, start: float, end: float, colour: str) -> None:
+        """A zigzag along y from `start` to `end`."""
+        share = np.array([0.0, 0.15, *np.linspace(0.2, 0.8, 7), 0.85, 1.0])
+        side = np.array([0.0, 0.0, 1, -1, 1, -1, 1, -1, 1, 0.0, 0.0])
+        self.line(x + 0.16 * side, start + (end - start) * share, colour, 0.9)
+        self.take(x - 0.16, x + 0.16, start, end)
+
+    def arrow(self, x: float, tip: float, tail: float, form: str) -> None:
+        """An arrow along y."""
+        look = {"arrowstyle": form, "color": _DRIVE, "linewidth": 1.1, "shrinkA": 0, "shrinkB": 0}
+        self.axes.annotate("", (x, tip), (x, tail), arrowprops=look)
+        self.take(x - 0.1, x + 0.1, tip, tail)
+
+
+@style()
+def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
+    """Draw a joint: positions to scale, everything else as symbols with its numbers beside.
+
+    Numbers for which there is no room are left out.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; by default on a new figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on, without scales.
+    """
+    axes = new_axes(PAGE_WIDTH, HEIGHT) if axes is None else axes
+    axes.set_axis_off()
+    axes.set_xlim(-_LEFT, _WIDE + _RIGHT)
+    axes.set_ylim(_BELOW - 0.75, 2.35)
+    page, scale = (
+        _Page(axes, (_LEFT + _WIDE + _RIGHT) / figure_of(axes).get_size_inches()[0]),
+        _WIDE / problem.beam.length,
+    )
+    axes.fill_between([0.0, _WIDE], -_HALF, _HALF, color=_BEAM, linewidth=0)
+    page.take(0.0, _WIDE, -_HALF, _HALF)
+    for support in problem.supports:
+        under = any(stop.sign < 0 and abs(stop.x - support.x) * scale < _NEAR for stop in problem.stops)
+        _draw_support(page, support, support.x * scale, -0.42 if under else 0.0)
+    for stop in problem.stops:
+        _draw_stop(page, stop, stop.x * scale)
+    _draw_drive(page, problem, scale)
+    _draw_positions(page, problem, scale)
+    _name_stops(page, problem, scale)
+    _say_supports(page, problem, scale)
+    return axes
+
+
+def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None:
+    """A wall, a pin, or springs, these so far aside that they do not stand on a stop."""
+    if math.isinf(support.translational) and math.isinf(support.torsional):
+        outside = -1.0 if x <= _WIDE / 2 else 1.0
+        page.line([x, x], [-0.75, 0.75], _INK, 1.2)
+        for at in np.linspace(-0.75, 0.6, 8):
+            page.line([x, x + outside * 0.16], [float(at) + 0.08, float(at)], _INK, 0.5)
+        page.take(x, x + outside * 0.16, -0.75, 0.75)
+        return
+    if math.isinf(support.translational):
+        page.axes.fill([x, x - 0.2, x + 0.2], [-_HALF, -0.55, -0.55], facecolor="white", edgecolor=_INK, linewidth=0.9)
+        page.ground(x, -0.55, -1.0)
+    elif support.translational:
+        page.spring(x + aside, -_HALF, -_HALF - _SPRING, _INK)
+        page.ground(x + aside, -_HALF - _SPRING, -1.0)
+    if support.torsional:
+        turn = np.linspace(0.0, 3.5 * math.pi, 60)
+        radius = 0.1 + 0.02 * turn
+        page.line(x + radius * np.cos(turn), 0.45 + radius * np.sin(turn), _INK, 0.8)
+        page.take(x - 0.32, x + 0.32, 0.13, 0.77)
+
+
+def _draw_stop(page: _Page, stop: Stop, x: float) -> None:
+    """A plate behind its gap, a spring, and the ground."""
+    up = float(stop.sign)
+    face = up * (_HALF + (_GAP if stop.gap else 0.0))
+    page.line([x - 0.16, x + 0.16], [face, face], _STOP, 1.8)
+    page.spring(x, face, face + up * _SPRING, _STOP)
+    page.ground(x, face + up * _SPRING, up)
+
+
+def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
+    """Names with numbers beside the stops, names alone where there is no room for numbers, and how many there are."""
+    for stop, name in zip(problem.stops, problem.stop_names, strict=True):
+        short = cut_to(literal(name), _NAME_SHOWN)
+        numbers = (_number("gap", stop.gap, "m"), _number("k", stop.stiffness, "N/m"))
+        place = stop.x * scale + 0.36, stop.sign * 1.0
+        if not page.say(*place, "\n".join((short, *numbers)), _STOP):
+            page.say(*place, short, _STOP)
+    if len(problem.stops) > 1:
+        page.say(_WIDE, 2.15, f"{len(problem.stops)} stops", _STOP, "right")
+
+
+def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
+    """Stiffnesses beside the supports."""
+    for support in problem.supports:
+        x = support.x * scale
+        if 0 < support.translational < math.inf:
+            text = _number("k", support.translational, "N/m")
+            _ = page.say(x + 0.36, -0.75, text) or page.say(x - 0.8, -0.75, text, align="right")
+        if 0 < support.torsional < math.inf:
+            page.say(x + 0.4, 0.5, _number("kt", support.torsional, "N m/rad"))
+
+
+def _draw_drive(page: _Page, problem: Problem, scale: float) -> None:
+    """The motion of the base at the left, and the loads as arrows."""
+    if problem.base_motion is not None:
+        page.arrow(-0.75, 0.8, -0.8, "<->")
+        page.say(-_LEFT + 0.05, 1.35, _said_of_base(problem), _DRIVE)
+    for load in problem.point_loads:
+        x, down = load.x * scale, isinstance(load, StepLoad) and load.force < 0
+        crowded = any(stop.sign < 0 and abs(stop.x - load.x) * scale < _NEAR for stop in problem.stops)
+        tip, tail = (_HALF, 1.5) if down else (1.5, _HALF) if crowded else (-_HALF, -1.5)
+        page.arrow(x, tip, tail, "->")
+        text = f"{load.force:g} N" if isinstance(load, StepLoad) else f"{load.kind} force"
+        page.say(x - 0.12, max(tip, tail, key=abs), text, _DRIVE, "right")
+
+
+def _said_of_base(problem: Problem) -> str:
+    """How the base moves, in a line or two."""
+    base = problem.base_motion
+    assert base is not None
+    omega = problem.excitation_frequency
+    if base.kind == "sine":
+        return f"base: {base.amplitude:g} m at\n{_frequency(base.angular_frequency)}"
+    if omega is not None:
+        return f"base: {len(base.waves)} harmonics of\n{_frequency(omega)}"
+    return f"base: {base.kind}"
+
+
+def _draw_positions(page: _Page, problem: Problem, scale: float) -> None:
+    """A line with a tick and a number at every position."""
+    supports, stops = ([it.x for it in problem.supports], [it.x for it in problem.stops])
+    page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)
+    page.say(_WIDE, _BELOW - 0.42, f"{problem.beam.length:g}", GREY, "center")
+    page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY)
+    for place in sorted({0.0, problem.beam.length, *supports, *stops}):
+        page.line([place * scale] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)
+        if place != problem.beam.length:
+            page.say(place * scale, _BELOW - 0.42, f"{place:.4g}", GREY, "center")
+
+
+def _frequency(omega: float) -> str:
+    return f"{omega:g} rad/s ({omega / (2 * math.pi):.4g} Hz)"
+
+
+def _number(symbol: str, value: float, unit: str) -> str:
+    return f"{symbol} {value:.4g} {unit}"

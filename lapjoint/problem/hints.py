@@ -1,0 +1,130 @@
+"""Hints at slips of unit: values that hardly any joint has, and the unit that they look like.
+
+A hint never blocks: each value is allowed, and solved for as it stands.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.problem.damping import ModalDamping
+
+if TYPE_CHECKING:
+    from lapjoint.problem.beam import Material, Section
+    from lapjoint.problem.problem import Problem
+
+
+@dataclass(frozen=True)
+class _Usual:
+    """What values are usual of a quantity, and the units that slips of it are from."""
+
+    unit: str
+    low: float
+    high: float
+    """The usual range, SI."""
+    slips: tuple[tuple[str, float], ...]
+    """Other units, and their size in SI units, the likeliest first."""
+
+    def hint(self, path: str, value: float, aside: str = "") -> Iterator[str]:
+        """A hint where a value is out of the range; it names the units in which the value would be usual."""
+        if self.low <= value <= self.high:
+            return
+        meant = next(((name, value * size) for name, size in self.slips if self.low <= value * size <= self.high), None)
+        usual = f"{self.low:g} to {self.high:g} {self.unit} are usual{aside}"
+        guess = f"; were {meant[0]} meant? Then it is {meant[1]:g}" if meant else ""
+        yield f"{path} = {value:g} {self.unit}: {usual}{guess}"
+
+
+YOUNGS_MODULUS = _Usual("Pa", 1e6, 1.3e12, (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)))
+"""From rubber to diamond."""
+DENSITY = _Usual("kg/m3", 10.0, 2.3e4, (("g/cm3", 1e3), ("t/mm3", 1e12), ("kg/mm3", 1e9)))
+"""From foam to osmium."""
+LENGTH = _Usual("m", 1e-6, 500.0, (("mm", 1e-3), ("um", 1e-6)))
+"""From cantilevers of micromechanics to bridges."""
+SLENDER = 0.5
+"""Depth of a section over the beam's length, above which the equation of a slender beam says little."""
+WIDE = 0.2
+"""Gap over the beam's length, above which no small displacement closes it."""
+RATIO = 2.0
+"""Damping ratio from which on a per cent is likelier to be meant; one of 1 is critical."""
+FAST, SLOW = 1e4, 1e-6
+"""Excitation frequency over that of the slowest bending of a cantilever: beyond, the beam hardly answers, or follows
+at rest."""
+HARD, SOFT = 1e10, 1e-8
+"""Stiffness of a stop over EI / L^3: beyond, it is a rock or a feather to the beam."""
+
+
+def hints(problem: Problem) -> tuple[str, ...]:
+    """What of a problem looks like a slip of unit.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+
+    Returns
+    -------
+    tuple of str
+        A line for each, with the field, its value, what is usual, and the unit that may have been meant.
+    """
+    return (*_of_beam(problem), *_of_stops(problem), *_of_damping(problem), *_of_excitation(problem))
+
+
+def _of_beam(problem: Problem) -> Iterator[str]:
+    beam = problem.beam
+    yield from LENGTH.hint("beam.length", beam.length)
+    if beam.material is not None and beam.section is not None:
+        yield from _of_material(beam.material)
+        yield from _of_section(beam.section, beam.length)
+
+
+def _of_material(material: Material) -> Iterator[str]:
+    yield from YOUNGS_MODULUS.hint("beam.material.youngs_modulus", material.youngs_modulus, " (steel has 2.05e11)")
+    yield from DENSITY.hint("beam.material.density", material.density, " (steel has 7850)")
+
+
+def _of_section(section: Section, length: float) -> Iterator[str]:
+    if section.depth > SLENDER * length:
+        guess = "; were mm meant? " + _thousandth(section.depth) if section.depth / 1000 < SLENDER * length else ""
+        yield f"beam.section: {section.depth:g} m deep, and the beam is {length:g} m long{guess}"
+
+
+def _of_stops(problem: Problem) -> Iterator[str]:
+    beam = problem.beam
+    for i, stop in enumerate(problem.stops):
+        if stop.gap > WIDE * beam.length:
+            guess = "; were mm meant? " + _thousandth(stop.gap) if stop.gap / 1000 <= WIDE * beam.length else ""
+            yield f"stops[{i}].gap = {stop.gap:g} m: the beam is {beam.length:g} m long{guess}"
+        ratio = stop.stiffness * beam.length**3 / beam.EI
+        if not SOFT <= ratio <= HARD:
+            yield (
+                f"stops[{i}].stiffness = {stop.stiffness:g} N/m: is {ratio:.1g} times EI / length^3; are its unit and "
+                "those of the beam right?"
+            )
+
+
+def _of_damping(problem: Problem) -> Iterator[str]:
+    damping = problem.damping
+    largest = float(np.max(damping.ratio)) if isinstance(damping, ModalDamping) else 0.0
+    if largest >= RATIO:
+        meant = f"was {largest:g} % meant? Then it is {largest / 100:g}"
+        yield f"damping.ratio = {largest:g}: 1 is critical damping; {meant}"
+
+
+def _of_excitation(problem: Problem) -> Iterator[str]:
+    bending = problem.beam.slowest_bending
+    for omega in sorted({force.angular_frequency for force in problem.forces.harmonic if force.amplitude}):
+        if not SLOW <= omega / bending <= FAST:
+            yield (
+                f"angular_frequency = {omega:g} rad/s ({omega / (2 * math.pi):.3g} Hz): a cantilever like this beam "
+                f"bends at {bending:.3g} rad/s; are the units right?"
+            )
+
+
+def _thousandth(value: float) -> str:
+    return f"Then it is {value / 1000:g}"

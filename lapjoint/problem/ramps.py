@@ -1,0 +1,326 @@
+"""Forces that are linear between knots, block by block, so that endless ones need no more memory than short ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, Protocol
+
+import numpy as np
+
+from lapjoint.problem.realisation import Realisation
+from lapjoint.problem.schema import FloatArray, IntArray
+
+KNOTS = 4096
+"""Intervals of the fastest random force in a block: 0.1 MB."""
+_EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
+_KEPT = 4  # blocks: a motion and the evaluation of its latest part are in two or three
+_CREST = 4.0
+"""Root mean squares that a Gaussian force exceeds for a part of 6e-5 of the time."""
+
+
+class SampledForce(Protocol):
+    """A force that is linear between knots, at a point or uniform along the beam."""
+
+    @property
+    def x(self) -> float | None:
+        """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+
+    @property
+    def end(self) -> float:
+        """The last knot, s; infinite where there is none."""
+
+    @property
+    def rate(self) -> float | None:
+        """Knots per second, Hz, of a force that is made when it is asked for; None where all of it is there."""
+
+    @property
+    def usual_rate(self) -> float:
+        """The root mean square of the rate of change over that of the force, 1/s."""
+
+    @property
+    def size(self) -> float:
+        """What it hardly exceeds, N at a point, N/m along the beam."""
+
+    def knots_within(self, start: float, end: float) -> FloatArray:
+        """The knots from one time to another.
+
+        Parameters
+        ----------
+        start, end : float
+            s.
+
+        Returns
+        -------
+        FloatArray, shape (K,)
+            s, ascending.
+        """
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """The force at given times.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s, from 0 to the end.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            N at a point, N/m along the beam; positive upwards.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedForce:
+    """A force of which all knots are there."""
+
+    x: float | None
+    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    knots: FloatArray
+    """Times, s, ascending from 0, shape ``(K,)``."""
+    values: FloatArray
+    """The force there, N at a point, N/m along the beam, shape ``(K,)``; positive upwards."""
+
+    @property
+    def end(self) -> float:
+        """The last knot, s."""
+        return float(self.knots[-1])
+
+    @property
+    def rate(self) -> None:
+        """None: all of it is there."""
+        return
+
+    @cached_property
+    def usual_rate(self) -> float:
+        """The root mean square of the rate of change over that of the force, 1/s; 0 for none."""
+        h, f = np.diff(self.knots), self.values
+        square = float(h @ (f[1:] ** 2 + f[1:] * f[:-1] + f[:-1] ** 2)) / 3
+        return float(np.sqrt(np.sum(np.diff(f) ** 2 / h) / square)) if square > 0 else 0.0
+
+    @cached_property
+    def size(self) -> float:
+        """The largest magnitude, N at a point, N/m along the beam."""
+        return float(np.abs(self.values).max())
+
+    def knots_within(self, start: float, end: float) -> FloatArray:
+        """The knots from one time to another. See `SampledForce.knots_within`."""
+        return np.asarray(self.knots[(self.knots >= start) & (self.knots <= end)])
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """The force at given times. See `SampledForce.at`."""
+        return np.asarray(np.interp(t, self.knots, self.values))
+
+
+@dataclass(frozen=True, eq=False)
+class RandomForce:
+    """A force of which any part is made when it is asked for."""
+
+    x: float | None
+    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    realisation: Realisation
+    """What it follows."""
+    factor: float
+    """N at a point, N/m along the beam, for each unit of that."""
+
+    @property
+    def end(self) -> float:
+        """Infinite: it has no last knot."""
+        return np.inf
+
+    @property
+    def rate(self) -> float:
+        """Knots per second, Hz."""
+        return self.realisation.rate
+
+    @property
+    def usual_rate(self) -> float:
+        """The root mean square of the rate of change over that of the force, 1/s."""
+        density = self.realisation.density
+        return float(np.sqrt(density.moment(2) / density.moment(0)))
+
+    @property
+    def size(self) -> float:
+        """`_CREST` times its root mean square, N at a point, N/m along the beam."""
+        return _CREST * abs(self.factor) * float(np.sqrt(self.realisation.density.moment(0)))
+
+    def knots_within(self, start: float, end: float) -> FloatArray:
+        """The knots from one time to another. See `SampledForce.knots_within`."""
+        return self.realisation.knots(start, end)
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """The force at given times. See `SampledForce.at`."""
+        return self.factor * self.realisation.at(t)
+
+
+@dataclass(frozen=True, eq=False)
+class Ramps:
+    """Several forces that are linear between common knots: a block of them."""
+
+    time: FloatArray
+    """The knots, s, ascending, shape ``(K,)``."""
+    force: FloatArray
+    """The forces there, N or N/m, shape ``(K, R)``."""
+    step: float | None = None
+    """The time between most knots of all blocks, s; found out where it is not given."""
+
+    @property
+    def end(self) -> float:
+        """The last knot, s."""
+        return float(self.time[-1])
+
+    @cached_property
+    def slope(self) -> FloatArray:
+        """How fast each force changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
+        return np.diff(self.force, axis=0) / np.diff(self.time)[:, None]
+
+    @cached_property
+    def spacing(self) -> float:
+        """The time between knots, s, where that is the same for most of them; else 0."""
+        if self.step is not None:
+            return self.step
+        between = np.diff(self.time)
+        middle = float(np.median(between))
+        even = np.abs(between - middle) <= _EVEN * (middle + np.abs(self.time[1:]) * np.finfo(float).eps / _EVEN)
+        return (float(self.time[-1] - self.time[0]) / between.size if even.all() else middle) if even.any() else 0.0
+
+    def until(self, t: float) -> float:
+        """The first knot after a time.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        float
+            s; infinite after the last one.
+        """
+        return (
+            float(self.time[i]) if (i := int(np.searchsorted(self.time, t, side="right"))) < self.time.size else np.inf
+        )
+
+    def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The forces, and how fast they change, at given times; at a knot after it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s; before the first knot and after the last one the nearest ramp goes on.
+
+        Returns
+        -------
+        FloatArray, FloatArray, each of shape (m, R)
+            N or N/m; N/s or N/(m s).
+        """
+        j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
+        return self.force[j] + self.slope[j] * (t - self.time[j])[:, None], self.slope[j]
+
+
+class RampBlocks:
+    """Several sampled forces with the knots of all, up to where the first of them ends.
+
+    What is there already is one block.  Where a force is made when it is asked for, a block has `KNOTS` intervals of
+    the fastest such force, and begins and ends with one of its knots; where another force has no knot there, one is
+    added on its ramp.  A time on the edge of two blocks belongs to the second.
+
+    Parameters
+    ----------
+    forces : tuple of SampledForce
+        ``R`` of them, at least one.
+    """
+
+    def __init__(self, forces: tuple[SampledForce, ...]) -> None:
+        self.forces = forces
+        self.end = min(force.end for force in forces)
+        """Where the first of them ends, s; infinite where none does."""
+        self._fastest = max((force.rate for force in forces if force.rate is not None), default=None)
+        self._block = lru_cache(maxsize=_KEPT)(self._made_block)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return RampBlocks, (self.forces,)
+
+    @property
+    def rate(self) -> float:
+        """Knots per second that are usual, Hz."""
+        if self._fastest is not None:
+            return self._fastest
+        return 1 / float(np.median(np.diff(self._block(0).time)))
+
+    def block_at(self, t: float) -> Ramps:
+        """The block that a time is in; at the end of one, the next, and after the last block, the last.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        Ramps
+            It goes beyond the time, up to `Ramps.end`, unless that is after the end of all; not to be written to.
+        """
+        return self._block(int(self._numbers(np.array([t]))[0]))
+
+    def until(self, t: float) -> float:
+        """The first knot after a time.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        float
+            s; infinite after the last one.
+        """
+        return self.block_at(t).until(t)
+
+    def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The forces, and how fast they change, at given times; at a knot after it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s; before the first knot and after the last one the nearest ramp goes on.
+
+        Returns
+        -------
+        FloatArray, FloatArray, each of shape (m, R)
+            N or N/m; N/s or N/(m s).
+        """
+        number = self._numbers(t)
+        force, slope = np.empty((2, t.size, len(self.forces)))
+        for k in np.unique(number).tolist():
+            here = number == k
+            force[here], slope[here] = self._block(k).at(t[here])
+        return force, slope
+
+    def _numbers(self, t: FloatArray) -> IntArray:
+        """Which block each time is in, shape ``(m,)``."""
+        if self._fastest is None:
+            return np.zeros(t.size, dtype=np.int64)
+        t, length = np.clip(t, 0.0, self.end), KNOTS / self._fastest
+        k = np.floor(t / length).astype(np.int64)
+        k += self._edge(k + 1) <= t
+        k -= self._edge(k) > t
+        return np.asarray(k - ((k > 0) & (self._edge(k) >= self.end)))
+
+    def _edge(self, k: IntArray) -> FloatArray:
+        """When blocks begin, s, shape ``(m,)``."""
+        assert self._fastest is not None
+        return np.asarray(k * KNOTS / self._fastest)
+
+    def _made_block(self, k: int) -> Ramps:
+        start, end, step = 0.0, self.end, None
+        if self._fastest is not None:
+            start, end = self._edge(np.array([k, k + 1])).tolist()
+            end, step = min(end, self.end), 1 / self._fastest
+        time = np.unique(np.concatenate([[start, end], *(force.knots_within(start, end) for force in self.forces)]))
+        near = _EVEN * (end - start) / time.size  # knots of two forces, a rounding apart
+        time = time[np.append(True, np.diff(time) > near)]
+        time[-1] = end
+        return Ramps(time, np.stack([force.at(time) for force in self.forces], axis=1), step)

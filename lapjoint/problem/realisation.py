@@ -1,0 +1,221 @@
+r"""A stationary Gaussian signal with a given density, of which any part can be made at any time without the others.
+
+White noise is filtered by a linear phase filter with finitely many taps g, so that the samples
+
+    a_n = sum over m of g_m w_(n + M - 1 - m)
+
+are Gaussian and exactly stationary, whatever the taps are.  The noise comes in blocks, each from a generator of its own
+(`numpy.random.SeedSequence` with the seed, and the number of the part and of the block as the spawn key), so that the
+samples depend on the seed alone, and not on which of them were asked for before.
+
+*Taps.*  Between samples the signal is linear, which multiplies the density of the samples by sinc^4(f / rate) and
+repeats it around multiples of the rate: at rate - f the density is (f / (rate - f))^4 of that at f.  So the samples are
+given the density S / sinc^4.  The taps are the Fourier series of its square root, under a Kaiser window, which smears
+the edges over `SMEAR` of the lowest frequency (or of the width of the band, if that is less) and lets through `LEAK` of
+the amplitude far from them, as long as `MOST_TAPS` are enough for that.  They are scaled so that the variance up to
+half the rate is that of the density.
+
+*Integrals.*  The taps are symmetric and their sum is 0: so are both integrals over time of the piecewise linear signal
+filtered noise with as many taps, exactly stationary as well, and nothing drifts away.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from lapjoint.problem.density import Density
+from lapjoint.problem.schema import FloatArray, IntArray
+
+SMEAR = 0.05
+"""Of the lowest frequency or of the width of the band, without unit: over so much the edges of the density smear."""
+LEAK = 1e-5
+"""Of the largest amplitude, without unit: so much passes far outside of the band; 1e-10 of the density."""
+MOST_TAPS = 2**20
+"""More are not used: a block of samples takes 8 MB and its transforms 64 MB then."""
+_FINER = 4  # frequencies at which the filter is laid out, over the number of taps: 20 of them within an edge
+_LEAST_BLOCK = 2**12  # samples: a shorter block would cost more for its generator than for its numbers
+_KEPT = 8  # filters kept, of 1 MB each for a band of two decades
+
+
+def _taps_needed(density: Density, rate: float) -> float:
+    """How many taps give edges as sharp as `SMEAR` has it."""
+    return _edge_of_one_tap(rate) / (SMEAR * min(density.lowest, density.top - density.lowest))
+
+
+def _edge_of_one_tap(rate: float) -> float:
+    """Width of an edge times the number of taps, Hz, by Kaiser's rule."""
+    return (-20 * math.log10(LEAK) - 7.95) / (2.285 * 2 * math.pi) * rate
+
+
+def edge(density: Density, rate: float) -> float:
+    """Over how wide a range the edges of a density smear.
+
+    Parameters
+    ----------
+    density : Density
+        What is wanted.
+    rate : float
+        Samples per second, Hz.
+
+    Returns
+    -------
+    float
+        Hz.
+    """
+    return _edge_of_one_tap(rate) / min(_taps_needed(density, rate), MOST_TAPS)
+
+
+@lru_cache(maxsize=_KEPT)
+def taps_for(density: Density, rate: float) -> FloatArray:
+    """The taps that give white noise of unit variance a density.
+
+    Parameters
+    ----------
+    density : Density
+        The density of the signal that is linear between samples.
+    rate : float
+        Samples per second, Hz, at least twice the top of the density.
+
+    Returns
+    -------
+    FloatArray, shape (M,)
+        In the unit of the signal; M is odd; not to be written to.
+    """
+    M = int(min(np.ceil(_taps_needed(density, rate)), MOST_TAPS)) // 2 * 2 + 1
+    N = 1 << (_FINER * M - 1).bit_length()
+    f = np.asarray(np.fft.rfftfreq(N, 1 / rate), dtype=float)
+    interpolated = np.sinc(f / rate) ** 4
+    wanted = np.fft.irfft(np.sqrt(density.at(f) * (rate / 2) / interpolated), N)
+    window = np.kaiser(M, 0.1102 * (-20 * math.log10(LEAK) - 8.7))  # Kaiser's rule for this leak
+    taps = np.roll(wanted, M // 2)[:M] * window
+    taps -= window * (taps.sum() / window.sum())
+    passed = np.abs(np.fft.rfft(taps, N)) ** 2 @ interpolated * (2 / N)
+    taps *= np.sqrt(density.moment(0) / passed)
+    taps.flags.writeable = False
+    return taps
+
+
+def integrated(taps: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
+    """The taps of the first and of the second integral over time of the signal that is linear between samples.
+
+    Parameters
+    ----------
+    taps : FloatArray, shape (M,)
+        Symmetric, and 0 in sum.
+    rate : float
+        Samples per second, Hz.
+
+    Returns
+    -------
+    FloatArray, FloatArray, each of shape (M,)
+        In the unit of the signal times s, and s^2.
+    """
+    h, before = 1 / rate, np.append(0.0, taps[:-1])
+    first = np.cumsum(h * (before + taps) / 2)
+    first = (first - first[::-1]) / 2  # odd, but for rounding
+    second = np.cumsum(h * (np.append(0.0, first[:-1]) + h * (2 * before + taps) / 6))
+    return first, (second + second[::-1]) / 2
+
+
+class Realisation:
+    """One signal.
+
+    Parameters
+    ----------
+    density : Density
+        The density of the signal that is linear between samples.
+    rate : float
+        Samples per second, Hz.
+    seed : int
+        0 or more.
+    part : int
+        Which of several independent signals with this seed, from 0.
+    """
+
+    def __init__(self, density: Density, rate: float, seed: int, part: int) -> None:
+        self.density, self.rate, self.seed, self.part = density, rate, seed, part
+        self._noise = lru_cache(maxsize=2)(self._made_noise)
+        self._filter = lru_cache(maxsize=3)(self._made_filter)
+        self._block = lru_cache(maxsize=4)(self._made_block)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Realisation, (self.density, self.rate, self.seed, self.part)
+
+    def knots(self, start: float, end: float) -> FloatArray:
+        """The times of the samples within a range.
+
+        Parameters
+        ----------
+        start, end : float
+            s, from 0 on.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            s, ascending.
+        """
+        found = np.arange(np.floor(start * self.rate), np.ceil(end * self.rate) + 1) / self.rate
+        return np.asarray(found[(found >= start) & (found <= end)])
+
+    def at(self, t: FloatArray, integral: int = 0) -> FloatArray:
+        """The signal, or an integral of it over time.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s, from 0 on.
+        integral : int
+            How many times it is integrated, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (m,)
+            In the unit of the signal, times s^integral.
+        """
+        t = np.asarray(t, dtype=float)
+        n = np.maximum(np.floor(t * self.rate), 0.0)
+        n += (n + 1) / self.rate <= t
+        n -= (n / self.rate > t) & (n > 0)
+        s, at = t - n / self.rate, n.astype(np.int64)
+        a = self._samples(at, 0)
+        slope = (self._samples(at + 1, 0) - a) * self.rate
+        if integral == 0:
+            return np.asarray(a + slope * s)
+        first = self._samples(at, 1)
+        if integral == 1:
+            return np.asarray(first + s * (a + s * slope / 2))
+        return np.asarray(self._samples(at, 2) + s * (first + s * (a / 2 + s * slope / 6)))
+
+    def _samples(self, n: IntArray, integral: int) -> FloatArray:
+        """The samples with given numbers, or those of an integral, shape ``(m,)``."""
+        found, block = np.empty(n.size), n // self._size
+        for k in np.unique(block).tolist():
+            here = block == k
+            found[here] = self._block(k, integral)[n[here] - k * self._size]
+        return found
+
+    @property
+    def _size(self) -> int:
+        """Samples in a block: a power of two, as many as there are taps at least."""
+        M = int(taps_for(self.density, self.rate).size)
+        return max(_LEAST_BLOCK, 1 << (M - 1).bit_length())
+
+    def _made_noise(self, k: int) -> FloatArray:
+        seeds = np.random.SeedSequence(self.seed, spawn_key=(self.part, k))
+        return np.random.Generator(np.random.PCG64(seeds)).standard_normal(self._size)
+
+    def _made_filter(self, integral: int) -> Any:
+        taps = taps_for(self.density, self.rate)
+        return np.fft.rfft(taps if integral == 0 else integrated(taps, self.rate)[integral - 1], 2 * self._size)
+
+    def _made_block(self, k: int, integral: int) -> FloatArray:
+        """By overlap and save: the samples that need no noise of other blocks than this and the next."""
+        M, L = taps_for(self.density, self.rate).size, self._size
+        noise = np.concatenate([self._noise(k), self._noise(k + 1)])
+        made = np.fft.irfft(np.fft.rfft(noise) * self._filter(integral), 2 * L)[M - 1 : M - 1 + L]
+        made.flags.writeable = False
+        return made

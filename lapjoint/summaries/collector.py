@@ -1,0 +1,255 @@
+"""Sums over a motion that comes in stretches.
+
+**Means and root mean squares** come from samples: one in each interval of 1 / rate, at a place in it that moves on by
+the golden section.  Any rate gives them without bias, of a periodic motion too; a lower one makes their intervals
+wider, but hardly, where it is not slower than the motion forgets.
+
+**Peaks** of forces are those of the contacts, which a solver finds itself.  Other peaks begin with the largest samples
+of a unit.  Around each that is the largest so far, and around the hardest contact of each stop so far, the motion is
+sampled `FINE` times as closely, and once more around what is largest there.  What is slower than the rate has its true
+peak; of what is faster, a peak that no sample comes near is missed, and the peak is a lower bound.
+
+**Contacts** are counted where they begin, once, though the end of a stretch may cut them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lapjoint.answers.history import Contact, History
+from lapjoint.problem import FloatArray
+from lapjoint.summaries.distributions import bins_of
+from lapjoint.summaries.quantities import IndexArray, Selection
+from lapjoint.summaries.sums import OF_CONTACTS, Sums
+
+FINE = 8
+"""Times between two samples at which a peak is looked for."""
+AT_ONCE = 1024
+"""Times that are evaluated at once, so that what is held for them stays small."""
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+
+
+def sample_times(rate: float, start: float, end: float) -> FloatArray:
+    """One time in each interval of 1 / rate, counted from 0.
+
+    Parameters
+    ----------
+    rate : float
+        Samples a second, Hz.
+    start, end : float
+        First time, s, and the time before which all lie.
+
+    Returns
+    -------
+    FloatArray, shape (m,)
+        The times, s, ascending; they do not depend on how a motion is cut.
+    """
+    k = np.arange(math.floor(start * rate), math.ceil(end * rate))
+    t = (k + k * _GOLDEN % 1.0) / rate
+    return t[(t >= start) & (t < end)]
+
+
+class Collector:
+    """The sums of a motion, stretch after stretch.
+
+    Parameters
+    ----------
+    selection : Selection
+        What is summarised, and where.
+    settle : float
+        The start of the motion that is left out, s.
+    duration : float
+        Until when the motion lasts, s.
+    units : int
+        Number of units that the rest is cut in.
+    rate : float
+        Samples a second, Hz.
+    """
+
+    def __init__(self, selection: Selection, settle: float, duration: float, units: int, rate: float) -> None:
+        self._selection, self._settle, self._end, self._rate = selection, settle, duration, rate
+        self._stops = len(selection.problem.stops)
+        self.sums = Sums.zero(
+            units, (duration - settle) / units, len(selection.quantities), selection.x.size, self._stops
+        )
+        self._edges = np.linspace(settle, duration, units + 1)
+        self._going: dict[int, _Going] = {}
+        """Contacts that go on over the end of a stretch, by their stops."""
+        self._hardest = np.zeros((units, self._stops))
+        """Largest peak force of the contacts around which the motion was looked at, N."""
+
+    def take(self, history: History) -> None:
+        """Add a stretch.
+
+        Parameters
+        ----------
+        history : History
+            It begins where the one before ended.
+        """
+        self._take_contacts(history)
+        for unit in range(self._unit_of(history.start), self._unit_of(history.end) + 1):
+            lo, hi = max(history.start, self._edges[unit]), min(history.end, self._edges[unit + 1])
+            if lo < hi:
+                self._take_samples(history, unit, lo, hi)
+
+    def finish(self) -> Sums:
+        """All sums, when the last stretch is taken; contacts that still go on are cut.
+
+        Returns
+        -------
+        Sums
+            The sums.
+        """
+        self._add([(going.contact, going.speed, True) for going in self._going.values()])
+        self._going = {}
+        return self.sums
+
+    def _unit_of(self, t: float) -> int:
+        """The unit that a time is in; the first or the last where it is in none."""
+        return int(np.clip(np.searchsorted(self._edges, t, side="right") - 1, 0, self._edges.size - 2))
+
+    def _take_samples(self, history: History, unit: int, lo: float, hi: float) -> None:
+        """Add samples between two times, s, of a unit, and look for the peaks among them."""
+        sums, t = self.sums, sample_times(self._rate, lo, hi)
+        largest, when = np.zeros_like(sums.peak[unit]), np.zeros_like(sums.peak[unit])
+        for part in np.split(t, range(AT_ONCE, t.size, AT_ONCE)):
+            if not part.size:
+                continue
+            values, force = self._selection.values(history, part)
+            sums.samples[unit] += part.size
+            sums.total[unit] += values.sum(axis=-1)
+            sums.squares[unit] += np.einsum("qxm,qxm->qx", values, values)
+            sums.force_total[unit] += force.sum(axis=-1)
+            sums.force_squares[unit] += np.einsum("sm,sm->s", force, force)
+            _keep_largest(values, part, largest, when)
+        around = [*self._records(unit, largest, when), *self._hard_contacts(history, unit, lo, hi)]
+        sums.peak[unit] = np.maximum(sums.peak[unit], largest)
+        if around:
+            self._look(history, unit, np.clip(np.concatenate(around), lo, hi))
+
+    def _records(self, unit: int, largest: FloatArray, when: FloatArray) -> list[FloatArray]:
+        """Times around the samples that are larger than all before: at the places asked for, and of all places."""
+        steps = np.arange(-FINE, FINE + 1) / (FINE * self._rate)
+        found = []
+        for q, (values, before) in enumerate(zip(largest, self.sums.peak[unit], strict=True)):
+            rows = np.union1d(self._selection.asked, [np.argmax(values)])
+            found += [when[q, row] + steps for row in rows[values[rows] > before[rows]]]
+        return found
+
+    def _hard_contacts(self, history: History, unit: int, lo: float, hi: float) -> list[FloatArray]:
+        """Times around the hardest contact of each stop, where it is harder than all before."""
+        found, hardest = {}, self._hardest[unit]
+        for contact in history.contacts:
+            if lo <= contact.start < hi and contact.peak_force > hardest[contact.stop]:
+                hardest[contact.stop], found[contact.stop] = contact.peak_force, contact
+        shares = np.linspace(-0.5, 1.5, 4 * FINE + 1)
+        return [contact.start + shares * contact.duration for contact in found.values()]
+
+    def _look(self, history: History, unit: int, t: FloatArray) -> None:
+        """Look for peaks at times, s, and once more around those where a quantity is largest."""
+        for step in (0.0, 1.0 / FINE**2):
+            t = np.unique(t)
+            largest, when = np.zeros_like(self.sums.peak[unit]), np.zeros_like(self.sums.peak[unit])
+            for part in np.split(t, range(AT_ONCE, t.size, AT_ONCE)):
+                _keep_largest(self._selection.values(history, part)[0], part, largest, when)
+            around = [] if step else self._records(unit, largest, when)
+            self.sums.peak[unit] = np.maximum(self.sums.peak[unit], largest)
+            if not around:
+                return
+            middle = np.array([times[FINE] for times in around])
+            fine = np.arange(-FINE, FINE + 1) / (FINE**2 * self._rate)
+            t = np.clip((middle[:, None] + fine).ravel(), t[0], t[-1])
+
+    def _take_contacts(self, history: History) -> None:
+        """Add the contacts that end, and keep those that go on."""
+        speeds, done = self._impact_speeds(history), []
+        for contact, speed in zip(history.contacts, speeds.tolist(), strict=True):
+            going = self._going.pop(contact.stop, None) if contact.open_start else None
+            cut = contact.open_start and going is None
+            if going is not None:
+                contact, speed, cut = _as_one(going.contact, contact), going.speed, going.cut
+            if contact.open_end:
+                self._going[contact.stop] = _Going(contact, speed, cut)
+            else:
+                done.append((contact, speed, cut))
+        self._add(done)
+
+    def _impact_speeds(self, history: History) -> FloatArray:
+        """Of each contact of a stretch, m/s, shape ``(c,)``."""
+        contacts, stops = history.contacts, history.problem.stops
+        if not contacts:
+            return np.zeros(0)
+        x, row = np.unique([stop.x for stop in stops], return_inverse=True)
+        starts, which = np.array([c.start for c in contacts]), np.array([c.stop for c in contacts])
+        parts = np.split(starts, range(AT_ONCE, starts.size, AT_ONCE))
+        velocity = np.concatenate([history.velocity(x, part) for part in parts], axis=1)
+        signs = np.array([stop.sign for stop in stops])
+        return np.asarray(np.maximum(signs[which] * velocity[row[which], np.arange(starts.size)], 0.0))
+
+    def _add(self, done: list[tuple[Contact, float, bool]]) -> None:
+        """Add whole contacts, with their impact speeds, and whether an end of the motion cuts them."""
+        if not done:
+            return
+        sums, first, last = self.sums, self._edges[0], self._edges[-1]
+        stop = np.array([contact.stop for contact, _, _ in done])
+        start, end, impulse, peak = np.array(
+            [(contact.start, contact.end, contact.impulse, contact.peak_force) for contact, _, _ in done]
+        ).T
+        self._add_time(stop, np.clip(start, first, last), np.clip(end, first, last))
+        begins = (start >= first) & (start < last)
+        unit = np.clip(np.searchsorted(self._edges, start, side="right") - 1, 0, self._edges.size - 2)
+        at = unit[begins], stop[begins]
+        np.add.at(sums.contacts, at, 1)
+        np.add.at(sums.impulse, at, impulse[begins])
+        np.maximum.at(sums.force_peak, at, peak[begins])
+        whole = begins & ~np.array([cut for _, _, cut in done])
+        unit, stop = unit[whole], stop[whole]
+        columns = np.abs(impulse), peak, end - start, np.array([speed for _, speed, _ in done])
+        for k, values in enumerate(columns[: len(OF_CONTACTS)]):
+            np.add.at(sums.counts[:, :, k], (unit, stop, bins_of(values[whole])), 1)
+            np.maximum.at(sums.largest[:, :, k], (unit, stop), values[whole])
+
+    def _add_time(self, stop: IndexArray, start: FloatArray, end: FloatArray) -> None:
+        """Add the time in contact of contacts, of whose starts and ends, s, all lie within the units."""
+        units = self._edges.size - 1
+        unit = np.clip(np.searchsorted(self._edges, start, side="right") - 1, 0, units - 1)
+        while stop.size:
+            until = np.minimum(end, self._edges[unit + 1])
+            np.add.at(self.sums.time_in_contact, (unit, stop), until - start)
+            more = until < end
+            stop, start, end, unit = stop[more], until[more], end[more], unit[more] + 1
+
+
+@dataclass(frozen=True)
+class _Going:
+    """A contact that goes on over the end of a stretch."""
+
+    contact: Contact
+    """What there is of it."""
+    speed: float
+    """Its impact speed, m/s."""
+    cut: bool
+    """Whether it went on already when the motion began."""
+
+
+def _as_one(begun: Contact, rest: Contact) -> Contact:
+    """A contact that the end of a stretch has cut."""
+    return replace(
+        begun,
+        end=rest.end,
+        impulse=begun.impulse + rest.impulse,
+        peak_force=max(begun.peak_force, rest.peak_force),
+        open_end=rest.open_end,
+    )
+
+
+def _keep_largest(values: FloatArray, t: FloatArray, largest: FloatArray, when: FloatArray) -> None:
+    """Keep the largest magnitude of values, ``(Q, X, m)``, at times, s, ``(m,)``, and its time; both ``(Q, X)``."""
+    size = np.abs(values)
+    at = size.argmax(axis=-1)
+    found = np.take_along_axis(size, at[..., None], axis=-1)[..., 0]
+    more = found > largest
+    largest[more], when[more] = found[more], t[at][more]

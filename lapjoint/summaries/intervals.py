@@ -1,0 +1,141 @@
+"""Intervals that hold the true value 95 times in a hundred, from units that are all but independent.
+
+A unit is a part of a motion that is long against its correlation, or the whole of one of several realisations.
+
+**Means and rates** with many events: Student's t over the units.  **Root mean squares** and means of what is never
+negative (the largest in a unit, time in contact): the same for the logarithm, to first order, so that no interval goes
+below zero and a skewed scatter is allowed for; s / (m sqrt(n)) is the relative standard error of the mean m.
+
+**Rare events**, where fewer than half of the units have `FEW` of them: the exact interval of a Poisson count (Garwood,
+Biometrika 28, 1936).  Events that come in clusters are fewer independent ones.  The index of dispersion D of the units'
+counts (variance over mean, but no less than 1) tells how many: N events have the interval of N / D, times D.  Without
+any event, D is 1.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.problem import FloatArray
+
+LEVEL = 0.95
+"""Probability that an interval holds the true value."""
+FEW = 5
+"""Events in a unit below which they are rare."""
+_TAIL = (1 - LEVEL) / 2
+
+
+def of_mean(units: FloatArray) -> FloatArray:
+    """The interval of a mean.
+
+    Parameters
+    ----------
+    units : FloatArray, shape (U, ...)
+        The mean over each unit.
+
+    Returns
+    -------
+    FloatArray, shape (..., 2)
+        Lower and upper end; infinite where there are fewer than two units.
+    """
+    middle = units.mean(axis=0)
+    half = _half_width(units)
+    return np.stack([middle - half, middle + half], axis=-1)
+
+
+def of_positive_mean(units: FloatArray) -> FloatArray:
+    """The interval of the mean of what is never negative.
+
+    Parameters
+    ----------
+    units : FloatArray, shape (U, ...)
+        The mean over each unit.
+
+    Returns
+    -------
+    FloatArray, shape (..., 2)
+        Lower and upper end; both are zero where all units are.
+    """
+    middle = units.mean(axis=0)
+    size = np.where(middle > 0, middle, 1.0)
+    share = _half_width(units) / size
+    with np.errstate(over="ignore"):
+        ends = np.stack([size * np.exp(-share), size * np.exp(share)], axis=-1)
+    return np.where(middle[..., None] > 0, ends, 0.0)
+
+
+def of_rms(units: FloatArray) -> FloatArray:
+    """The interval of a root mean square.
+
+    Parameters
+    ----------
+    units : FloatArray, shape (U, ...)
+        The mean square over each unit.
+
+    Returns
+    -------
+    FloatArray, shape (..., 2)
+        Lower and upper end, in the unit of the square's root.
+    """
+    return np.sqrt(of_positive_mean(units))
+
+
+def of_rate(counts: npt.NDArray[np.int64], duration: float) -> FloatArray:
+    """The interval of a number of events a second.
+
+    Parameters
+    ----------
+    counts : ndarray of int, shape (U, ...)
+        Events in each unit.
+    duration : float
+        Of a unit, s.
+
+    Returns
+    -------
+    FloatArray, shape (..., 2)
+        Lower and upper end, 1/s.
+    """
+    rare = is_rare(counts)
+    often = of_positive_mean(counts / duration)
+    return np.where(rare[..., None], _of_rare(counts) / (counts.shape[0] * duration), often)
+
+
+def is_rare(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Whether events are so rare that their counts are far from normally distributed.
+
+    Parameters
+    ----------
+    counts : ndarray of int, shape (U, ...)
+        Events in each unit.
+
+    Returns
+    -------
+    ndarray of bool, shape (...)
+        For each kind of event.
+    """
+    return np.asarray(np.mean(counts >= FEW, axis=0) < 0.5)
+
+
+def _of_rare(counts: npt.NDArray[np.int64]) -> FloatArray:
+    """The interval of the number of events in all units, shape ``(..., 2)``."""
+    from scipy.special import gammaincinv
+
+    total, mean = counts.sum(axis=0), counts.mean(axis=0)
+    spread = counts.var(axis=0, ddof=1) if counts.shape[0] > 1 else np.ones_like(mean)
+    dispersion = np.maximum(1.0, spread / np.where(mean > 0, mean, 1.0))
+    independent = total / dispersion
+    low = np.where(total > 0, gammaincinv(np.where(total > 0, independent, 1.0), _TAIL), 0.0)
+    return np.stack([dispersion * low, dispersion * gammaincinv(independent + 1.0, 1 - _TAIL)], axis=-1)
+
+
+def _half_width(units: FloatArray) -> FloatArray:
+    """Half the width of Student's interval of the mean, shape ``(...)``."""
+    from scipy.special import stdtrit
+
+    number = units.shape[0]
+    if number < 2:
+        return np.full(units.shape[1:], math.inf)
+    return np.asarray(stdtrit(number - 1, 1 - _TAIL) * units.std(axis=0, ddof=1) / math.sqrt(number))

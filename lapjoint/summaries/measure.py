@@ -1,0 +1,188 @@
+"""From a problem and a solver to sums: how much of a motion is left out, how long a unit is, how many samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.answers.contact_state import FREE
+from lapjoint.answers.history import History
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
+from lapjoint.solver import Progress, Solver, Streams
+from lapjoint.summaries.collector import Collector
+from lapjoint.summaries.quantities import Selection
+from lapjoint.summaries.sums import Sums
+
+SETTLED = 7.0
+"""Decay times of the slowest mode that are left out by default: of the start a thousandth is left then."""
+LONG = 20.0
+"""Least decay times in a unit, for its neighbours to be all but independent."""
+UNITS = 32
+"""Number of units that intervals are made of, all realisations together."""
+ENOUGH = 8
+"""Number of units below which an interval is wide for want of them, and not of motion."""
+SAMPLES_A_PERIOD = 16
+"""Samples in a period of the slowest mode by default."""
+LEAST_SAMPLES = 4096
+"""Samples of a motion by default, at least."""
+LEAST_IN_UNIT = 16
+"""Samples in a unit, at least."""
+_MODES = 8
+"""Lowest modes of the free joint among which the slowest to decay is looked for."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How a motion is summarised."""
+
+    selection: Selection
+    """What, and where."""
+    duration: float
+    """Of each motion, s, the start included."""
+    settle: float
+    """The start that is left out, s."""
+    units: int
+    """Units of each motion."""
+    rate: float
+    """Samples a second, Hz."""
+    decay_time: float
+    """Time in which the slowest mode falls by a factor e, s; infinite without damping."""
+
+    @property
+    def unit(self) -> float:
+        """Duration of a unit, s."""
+        return (self.duration - self.settle) / self.units
+
+
+def measure(
+    selection: Selection,
+    solver: Solver,
+    duration: float,
+    *,
+    seeds: int = 1,
+    settle: float | None = None,
+    rate: float | None = None,
+) -> Measure:
+    """How to summarise motions.
+
+    Parameters
+    ----------
+    selection : Selection
+        What, and where.
+    solver : Solver
+        Gives the modes that tell how fast motions settle.
+    duration : float
+        Of each motion, s.
+    seeds : int
+        Number of realisations.
+    settle : float, optional
+        The start that is left out, s; by default `SETTLED` decay times of the slowest mode.
+    rate : float, optional
+        Samples a second, Hz; by default `SAMPLES_A_PERIOD` in a period of the slowest mode.
+
+    Returns
+    -------
+    Measure
+        All that the sums depend on.
+
+    Raises
+    ------
+    InputError
+        If a number is not allowed, or nothing is left of a motion.
+    """
+    problem = selection.problem
+    problem.check_duration(duration)
+    slowest, decay = _slowest(problem, solver)
+    if settle is None:
+        if not decay:
+            raise InputError("settle: is missing; nothing is damped here, so no time is long enough by itself")
+        settle = SETTLED / decay
+    if not 0 <= settle < math.inf:
+        raise InputError(f"settle = {settle:g}: must be zero or positive, and finite, in s")
+    left = duration - settle
+    if not left > 0:
+        raise InputError(f"duration = {duration:g}: must be longer than the {settle:.6g} s that are left out (settle)")
+    if rate is None:
+        rate = max(SAMPLES_A_PERIOD * slowest / (2 * math.pi), LEAST_SAMPLES / left)
+    if not 0 < rate < math.inf:
+        raise InputError(f"rate = {rate:g}: must be positive and finite, in Hz")
+    most = math.ceil(UNITS / seeds)
+    units = max(1, min(most, math.floor(left * decay / LONG))) if decay else most
+    if rate * left < units * LEAST_IN_UNIT:
+        raise InputError(
+            f"rate = {rate:g} Hz: gives {rate * left / units:.3g} samples in each of {units} units; needed are "
+            f"{LEAST_IN_UNIT} or more"
+        )
+    return Measure(selection, duration, settle, units, rate, 1 / decay if decay else math.inf)
+
+
+def sums_of(what: Measure, solver: Solver, problem: Problem, progress: Progress | None = None) -> Sums:
+    """The sums of one motion.
+
+    Parameters
+    ----------
+    what : Measure
+        How it is summarised.
+    solver : Solver
+        Marches it.
+    problem : Problem
+        The joint, with the realisation of its excitation.
+    progress : callable, optional
+        Called now and then with the time marched and the duration, s.
+
+    Returns
+    -------
+    Sums
+        Over all units.
+
+    Raises
+    ------
+    InputError
+        If the solver cannot treat such a problem.
+    SolverError
+        If the march cannot go on.
+    """
+    collector = Collector(what.selection, what.settle, what.duration, what.units, what.rate)
+    for stretch in _stretches(solver, problem, what.duration, progress):
+        collector.take(stretch)
+    return collector.finish()
+
+
+def _stretches(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
+    """The motion in stretches; in one where the solver has no others."""
+    if isinstance(solver, Streams):
+        yield from solver.stream(problem, duration, progress=progress)
+    else:
+        yield solver.simulate(problem, duration, errors=False, progress=progress)
+
+
+def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
+    """The lowest angular frequency, rad/s, and the lowest rate of decay, 1/s, of the free joint; 0 where there is none.
+
+    The lowest modes tell: under modal damping of one ratio, and under viscous damping, those above do not decay slower.
+    """
+    omega = _lowest_modes(problem, solver)
+    damping, bends = problem.damping, omega > 1e-6 * omega.max()
+    if isinstance(damping, ModalDamping):
+        rates = damping.ratios(omega.size) * omega
+    elif isinstance(damping, ViscousDamping):
+        half = damping.coefficient / (2 * problem.beam.m)
+        rates = half - np.sqrt(np.maximum(half**2 - omega**2, 0.0))
+    else:
+        rates = np.zeros(omega.size)
+    slow = rates[bends & (rates > 0)]
+    return float(omega[bends].min()), float(slow.min()) if slow.size else 0.0
+
+
+def _lowest_modes(problem: Problem, solver: Solver) -> FloatArray:
+    """Angular frequencies of the lowest modes, rad/s: `_MODES` of them, or as many as a coarse solver has."""
+    for count in (_MODES, _MODES // 2, _MODES // 4):
+        try:
+            return np.asarray(solver.modes(problem, FREE, count).angular_frequencies, dtype=float)
+        except InputError:
+            continue
+    return np.asarray(solver.modes(problem, FREE, 1).angular_frequencies, dtype=float)

@@ -1,0 +1,127 @@
+"""What is summarised of a motion, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.answers.history import History
+from lapjoint.answers.quantities import QUANTITIES, Quantity
+from lapjoint.answers.series import places_of
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+
+IndexArray = npt.NDArray[np.intp]
+
+STATIONS = 33
+"""Equidistant places along the beam, of which the one where a quantity is largest is told."""
+DEFAULT = ("displacement", "velocity", "absolute_acceleration", "moment", "stress")
+"""What is summarised by default; stress only where the beam has a section."""
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Quantities, and the places where they are looked at: those asked for, and `STATIONS` along the beam."""
+
+    problem: Problem
+    quantities: tuple[Quantity, ...]
+    places: tuple[float, ...]
+    """The places asked for, m."""
+
+    @cached_property
+    def x(self) -> FloatArray:
+        """All places, those of the stops too, m, ascending, shape ``(X,)``."""
+        stops = [stop.x for stop in self.problem.stops]
+        return np.unique(np.concatenate([self.places, stops, np.linspace(0.0, self.problem.beam.length, STATIONS)]))
+
+    @cached_property
+    def asked(self) -> IndexArray:
+        """Where in `x` the places are that were asked for, shape ``(places,)``."""
+        return np.searchsorted(self.x, self.places)
+
+    @cached_property
+    def orders(self) -> tuple[tuple[int, int], ...]:
+        """The derivatives that are needed, each once; the displacement always, for the forces."""
+        return tuple(dict.fromkeys([(0, 0), *((one.dx, one.dt) for one in self.quantities)]))
+
+    @cached_property
+    def factors(self) -> tuple[float, ...]:
+        """What each quantity's derivative is multiplied by."""
+        return tuple(one.factor(self.problem) for one in self.quantities)
+
+    @cached_property
+    def _stops(self) -> tuple[IndexArray, FloatArray, FloatArray, FloatArray]:
+        """Of the stops: where in `x` they are, shape ``(S,)``; sign, gap, m, and stiffness, N/m, ``(S, 1)`` each."""
+        stops = self.problem.stops
+        columns = (
+            np.array([[getattr(stop, name)] for stop in stops], dtype=float).reshape(-1, 1)
+            for name in ("sign", "gap", "stiffness")
+        )
+        return np.searchsorted(self.x, [stop.x for stop in stops]), *columns  # type: ignore[return-value]
+
+    def values(self, history: History, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """All quantities at all places, and the forces of the stops on the beam.
+
+        Parameters
+        ----------
+        history : History
+            The motion.
+        t : FloatArray, shape (m,)
+            Times, s, within the history.
+
+        Returns
+        -------
+        FloatArray, shape (Q, X, m)
+            The quantities, in their units.
+        FloatArray, shape (S, m)
+            The forces, N, positive upwards.
+        """
+        found = dict(zip(self.orders, history.derivatives(self.x, t, self.orders), strict=True))
+        result = np.empty((len(self.quantities), self.x.size, t.size))
+        for row, one, factor in zip(result, self.quantities, self.factors, strict=True):
+            np.multiply(found[one.dx, one.dt], factor, out=row)
+            if one.absolute:
+                row += history.base(t, one.dt)
+        at, sign, gap, stiffness = self._stops
+        return result, -sign * stiffness * np.maximum(sign * found[0, 0][at] - gap, 0.0)
+
+
+def selection(
+    problem: Problem, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
+) -> Selection:
+    """What to summarise.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    at : sequence of float, optional
+        Places, m; by default those of the stops and of the ends that no support fixes.
+    quantities : sequence of str, optional
+        Of `QUANTITIES`; by default those of `DEFAULT` that the problem has.
+
+    Returns
+    -------
+    Selection
+        The quantities and the places.
+
+    Raises
+    ------
+    InputError
+        If a place is off the beam, or a quantity is unknown or needs what the problem has not.
+    """
+    if quantities is None:
+        names = [name for name in DEFAULT if name != "stress" or problem.beam.section is not None]
+    else:
+        names = list(dict.fromkeys(quantities))
+    unknown = [name for name in names if name not in QUANTITIES]
+    if unknown or not names:
+        what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
+        raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
+    if "stress" in names:
+        problem.beam.require_section("quantity 'stress'")
+    return Selection(problem, tuple(QUANTITIES[name] for name in names), tuple(places_of(problem, at)))

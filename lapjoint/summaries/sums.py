@@ -1,0 +1,149 @@
+"""The sums that are kept of one motion: all that its summary is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.problem import FloatArray
+from lapjoint.summaries.distributions import BINS
+
+CountArray = npt.NDArray[np.int64]
+OF_CONTACTS = ("impulse", "peak_force", "contact_duration", "impact_speed")
+"""What there are distributions of: magnitudes, in N s, N, s and m/s."""
+
+
+@dataclass
+class Sums:
+    """Sums over a motion, cut in units of equal duration, each long against the correlation of the motion.
+
+    Arrays begin with the unit; then come quantities, Q, and places, X, or stops, S.
+    """
+
+    duration: float
+    """Of a unit, s."""
+    samples: CountArray
+    """Number of samples, shape ``(U,)``."""
+    total: FloatArray
+    """Sum of the samples, shape ``(U, Q, X)``."""
+    squares: FloatArray
+    """Sum of their squares, shape ``(U, Q, X)``."""
+    peak: FloatArray
+    """Largest magnitude, shape ``(U, Q, X)``."""
+    force_total: FloatArray
+    """Sum of the samples of the forces of the stops on the beam, N, shape ``(U, S)``."""
+    force_squares: FloatArray
+    """Sum of their squares, N2, shape ``(U, S)``."""
+    force_peak: FloatArray
+    """Largest magnitude of the forces, N, shape ``(U, S)``: that of the contacts."""
+    contacts: CountArray
+    """Number of contacts that begin, shape ``(U, S)``."""
+    time_in_contact: FloatArray
+    """s, shape ``(U, S)``."""
+    impulse: FloatArray
+    """Sum of the impulses of the contacts that begin, N s, top positive, shape ``(U, S)``."""
+    largest: FloatArray
+    """Of `OF_CONTACTS`, shape ``(U, S, 4)``."""
+    counts: CountArray
+    """Contacts in each bin of `OF_CONTACTS`, those that the ends of the motion cut left out, ``(U, S, 4, BINS)``."""
+
+    @classmethod
+    def zero(cls, units: int, duration: float, quantities: int, places: int, stops: int) -> Self:
+        """The sums of nothing.
+
+        Parameters
+        ----------
+        units : int
+            Number of units.
+        duration : float
+            Of a unit, s.
+        quantities, places, stops : int
+            Their numbers.
+
+        Returns
+        -------
+        Sums
+            All zero.
+        """
+        shape, of_stops = (units, quantities, places), (units, stops)
+        return cls(
+            duration,
+            np.zeros(units, dtype=np.int64),
+            np.zeros(shape),
+            np.zeros(shape),
+            np.zeros(shape),
+            np.zeros(of_stops),
+            np.zeros(of_stops),
+            np.zeros(of_stops),
+            np.zeros(of_stops, dtype=np.int64),
+            np.zeros(of_stops),
+            np.zeros(of_stops),
+            np.zeros((*of_stops, len(OF_CONTACTS))),
+            np.zeros((*of_stops, len(OF_CONTACTS), BINS), dtype=np.int64),
+        )
+
+    def plain(self) -> dict[str, Any]:
+        """The same as values that JSON can hold; floats are written exactly, and empty bins are left out."""
+        found: dict[str, Any] = {}
+        for name in _NAMES:
+            value = getattr(self, name)
+            if name == "counts":
+                where = np.flatnonzero(value)
+                found[name] = [list(value.shape), where.tolist(), value.ravel()[where].tolist()]
+            elif name == "duration":
+                found[name] = float(value)
+            else:
+                found[name] = [list(value.shape), value.ravel().tolist()]
+        return found
+
+    @classmethod
+    def from_plain(cls, plain: dict[str, Any]) -> Self:
+        """The sums from what `plain` made of them.
+
+        Parameters
+        ----------
+        plain : dict of str to Any
+            The values.
+
+        Returns
+        -------
+        Sums
+            With the same bits.
+        """
+        found: dict[str, Any] = {"duration": plain["duration"]}
+        for name in _NAMES[1:]:
+            kind = np.int64 if name in _COUNTS else float
+            if name == "counts":
+                shape, where, numbers = plain[name]
+                value = np.zeros(int(np.prod(shape)), dtype=kind)
+                value[where] = numbers
+            else:
+                shape, numbers = plain[name]
+                value = np.array(numbers, dtype=kind)
+            found[name] = value.reshape(shape)
+        return cls(**found)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Sums]) -> Sums:
+        """The units of several motions, one after the other.
+
+        Parameters
+        ----------
+        parts : sequence of Sums
+            The sums of each; their units are as long.
+
+        Returns
+        -------
+        Sums
+            All units.
+        """
+        arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES[1:]}
+        return Sums(parts[0].duration, **arrays)
+
+
+_NAMES = tuple(field.name for field in fields(Sums))
+_COUNTS = ("samples", "contacts", "counts")

@@ -1,0 +1,246 @@
+"""The dataset of statistics: values and intervals, from the sums of units.
+
+Its variables are, of each quantity, over the places ``x``: ``*_mean``, ``*_rms``, ``*_peak`` (the largest of all) and
+``*_maximum`` (the mean of the largest in a unit); of each stop, over ``stop``: the same of its force, ``contact_rate``,
+``contact_time`` (the share of time in contact) and ``impulse_rate``; and of the distributions, over ``stop`` and bins,
+``*_count`` and ``*_exceedance``, how often a second the lower edge of a bin is reached or exceeded.  A value
+that has an interval has another variable beside it, ``*_interval``, over ``bound`` too.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lapjoint.problem import FloatArray
+from lapjoint.summaries import intervals
+from lapjoint.summaries.distributions import edges
+from lapjoint.summaries.measure import ENOUGH, LONG, Measure
+from lapjoint.summaries.sums import OF_CONTACTS, Sums
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CORRELATED = 0.3
+"""Correlation of units that follow each other from which they are too short: intervals are a third too narrow then."""
+MAXIMUM = "mean of the largest magnitude in a unit of time"
+_OF_CONTACTS = {
+    "impulse": ("N s", "impulse of a contact, its magnitude"),
+    "peak_force": ("N", "largest force of a contact"),
+    "contact_duration": ("s", "duration of a contact"),
+    "impact_speed": ("m s-1", "speed of the beam towards the stop when a contact begins"),
+}
+Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
+"""Dimensions, values and attributes, as xarray takes them."""
+
+
+def table(what: Measure, sums: Sums) -> xr.Dataset:
+    """The dataset of statistics, without what tells whose they are.
+
+    Parameters
+    ----------
+    what : Measure
+        How the motions were summarised.
+    sums : Sums
+        The units of all of them.
+
+    Returns
+    -------
+    xarray.Dataset
+        Values and intervals; see the head of this module.
+    """
+    import xarray as xr
+
+    variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums), **_distributions(sums)}
+    return xr.Dataset(variables, coords=_coordinates(what), attrs=_attributes(what, sums))
+
+
+def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
+    """What makes the intervals doubtful.
+
+    Parameters
+    ----------
+    what : Measure
+        How the motions were summarised.
+    sums : Sums
+        The units of all of them.
+    realisations : int
+        Number of motions.
+
+    Returns
+    -------
+    list of str
+        A sentence for each doubt.
+    """
+    found, units = [], sums.samples.size
+    if units < ENOUGH:
+        found.append(
+            f"intervals are made of {units} unit{'s' * (units > 1)} of {what.unit:.4g} s only, each long against the "
+            "correlation; a longer duration, or more seeds, makes them narrower"
+        )
+    if what.unit < LONG * what.decay_time < np.inf:
+        found.append(
+            f"a unit of {what.unit:.4g} s is short against the decay time of the slowest mode, {what.decay_time:.4g} s"
+        )
+    correlation = _correlation(sums, realisations)
+    if correlation > CORRELATED:
+        found.append(
+            f"units of {what.unit:.4g} s that follow each other have a correlation of {correlation:.2f}; intervals are "
+            "too narrow, and a longer duration is needed"
+        )
+    return found
+
+
+def _correlation(sums: Sums, realisations: int) -> float:
+    """Correlation of the mean squares of units that follow each other, the median of all; 0 where few tell."""
+    units = sums.samples.size // realisations
+    if units < ENOUGH:
+        return 0.0
+    squares = sums.squares.reshape(realisations, units, -1) / sums.samples.reshape(realisations, units, 1)
+    off = squares - squares.mean(axis=1, keepdims=True)
+    both, each = (off[:, 1:] * off[:, :-1]).sum(axis=(0, 1)), (off**2).sum(axis=(0, 1))
+    return float(np.median(both[each > 0] / each[each > 0])) if (each > 0).any() else 0.0
+
+
+def _coordinates(what: Measure) -> dict[str, Variable]:
+    asked = np.isin(np.arange(what.selection.x.size), what.selection.asked)
+    names = np.array(what.selection.problem.stop_names, dtype=object)
+    return {
+        "x": (("x",), what.selection.x, {"units": "m", "long_name": "position from the root"}),
+        "asked": (("x",), asked.astype("i1"), {"long_name": "1 where the place was asked for"}),
+        "stop_name": (("stop",), names, {"long_name": "name of the stop"}),
+        "bound": (("bound",), np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}),
+    }
+
+
+def _attributes(what: Measure, sums: Sums) -> dict[str, Any]:
+    return {
+        "level": intervals.LEVEL,
+        "duration": what.duration,
+        "settle": what.settle,
+        "units": int(sums.samples.size),
+        "unit_duration": what.unit,
+        "decay_time": what.decay_time,
+        "rate": what.rate,
+        "samples": int(sums.samples.sum()),
+        "intervals": (
+            f"{100 * intervals.LEVEL:g} %, of Student's t over the units, of the logarithm for what is never negative; "
+            "of Poisson counts, corrected for their dispersion, where fewer than half of the units have "
+            f"{intervals.FEW} events or more"
+        ),
+        "peaks": "of forces those of the contacts; others the largest sample, refined, which is a lower bound",
+    }
+
+
+def _valued(
+    name: str, dimensions: tuple[str, ...], values: FloatArray, ends: FloatArray, units: str, text: str
+) -> dict[str, Variable]:
+    """A value and its interval."""
+    around = f"95 % interval: {text}"
+    return {
+        name: (dimensions, values, {"units": units, "long_name": text}),
+        f"{name}_interval": ((*dimensions, "bound"), ends, {"units": units, "long_name": around}),
+    }
+
+
+def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
+    found: dict[str, Variable] = {}
+    number, here = sums.samples[:, None], ("x",)
+    for q, one in enumerate(what.selection.quantities):
+        mean, squares, peak = sums.total[:, q] / number, sums.squares[:, q] / number, sums.peak[:, q]
+        found |= _valued(
+            f"{one.name}_mean", here, mean.mean(axis=0), intervals.of_mean(mean), one.units, f"mean of the {one.text}"
+        )
+        found |= _valued(
+            f"{one.name}_rms",
+            here,
+            np.sqrt(squares.mean(axis=0)),
+            intervals.of_rms(squares),
+            one.units,
+            f"root mean square of the {one.text}",
+        )
+        found |= _maxima(one.name, "x", peak, one.units, one.text)
+    return found
+
+
+def _maxima(name: str, dimension: str, peak: FloatArray, units: str, text: str) -> dict[str, Variable]:
+    """The largest of all, and the mean of the largest in a unit, from those of the units."""
+    largest = {"units": units, "long_name": f"largest magnitude of the {text}"}
+    return {f"{name}_peak": ((dimension,), peak.max(axis=0), largest)} | _valued(
+        f"{name}_maximum",
+        (dimension,),
+        peak.mean(axis=0),
+        intervals.of_positive_mean(peak),
+        units,
+        f"{MAXIMUM}: {text}",
+    )
+
+
+def _of_stops(sums: Sums) -> dict[str, Variable]:
+    number, here, T = sums.samples[:, None], ("stop",), sums.duration
+    force = sums.force_total / number
+    squares = sums.force_squares / number
+    text = "force of the stop on the beam, positive upwards"
+    found = _valued("force_mean", here, force.mean(axis=0), intervals.of_mean(force), "N", f"mean of the {text}")
+    found |= _valued(
+        "force_rms",
+        here,
+        np.sqrt(squares.mean(axis=0)),
+        intervals.of_rms(squares),
+        "N",
+        f"root mean square of the {text}",
+    )
+    found |= _maxima("force", "stop", sums.force_peak, "N", text)
+    counts = sums.contacts
+    found |= _valued(
+        "contact_rate", here, counts.mean(axis=0) / T, intervals.of_rate(counts, T), "s-1", "contacts a second"
+    )
+    share, impulse = sums.time_in_contact / T, sums.impulse / T
+    found |= _valued(
+        "contact_time", here, share.mean(axis=0), intervals.of_positive_mean(share), "1", "share of time in contact"
+    )
+    found |= _valued(
+        "impulse_rate", here, impulse.mean(axis=0), _signed(impulse), "N", "impulse a second; top positive"
+    )
+    never = counts.sum(axis=0) == 0
+    for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate"):
+        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # of what was never seen, nothing is known
+    return found
+
+
+def _signed(units: FloatArray) -> FloatArray:
+    """The interval of the mean of what has one sign in all units, shape ``(U, S)``; gives ``(S, 2)``."""
+    ends = intervals.of_positive_mean(np.abs(units))
+    return np.where((units.sum(axis=0) < 0)[:, None], -ends[:, ::-1], ends)
+
+
+def _distributions(sums: Sums) -> dict[str, Variable]:
+    """Counts in bins, from the lowest to the highest that any stop has, and rates of exceedance of their edges."""
+    found: dict[str, Variable] = {}
+    for k, name in enumerate(OF_CONTACTS):
+        units, text = _OF_CONTACTS[name]
+        counts = sums.counts[:, :, k]
+        used = np.flatnonzero(counts.any(axis=(0, 1)))
+        first, last = (int(used[0]), int(used[-1])) if used.size else (0, 0)
+        counts, of = counts[:, :, first : last + 1], edges(first, last)
+        beyond = counts[:, :, ::-1].cumsum(axis=2)[:, :, ::-1]
+        bins = f"{name}_bin"
+        attributes = {"units": units, "long_name": text}
+        found[f"{name}_low"] = (bins,), of[:-1], attributes | {"comment": "lower edge of the bin"}
+        found[f"{name}_high"] = (bins,), of[1:], attributes | {"comment": "upper edge of the bin"}
+        found[f"{name}_largest"] = ("stop",), sums.largest[:, :, k].max(axis=0), attributes
+        found[f"{name}_count"] = (
+            ("stop", bins),
+            counts.sum(axis=0),
+            {"units": "1", "long_name": f"contacts in the bin, by the {text}"},
+        )
+        found |= _valued(
+            f"{name}_exceedance",
+            ("stop", bins),
+            beyond.mean(axis=0) / sums.duration,
+            intervals.of_rate(beyond, sums.duration),
+            "s-1",
+            f"contacts a second that reach or exceed the lower edge of the bin, by the {text}",
+        )
+    return found

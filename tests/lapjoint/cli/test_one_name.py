@@ -1,0 +1,30 @@
+"""One name for one thing: options that mean the same are called the same in every command."""
+
+from __future__ import annotations
+
+import click
+import pytest
+
+from lapjoint.cli.main import main
+
+CONTEXT = click.Context(main)
+COMMANDS = {name: main.get_command(CONTEXT, name) for name in main.list_commands(CONTEXT)}
+
+
+def options(name: str) -> dict[str, click.Option]:
+    """Options of a command by each of their names."""
+    command = COMMANDS[name]
+    assert command is not None
+    return {text: option for option in command.params if isinstance(option, click.Option) for text in option.opts}
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_where_an_answer_goes_is_said_by_o_or_out(name: str) -> None:
+    found = options(name)
+    assert ("-o" in found) == ("--out" in found)
+    assert not {"--output", "--count", "--modes-of"} & set(found)
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_every_option_has_a_help_text(name: str) -> None:
+    assert [text for text, option in options(name).items() if not option.help] == []

@@ -1,0 +1,105 @@
+"""`lapjoint statistics` prints a table of 80 columns, writes files, and answers bad input with status 2."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+from lapjoint import Beam, ModalDamping, Problem, Stop, Support, write_problem
+from lapjoint.cli.main import main
+from lapjoint.cli.statistics_printing import quantiles
+from lapjoint.problem.random_motion import RandomBaseMotion
+
+SHAKEN = Problem(
+    title="Shaken",
+    beam=Beam(length=1.0, bending_stiffness=200.0, mass_per_length=1.0),
+    supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+    stops=(
+        Stop(name="a stop whose name is longer than its column", x=1.0, side="top", gap=1e-4, stiffness=1e4),
+        Stop(name="far", x=0.5, side="bottom", gap=0.01, stiffness=1e4),
+    ),
+    damping=ModalDamping(ratio=0.1),
+    base_motion=RandomBaseMotion(psd=[[5.0, 1.0], [40.0, 1.0]]),
+)
+
+
+@pytest.fixture
+def problem(tmp_path: Path) -> str:
+    write_problem(SHAKEN, tmp_path / "shaken.toml")
+    return str(tmp_path / "shaken.toml")
+
+
+def run(problem: str, *more: str) -> Result:
+    return CliRunner().invoke(main, ["statistics", problem, "--modes", "2", *more])
+
+
+def test_it_prints_values_and_intervals_and_writes_them(problem: str, tmp_path: Path) -> None:
+    out, as_json = tmp_path / "stats.nc", tmp_path / "stats.json"
+    command = [problem, "--duration", "3", "--seeds", "2", "--out", str(out), "--json", str(as_json), "--at", "x=1,0.5"]
+    result = run(*command)
+    assert result.exit_code == 0, result.output
+    lines = result.stdout.splitlines()
+    assert max(map(len, lines)) <= 80
+    for text in (
+        "Statistics of: Shaken",
+        "displacement [m]",
+        "absolute acceleration [m/s2]",
+        "Contacts a second",
+        "far",
+    ):
+        assert any(line.startswith(text) for line in lines), text
+    assert "the first" in lines[2]
+    assert any(line.startswith("Note: intervals are made of") for line in lines)
+    impulses = lines[next(i for i, line in enumerate(lines) if line.startswith("Impulse a second")) :]
+    assert impulses[2].split() == ["far", "0", "0", "?"]
+    found = xr.load_dataset(out)
+    content = json.loads(as_json.read_text())
+    rms = content["variables"]["displacement_rms"]
+    assert rms["values"] == found.displacement_rms.values.tolist()
+    assert np.array(rms["interval"]).shape == (found.x.size, 2)
+    assert [x for x, asked in zip(content["x_m"], content["asked"], strict=True) if asked] == [0.5, 1.0]
+    again = run(*command)
+    assert again.stdout.splitlines()[0] == f"{out}: holds these statistics already, finished"
+    assert again.stdout.splitlines()[1:] == lines[1:]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--seeds", "2"], "--duration: is missing"),
+        (["--duration", "-1"], "--duration -1: must be positive"),
+        (["--duration", "3", "--seeds", "0"], "seeds = 0: must be an integer"),
+        (["--duration", "3", "--out", "stats.csv"], "--out stats.csv: the name must end in .nc"),
+        (["--duration", "3", "--at", "1"], "--at 1: must be x= and numbers"),
+        (["--duration", "3", "--quantity", "weight"], "quantity 'weight': is unknown"),
+        (["--duration", "3", "--quantity", "stress"], "quantity 'stress': the beam has no section"),
+        (["--duration", "3", "--settle", "4"], "duration = 3: must be longer than the 4 s"),
+        (["--duration", "3", "--rate", "-1"], "rate = -1: must be positive"),
+        (["--duration", "3", "--workers", "0"], "workers = 0: must be"),
+    ],
+)
+def test_bad_input_is_refused_in_a_line(problem: str, options: list[str], message: str) -> None:
+    result = run(problem, *options)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_a_sweep_is_no_statistics_and_the_other_way_round(problem: str, tmp_path: Path) -> None:
+    out = tmp_path / "stats.nc"
+    assert run(problem, "--duration", "2", "--out", str(out)).exit_code == 0
+    result = CliRunner().invoke(main, ["plot", str(out)])
+    assert result.exit_code == 2
+    assert "is not the result of a sweep" in result.stderr
+
+
+def test_quantiles_of_counts_in_bins() -> None:
+    low, high = np.array([1.0, 2.0, 4.0]), np.array([2.0, 4.0, 8.0])
+    assert quantiles(np.array([50, 0, 50]), low, high) == pytest.approx([2.0, 4 * 2**0.8, 4 * 2**0.98])
+    assert all(math.isnan(value) for value in quantiles(np.array([0, 0, 0]), low, high))

@@ -1,0 +1,78 @@
+"""The sketch of a joint: everything of the problem is in it, names are drawn as they are, and texts keep apart."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from lapjoint import Beam, Problem, SineLoad, StepLoad, Stop, Support, paper_joint, sdnl104
+from lapjoint.figures import plot_joint
+from lapjoint.figures.style import figure_of
+
+BEAM = Beam(length=1.5, bending_stiffness=1e3, mass_per_length=4.0)
+CROWDED = Problem(
+    beam=BEAM,
+    supports=(
+        Support(x=0.0, translational=900.0),
+        Support(x=0.6, translational=5.0, torsional=130.0),
+        Support(x=1.2, translational=math.inf),
+    ),
+    stops=tuple(Stop(x=0.15 * i, side="top" if i % 2 else "bottom", gap=0.0, stiffness=1e4) for i in range(1, 9)),
+    point_loads=(SineLoad(x=0.9, force=3.0, angular_frequency=4.0), StepLoad(x=0.3, force=-5.0)),
+)
+MANY = Problem(
+    beam=BEAM,
+    stops=tuple(Stop(name=f"$a_{i}$", x=0.05 * i, side="top", gap=1e-3, stiffness=1e4) for i in range(30)),
+)
+JOINTS = {"paper": paper_joint(), "sdnl104": sdnl104(), "crowded": CROWDED, "many": MANY, "bare": Problem(beam=BEAM)}
+
+
+def texts(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.texts if text.get_text()]
+
+
+def test_the_paper_joint_is_all_there() -> None:
+    drawn = " ".join(texts(plot_joint(paper_joint(angular_frequency=515.0))))
+    for part in (
+        "P2",
+        "P3",
+        "P4",
+        "P5",
+        "gap 0.001 m",
+        "k 1.476e+08 N/m",
+        "0.06 m",
+        "515 rad/s (81.96 Hz)",
+        "1.25",
+        "2.5",
+    ):
+        assert part in drawn
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_no_two_texts_stand_on_each_other_and_none_is_cut(name: str) -> None:
+    axes = plot_joint(JOINTS[name])
+    figure = figure_of(axes)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()  # type: ignore[no-untyped-call]
+    renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
+    boxes = [(t.get_text(), t.get_window_extent(renderer)) for t in axes.texts if t.get_text()]
+    for (one, a), (other, b) in combinations(boxes, 2):
+        assert not a.padded(-2).overlaps(b.padded(-2)), (one, other)
+    for text, box in boxes:
+        assert figure.bbox.x0 <= box.x0, text
+        assert box.x1 <= figure.bbox.x1, text
+
+
+def test_many_stops_are_counted_and_few_of_them_named() -> None:
+    drawn = texts(plot_joint(MANY))
+    assert "30 stops" in drawn
+    assert sum("a_" in text for text in drawn) < 10
+
+
+def test_a_name_is_drawn_as_it_is() -> None:
+    joint = Problem(beam=BEAM, stops=(Stop(name="$x^2$", x=0.5, side="top", gap=1e-3, stiffness=1e4),))
+    assert any(text.startswith(r"\$x^2\$") for text in texts(plot_joint(joint)))

@@ -1,0 +1,131 @@
+"""One degree of freedom with elastic stops under white noise: its stationary density in closed form, by numpy alone.
+
+    u'' + gamma u' + U'(u) = a(t),    U = omega^2 u^2 / 2 + sum over stops of k (|u| - gap)_+^2 / 2,
+
+with white a of two-sided density S0 per rad/s, has the stationary density
+
+    p(u, u') = N exp(-(gamma / (pi S0)) (u'^2 / 2 + U)),
+
+which solves its Fokker-Planck equation whatever U is, as insertion shows.  So u' is Gaussian and independent of u,
+and u crosses a level upwards p(u) sigma / sqrt(2 pi) times a second, sigma^2 = pi S0 / gamma.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+_REACH = 9.0  # standard deviations of the motion without stops: beyond, the density is below 1e-17
+
+
+@dataclass(frozen=True)
+class Gibbs:
+    """The oscillator between its stops."""
+
+    omega: float
+    """Angular frequency without stops, rad/s."""
+    gamma: float
+    """Viscous damping per unit mass, 1/s."""
+    density: float
+    """Two-sided density S0 of the acceleration per rad/s, (m/s2)^2 s."""
+    top: tuple[float, float]
+    """Gap, m, and stiffness per unit mass, 1/s2, of the stop above."""
+    bottom: tuple[float, float]
+    """The same of the stop below."""
+
+    @property
+    def speed(self) -> float:
+        """Standard deviation of u', m/s."""
+        return math.sqrt(math.pi * self.density / self.gamma)
+
+    def potential(self, u: Array) -> Array:
+        """U, per unit mass.
+
+        Parameters
+        ----------
+        u : Array, shape (n,)
+            Displacements, m.
+
+        Returns
+        -------
+        Array, shape (n,)
+            m2/s2.
+        """
+        beyond = self.top[1] * np.maximum(u - self.top[0], 0.0) ** 2
+        beyond = beyond + self.bottom[1] * np.maximum(-u - self.bottom[0], 0.0) ** 2
+        return np.asarray((self.omega**2 * u**2 + beyond) / 2)
+
+    def _grid(self) -> tuple[Array, Array]:
+        """Gauss points and weights, m, over all that the motion reaches; intervals end at the stops."""
+        reach = _REACH * self.speed / self.omega
+        inner = np.clip([-self.bottom[0], self.top[0]], -reach, reach)
+        edges = np.unique(np.concatenate([np.linspace(-reach, reach, 2001), inner]))
+        x, w = np.polynomial.legendre.leggauss(8)
+        half = np.diff(edges)[:, None] / 2
+        return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+
+    def mean(self, power: int) -> float:
+        """A moment of the displacement.
+
+        Parameters
+        ----------
+        power : int
+            Of u.
+
+        Returns
+        -------
+        float
+            The mean of u^power, m^power.
+        """
+        u, w = self._grid()
+        p = np.exp(-self.potential(u) / self.speed**2)
+        return float((w * p) @ u**power / (w @ p))
+
+    def probability(self, low: float, high: float) -> float:
+        """The part of the time that the displacement is between two levels.
+
+        Parameters
+        ----------
+        low, high : float
+            m; may be infinite.
+
+        Returns
+        -------
+        float
+            From 0 to 1.
+        """
+        u, w = self._grid()
+        p = w * np.exp(-self.potential(u) / self.speed**2)
+        whole = float(p.sum())
+        reach = _REACH * self.speed / self.omega
+        low, high = max(low, -reach), min(high, reach)
+        edges = np.unique(
+            np.concatenate([np.linspace(low, high, 401), np.clip([-self.bottom[0], self.top[0]], low, high)])
+        )
+        x, g = np.polynomial.legendre.leggauss(8)
+        half = np.diff(edges)[:, None] / 2
+        points = (edges[:-1, None] + half) + half * x
+        inside = np.exp(-self.potential(points.ravel()) / self.speed**2)
+        return float((half * g).ravel() @ inside) / whole
+
+    def upcrossings(self, level: float) -> float:
+        """How often the displacement crosses a level upwards.
+
+        Parameters
+        ----------
+        level : float
+            m.
+
+        Returns
+        -------
+        float
+            1/s.
+        """
+        u, w = self._grid()
+        whole = float(w @ np.exp(-self.potential(u) / self.speed**2))
+        p = float(np.exp(-self.potential(np.array([level]))[0] / self.speed**2)) / whole
+        return p * self.speed / math.sqrt(2 * math.pi)

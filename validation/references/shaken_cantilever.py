@@ -1,0 +1,136 @@
+"""A cantilever with viscous damping under random motion of its base: stationary variances as integrals, by numpy alone.
+
+Relative to a base of acceleration a exp(i omega t), the beam moves as z(x) exp(i omega t) with
+
+    EI z'''' - (m omega^2 - i omega C) z = -m a,
+
+so that, with EI b^4 = m omega^2 - i omega C and w = m a / (m omega^2 - i omega C),
+
+    z = w (1 - A . (exp(-b x), exp(b (x - L)), exp(-i b x), exp(i b (x - L)))),
+
+A from the clamped root and the free tip.  No modes are summed.  The mean square of an answer H a is the integral of
+|H|^2 over the one-sided density of a.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class ShakenCantilever:
+    """The beam."""
+
+    length: float
+    """L, m."""
+    stiffness: float
+    """EI, N m2."""
+    mass: float
+    """m, kg/m."""
+    damping: float
+    """C, N s/m2."""
+
+    def answer(self, frequency: Array, x: float, derivative: int) -> ComplexArray:
+        """An x-derivative of z over the acceleration of the base.
+
+        Parameters
+        ----------
+        frequency : Array, shape (n,)
+            Frequencies, Hz.
+        x : float
+            Position, m.
+        derivative : int
+            Which x-derivative, 0 to 3.
+
+        Returns
+        -------
+        ComplexArray, shape (n,)
+            s^2 m^-derivative.
+        """
+        omega = 2 * np.pi * frequency
+        inertia = self.mass * omega**2 - 1j * omega * self.damping
+        b: ComplexArray = np.asarray((inertia / self.stiffness) ** 0.25, dtype=np.complex128)
+        weights = self._weights(b)
+        shape = _exponentials(b, x - np.array([0.0, self.length, 0.0, self.length]), derivative)
+        total = -np.einsum("jn,jn->n", weights, shape)
+        return np.asarray((total + (1.0 if derivative == 0 else 0.0)) * self.mass / inertia)
+
+    def absolute_mean_square(self, low: float, high: float, density: float, x: float) -> float:
+        """The mean square of the absolute acceleration, that of the base included, under a flat density.
+
+        Parameters
+        ----------
+        low, high : float
+            The band, Hz.
+        density : float
+            One-sided density of the acceleration of the base, (m/s2)^2/Hz.
+        x : float
+            Position, m.
+
+        Returns
+        -------
+        float
+            (m/s2)^2.
+        """
+        points, weights = self._quadrature(low, high)
+        values = np.abs(1 - (2 * np.pi * points) ** 2 * self.answer(points, x, 0)) ** 2
+        return float(density * (weights @ values))
+
+    def _weights(self, b: ComplexArray) -> ComplexArray:
+        """The weights of exp(-bx), exp(b (x - L)), exp(-ibx) and exp(ib (x - L)), shape ``(4, n)``."""
+        offsets = np.array([0.0, self.length, 0.0, self.length])
+        rows = [
+            _exponentials(b, 0.0 - offsets, 0),
+            _exponentials(b, 0.0 - offsets, 1) / b,
+            _exponentials(b, self.length - offsets, 2) / b**2,
+            _exponentials(b, self.length - offsets, 3) / b**3,
+        ]
+        matrix = np.moveaxis(np.array(rows), 2, 0)
+        given = np.zeros((b.size, 4, 1), dtype=complex)
+        given[:, 0] = 1.0  # at the root the motion is that of the base
+        return np.asarray(np.linalg.solve(matrix, given)[:, :, 0].T)
+
+    def mean_square(self, low: float, high: float, density: float, x: float, derivative: int, rates: int) -> float:
+        """The mean square of a derivative of z under a flat density.
+
+        Parameters
+        ----------
+        low, high : float
+            The band, Hz.
+        density : float
+            One-sided density of the acceleration, (m/s2)^2/Hz.
+        x : float
+            Position, m.
+        derivative : int
+            Which x-derivative, 0 to 3.
+        rates : int
+            Which t-derivative of that, 0 or more.
+
+        Returns
+        -------
+        float
+            m^(2 - 2 derivative) s^(-2 rates).
+        """
+        points, weights = self._quadrature(low, high)
+        values = np.abs(self.answer(points, x, derivative)) ** 2 * (2 * np.pi * points) ** (2 * rates)
+        return float(density * (weights @ values))
+
+    def _quadrature(self, low: float, high: float) -> tuple[Array, Array]:
+        """Gauss points and weights, Hz: intervals a fifth of the width of a resonance at most."""
+        width = self.damping / self.mass / (2 * np.pi)  # Hz, of each resonance at half its power
+        edges = np.linspace(low, high, max(int(np.ceil(5 * (high - low) / width)), 200) + 1)
+        x, w = np.polynomial.legendre.leggauss(8)
+        half = np.diff(edges)[:, None] / 2
+        return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+
+
+def _exponentials(b: ComplexArray, s: Array, derivative: int) -> ComplexArray:
+    """exp(-b s), exp(b s), exp(-i b s) and exp(i b s) at distances `s`, ``(4,)``, or an s-derivative; ``(4, n)``."""
+    roots = np.array([-1, 1, -1j, 1j])[:, None] * b
+    return np.asarray(roots**derivative * np.exp(roots * s[:, None]))
