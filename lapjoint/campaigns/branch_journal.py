@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import Any, cast
 
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.journal import Journal
 
 
@@ -13,9 +16,10 @@ class BranchJournal(Journal):
     A part of the work has a name, ``start 3`` or ``branch 0``, and a result as plain values.
     """
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
+    def __init__(self, plan: BranchPlan, out: str | Path, *, force: bool = False) -> None:
         self.parts: dict[str, dict[str, Any]] = {}
-        super().__init__(*args, **kwargs)
+        # Branches have no cells: of a campaign, this journal asks for what it is, and not for what its cells are.
+        super().__init__(cast(Campaign, plan), out, force=force)
 
     def keep(self, name: str, result: dict[str, Any]) -> None:
         """Keep a part: it is on the disk when this returns.

@@ -139,7 +139,7 @@ def stored_branches(plan: BranchPlan, out: str | Path, *, force: bool = False) -
         return found
     if force:
         return None
-    raise InputError(f"{out}: is the result of something else; choose another --out, or overwrite it with --force")
+    raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
 def find_branches(

@@ -71,7 +71,7 @@ def test_a_file_is_written_read_and_not_made_again(problem: Problem, found: xr.D
     xr.testing.assert_equal(read_branches(out), found)
     with pytest.raises(InputError, match="is not the result of a sweep"):
         read_curve(out)
-    with pytest.raises(InputError, match="is the result of something else"):
+    with pytest.raises(InputError, match="is the result of another search for branches"):
         lapjoint.branch(problem, AMPLITUDE, LOW, 2 * HIGH, options=OPTIONS, errors=False, out=out)
 
 
