@@ -44,6 +44,12 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
 @click.option(
     "--errors", is_flag=True, help="Estimate the numerical errors of the impulses too; takes less than as long again."
 )
+@click.option(
+    "--summary",
+    metavar="NAME,NAME,..",
+    help="Further variables of each motion: <quantity>_peak or <quantity>_rms, the largest along the beam, as "
+    "stress_peak; force_peak, force_rms, contact_time and contact_rate of each stop.",
+)
 @campaign_options
 def sweep(
     problem: str,
@@ -62,6 +68,7 @@ def sweep(
     seed: int,
     sensitivity: bool,
     errors: bool,
+    summary: str | None,
     workers: int,
     scheduler: str | None,
     force: bool,
@@ -78,7 +85,8 @@ def sweep(
     axes = arguments.axes_from(first, last, step, fields)
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
-    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors)
+    further = () if summary is None else tuple(name.strip() for name in summary.split(","))
+    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors, further)
     there = stored(plan, out, force=force)
     if there is None:
         with shown_points("sweep") as progress:

@@ -7,6 +7,7 @@ writes as PNG, SVG or PDF.  All share one style, `lapjoint.figures.style`, and t
 from lapjoint.figures.branch_diagram import plot_branches
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
 from lapjoint.figures.convergence import plot_convergence
+from lapjoint.figures.exceedance import plot_exceedance
 from lapjoint.figures.impulse_curve import plot_curve
 from lapjoint.figures.impulse_curve_wide import plot_curve_wide
 from lapjoint.figures.mode_shapes import plot_mode_shapes, plot_state_shapes
@@ -25,6 +26,7 @@ __all__ = [
     "plot_convergence",
     "plot_curve",
     "plot_curve_wide",
+    "plot_exceedance",
     "plot_joint",
     "plot_mode_shapes",
     "plot_motion",
