@@ -19,6 +19,7 @@ from analytic.march.compiled import (
     advance,
     new_log,
     new_motion,
+    new_work,
     no_log,
 )
 from analytic.march.coordinates import Coordinates
@@ -113,7 +114,7 @@ def march(
     SolverError
         If more than `max_switches` switches occur, or the march makes no progress.
     """
-    motion = begun(joint, begin, start)
+    motion, work = begun(joint, begin, start), new_work(joint.tables)
     modes, stops = motion.q.size, motion.total.size
     log, full = new_log(_ROOM, modes, stops) if record else no_log(modes, stops), []
     parts = _PROGRESS_PARTS if progress is not None and not record else 1
@@ -122,7 +123,7 @@ def march(
         status = LOG_FULL
         while status != DONE:
             on = None if ramps is None else ramps.tables
-            status, logged = advance(joint.tables, None, on, motion, goal, log, depth, 0.0, max_switches)
+            status, logged = advance(joint.tables, None, on, motion, work, goal, log, depth, 0.0, max_switches)
             if logged:
                 full.append(copied(log, logged))
             if status != DONE:

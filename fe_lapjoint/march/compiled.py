@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from fe_lapjoint.march.system import ComplexArray, IndexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 
-@njit(cache=True)
+@njit_called()
 def start_terms(
     y: FloatArray,
     start: float,
@@ -88,7 +88,7 @@ def start_terms(
     return free, amplitudes, moduli, terms, sizes
 
 
-@njit(cache=True)
+@njit_called()
 def moved_on(
     amplitudes: ComplexArray, rates: ComplexArray, forced: tuple[FloatArray, FloatArray], s: float
 ) -> FloatArray:
@@ -123,7 +123,7 @@ def moved_on(
     return y
 
 
-@njit(cache=True)
+@njit_called()
 def at_place(terms: ComplexArray, rates: ComplexArray, place: int, s: float) -> tuple[float, float]:
     """Displacement and velocity of a place by its terms.
 
@@ -151,7 +151,7 @@ def at_place(terms: ComplexArray, rates: ComplexArray, place: int, s: float) -> 
     return z, rate
 
 
-@njit(cache=True)
+@njit_called()
 def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArray) -> tuple[float, float]:
     """As `at_place`, where the exponentials are known.
 
@@ -179,7 +179,7 @@ def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArr
     return z, rate
 
 
-@njit(cache=True)
+@njit_called()
 def integrals(terms: ComplexArray, rates: ComplexArray, T: float) -> FloatArray:
     """Time integrals of the displacement of the places by their terms.
 
@@ -208,7 +208,7 @@ def integrals(terms: ComplexArray, rates: ComplexArray, T: float) -> FloatArray:
     return areas
 
 
-@njit(cache=True)
+@njit_inner()
 def _wave(rate: complex, s: float) -> complex:
     """exp(rate s)."""
     size, angle = math.exp(rate.real * s), rate.imag * s

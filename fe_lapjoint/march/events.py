@@ -18,8 +18,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
@@ -175,7 +175,7 @@ def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, rounding: FloatArray,
     return None
 
 
-@njit(cache=True)
+@njit_called()
 def _first_look(
     h: FloatArray, rounding: FloatArray, fresh: BoolArray, curvature: FloatArray, width: float
 ) -> tuple[BoolArray, FloatArray, BoolArray, IndexArray]:
