@@ -36,6 +36,15 @@ def ctrl_c() -> Iterator[None]:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
+@pytest.fixture(scope="session")
+def compiled() -> None:
+    """The analytic march is compiled, and kept for other processes: each would compile it anew for itself."""
+    import analytic
+    from lapjoint import sdnl104
+
+    analytic.Solver(n_modes=2).simulate(sdnl104(), 1e-4, errors=False)
+
+
 @pytest.fixture
 def history() -> History:
     """One second of a tip that swings between two stops, its contacts and their impulses in closed form."""
