@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+
 from analytic.march import Joint, march
 from analytic.march.field import history_of
 from analytic.march.initial_state import started
+from analytic.march.stretches import marched, stretches
 from analytic.period_map import PeriodMap
 from lapjoint.answers import History
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
+
+_ROUNDINGS = 1e-12  # relative: so nearly do whole periods come to the duration asked for, and follow each other
 
 
 def simulate(
@@ -50,4 +57,46 @@ def simulate(
     if problem.excitation_frequency is not None:
         return PeriodMap(joint, name).simulated(duration, progress, depth)
     motion = march(joint, started(joint), 0.0, duration, depth=depth, progress=progress)
-    return history_of(name, motion)
+    return history_of(name, motion.joint, motion.log)
+
+
+def stream(
+    problem: Problem, name: str, counts: tuple[int, int], duration: float, progress: Progress | None
+) -> Iterator[History]:
+    """The motion from the initial state, stretch by stretch.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    name : str
+        Name and options of the solver.
+    counts : tuple of int
+        Numbers of modes: in the free state, and in every other.
+    duration : float
+        How long, s.
+    progress : callable or None
+        Called with the time marched and the duration, s.
+
+    Yields
+    ------
+    History
+        See `lapjoint.solver.Streams.stream`.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
+    joint, start = Joint(problem, *counts), 0.0
+    if problem.excitation_frequency is None:
+        logs = marched(joint, duration)
+    else:
+        logs = PeriodMap(joint, name).marched(duration)
+    for log in stretches(logs):
+        end = duration if log.end[-1] > duration * (1 - _ROUNDINGS) else log.end[-1]
+        log = log._replace(start=np.append(start, log.start[1:]), end=np.append(log.end[:-1], end))
+        start = float(end)
+        yield history_of(name, joint, log)
+        if progress is not None:
+            progress(start, duration)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from analytic.march import Coordinates, Joint, March, gap_view, march, march_linearised, march_periods, measure_growth
+from analytic.march.compiled import Log
 from analytic.march.field import history_of
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.march import joined
@@ -99,6 +101,25 @@ class PeriodMap:
         motion = self._recorded(started(self.joint), period_pieces(self.period, duration), progress, depth)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
 
+    def marched(self, duration: float) -> Iterator[Log]:
+        """The segments of the motion from the initial state, in the same pieces as the search marches.
+
+        Parameters
+        ----------
+        duration : float
+            How long, s.
+
+        Yields
+        ------
+        Log
+            Those of a piece, with the depths of contacts.
+        """
+        now = started(self.joint)
+        for i, piece in enumerate(period_pieces(self.period, duration)):
+            motion = march(self.joint, now, 0.0, piece, depth=True)
+            now = motion.end
+            yield _later(motion.log, i * self.period)
+
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         """Deviation, as (q, v) in the modes of `origin`. See `lapjoint.orbits.PeriodMap.difference`."""
         if point.state == origin.state:
@@ -175,17 +196,20 @@ class PeriodMap:
             now = motions[-1].end
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))
-        return history_of(self.name, _as_one(motions, self.period))
+        motion = _as_one(motions, self.period)
+        return history_of(self.name, motion.joint, motion.log)
 
 
 def _as_one(motions: list[March], period: float) -> March:
     """Recorded marches that follow each other, a period apart, each from its own time 0, as one."""
-    logs = [
-        motion.log._replace(start=motion.log.start + i * period, end=motion.log.end + i * period)
-        for i, motion in enumerate(motions)
-    ]
+    logs = [_later(motion.log, i * period) for i, motion in enumerate(motions)]
     total = np.sum([motion.penetration for motion in motions], axis=0)
     return March(motions[-1].joint, joined(logs), motions[-1].end, total)
+
+
+def _later(log: Log, by: float) -> Log:
+    """The same segments, later by so many seconds."""
+    return log._replace(start=log.start + by, end=log.end + by)
 
 
 def _coordinates(point: SectionPoint) -> Coordinates:

@@ -6,7 +6,7 @@ The modules that answer them bring numba and scipy along; they are imported when
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -203,6 +203,14 @@ class Solver:
         motion = answers.simulate(problem, self.name, counts, float(duration), progress)
         return self._with_errors(motion, counts, float(duration)) if errors else motion
 
+    def stream(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> Iterator[History]:
+        """The motion from the initial state, stretch by stretch. See `lapjoint.solver.Streams.stream`."""
+        problem.check_duration(duration)
+        from analytic import answers
+
+        counts = in_one_thread(self.mode_counts)(problem)
+        return _each_in_one_thread(answers.stream(problem, self.name, counts, float(duration), progress))
+
     @in_one_thread
     def steady_state(
         self,
@@ -350,6 +358,13 @@ class Solver:
         from analytic.period_map import PeriodMap
 
         return PeriodMap(Joint(problem, *self.mode_counts(problem)), self.name)
+
+
+def _each_in_one_thread(stretches: Iterator[History]) -> Iterator[History]:
+    """The same stretches; each is made in one thread, a limit that does not hold while someone works on it."""
+    take = in_one_thread(next)
+    while (stretch := take(stretches, None)) is not None:
+        yield stretch
 
 
 def check_count(field: str, value: object) -> None:

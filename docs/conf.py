@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from importlib.metadata import version as version_of
+from pathlib import Path
 from typing import Any
 
 project = "lapjoint"
@@ -77,7 +78,16 @@ def _included(app: Any, relative_path: Any, parent_docname: str, content: list[s
     content[0] = re.sub(r"\]\(docs/(README\.md)?", "](", text)
 
 
+def _finished(app: Any, error: Exception | None) -> None:
+    """What Sphinx leaves out for those who use no mouse: levels of headings, and boxes that scroll by the keyboard."""
+    for page in () if error else Path(app.outdir).rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        text = text.replace('class="caption" role="heading">', 'class="caption" role="heading" aria-level="2">')
+        page.write_text(re.sub(r"<pre>", '<pre tabindex="0">', text), encoding="utf-8")
+
+
 def setup(app: Any) -> None:
     """Register what this site needs besides its extensions."""
+    app.connect("build-finished", _finished)
     app.connect("source-read", _read)
     app.connect("include-read", _included)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         time_series,
         write_series,
     )
-    from lapjoint.campaigns import FREQUENCY, Axis, statistics, sweep
+    from lapjoint.campaigns import FREQUENCY, Axis, branch, statistics, sweep
     from lapjoint.errors import InputError, SolverError
     from lapjoint.problem import (
         BaseMotion,
@@ -34,6 +34,10 @@ if TYPE_CHECKING:
         NoDamping,
         PolynomialShape,
         Problem,
+        RandomBaseMotion,
+        RandomLoad,
+        RecordBaseMotion,
+        RecordLoad,
         Rectangle,
         SampledShape,
         SineLoad,
@@ -68,6 +72,10 @@ __all__ = [
     "Outcome",
     "PolynomialShape",
     "Problem",
+    "RandomBaseMotion",
+    "RandomLoad",
+    "RecordBaseMotion",
+    "RecordLoad",
     "Rectangle",
     "SampledShape",
     "SineLoad",
@@ -78,6 +86,7 @@ __all__ = [
     "Support",
     "Tube",
     "ViscousDamping",
+    "branch",
     "contact_states",
     "initial_from_functions",
     "make_solver",

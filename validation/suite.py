@@ -24,6 +24,7 @@ Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
     "as-given": "as_given",
     "pinned-beam": "pinned_beam",
+    "records": "records",
     "rigid-bar": "rigid_bar",
     "settled": "settled",
     "orbit-watch": "orbit_watch",
@@ -40,6 +41,8 @@ _MODULES = {
     "grazing": "grazing",
     "transient": "transient",
     "slow-modes": "slow_modes",
+    "random-linear": "random_linear",
+    "random-stops": "random_stops",
     "as-published": "as_published",
     "steady": "steady",
     "peaks": "peaks",

@@ -2,48 +2,88 @@
 
 from __future__ import annotations
 
-from analytic.march.march import March
+import numpy as np
+from numba import njit
+
+from analytic.march.compiled import Log
+from analytic.march.joint import Joint
+from analytic.march.tables import BoolArray, IntArray
 from lapjoint.answers import Contact
+from lapjoint.problem import FloatArray
 
 
-def contacts_of(motion: March) -> tuple[Contact, ...]:
+def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     """All contacts of a motion that was marched with `depth`.
 
     Parameters
     ----------
-    motion : March
-        The motion, recorded.
+    joint : Joint
+        What moves.
+    log : Log
+        The segments of the motion.
 
     Returns
     -------
     tuple of Contact
         By start time.
     """
-    joint, log = motion.joint, motion.log
-    found: list[Contact] = []
-    going: dict[int, tuple[int, bool]] = dict.fromkeys(joint.state_in(int(log.slot[0])).closed, (0, True))
-    for i, stop in enumerate(log.stop):
-        if stop < 0:
-            continue
-        if stop in going:
-            first, open_start = going.pop(int(stop))
-            found.append(_contact(motion, int(stop), first, i, open_start, open_end=False))
-        else:
-            going[int(stop)] = (i + 1, False)
-    last = log.slot.size - 1
-    found += [_contact(motion, k, first, last, open_start, open_end=True) for k, (first, open_start) in going.items()]
-    return tuple(sorted(found, key=lambda contact: (contact.start, contact.stop)))
+    stops, closed = joint.problem.stops, joint.tables.closed[log.slot[0]]
+    stop, rows, open_at, area, deepest = find_contacts(closed, log.stop, log.area, log.deepest)
+    start, end = log.start[rows[:, 0]], log.end[rows[:, 1]]
+    stiffness = np.array([it.stiffness for it in stops])
+    impulse = np.array([it.sign * it.stiffness for it in stops])[stop] * area
+    order = np.lexsort((stop, start))
+    columns = (stop, start, end, impulse, stiffness[stop] * deepest, open_at[:, 0], open_at[:, 1])
+    return tuple(map(Contact, *(column[order].tolist() for column in columns)))
 
 
-def _contact(motion: March, k: int, first: int, last: int, open_start: bool, *, open_end: bool) -> Contact:
-    """The contact of stop `k` from the start of segment `first` to the end of segment `last`."""
-    log, stop = motion.log, motion.joint.problem.stops[k]
-    return Contact(
-        stop=k,
-        start=float(log.start[first]),
-        end=float(log.end[last]),
-        impulse=stop.sign * stop.stiffness * float(log.area[first : last + 1, k].sum()),
-        peak_force=stop.stiffness * float(log.deepest[first : last + 1, k].max()),
-        open_start=open_start,
-        open_end=open_end,
-    )
+@njit(cache=True)
+def find_contacts(
+    closed: BoolArray, stop: IntArray, area: FloatArray, deepest: FloatArray
+) -> tuple[IntArray, IntArray, BoolArray, FloatArray, FloatArray]:
+    """The contacts in a log of ``M`` segments, in the order of their ends.
+
+    Parameters
+    ----------
+    closed : BoolArray, shape (P,)
+        Whether each stop is closed in the first segment.
+    stop : IntArray, shape (M,)
+        The stop that switches at the end of each segment, negative for none.
+    area : FloatArray, shape (M, P)
+        Time integral of the penetration of each closed stop, m s.
+    deepest : FloatArray, shape (M, P)
+        Deepest penetration of each, m.
+
+    Returns
+    -------
+    IntArray, shape (C,)
+        The stop of each contact.
+    IntArray, shape (C, 2)
+        Its first and its last segment.
+    BoolArray, shape (C, 2)
+        Whether it was there at the start already, and is there at the end still.
+    FloatArray, FloatArray, each of shape (C,)
+        Its area, m s, and its deepest penetration, m.
+    """
+    stops, room = closed.size, stop.size + closed.size
+    which, rows, open_at = np.zeros(room, np.int64), np.zeros((room, 2), np.int64), np.zeros((room, 2), np.bool_)
+    total, most, found = np.zeros(room), np.zeros(room), 0
+    since, begun = np.where(closed, 0, -1), closed.copy()
+    so_far, depth = np.zeros(stops), np.zeros(stops)
+    for i in range(stop.size):
+        last = i == stop.size - 1
+        for k in range(stops):
+            if since[k] < 0:
+                continue
+            so_far[k] += area[i, k]
+            depth[k] = max(depth[k], deepest[i, k])
+            if stop[i] == k or last:
+                which[found], rows[found, 0], rows[found, 1] = k, since[k], i
+                open_at[found, 0], open_at[found, 1] = begun[k], stop[i] != k
+                total[found], most[found] = so_far[k], depth[k]
+                found += 1
+        k = stop[i]
+        if k >= 0:
+            since[k] = i + 1 if since[k] < 0 else -1
+            begun[k], so_far[k], depth[k] = False, 0.0, 0.0
+    return which[:found], rows[:found], open_at[:found], total[:found], most[:found]

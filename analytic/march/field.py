@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from analytic.march.compiled import Log
 from analytic.march.contacts import contacts_of
 from analytic.march.joint import Joint
-from analytic.march.march import March, Segment
 from analytic.march.ramp_segment import coordinates_on_ramps
 from analytic.march.ramps import RampTables, on_block, ramp_tables
 from analytic.march.tables import IntArray
@@ -20,75 +21,98 @@ from lapjoint.answers import Field, History
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
-_AT_ONCE = 2048  # times evaluated at once, so that what is held for them stays below 20 MB with 500 modes
+_AT_ONCE = 2**20  # numbers: coordinates that are held at once, 8 MB for each time derivative
+_LARGEST = 2048  # times in one matrix of terms, so that what is held for them stays below 20 MB with 500 modes
 
 
-@dataclass(frozen=True)
+class Part(NamedTuple):
+    """Times at which the motion is in one state, and the modal coordinates then."""
+
+    state: ContactState
+    here: IntArray
+    """Which of the times, shape ``(m,)``."""
+    which: IntArray
+    """The segments, shape ``(m,)``."""
+    q: FloatArray
+    """q_i or a time derivative, kg^1/2 m over powers of s, shape ``(N, m)``."""
+    sampled: FloatArray
+    """The sampled forces, or that derivative of theirs, N or N/m over powers of s, shape ``(R, m)``."""
+
+
+class _Latest(NamedTuple):
+    """What was evaluated last."""
+
+    t: FloatArray
+    """The times, s, shape ``(m,)``."""
+    parts: dict[int, list[Part]]
+    """The parts of the motion by the order of the time derivative."""
+
+
+@dataclass(frozen=True, eq=False)
 class ModalField:
-    """z(x, t), m, of (19); see `lapjoint.answers.Field`.  Segments of one contact state are evaluated together."""
+    """z(x, t), m, of (19); see `lapjoint.answers.Field`.  Segments of one contact state are evaluated together.
+
+    The modal coordinates at the times asked for last are kept, so that several places and derivatives cost little more
+    than one.
+    """
 
     joint: Joint
-    segments: tuple[Segment, ...]
-    """The motion, without gaps in time."""
+    log: Log
+    """The segments of the motion, without gaps in time."""
 
     def __call__(self, x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
         """The `dx`-th x- and `dt`-th t-derivative of z: ``x``, shape ``(n,)``, and ``t``, ``(m,)``, give ``(n, m)``."""
-        which = np.maximum(np.searchsorted(self._starts, t, side="right") - 1, 0)
-        result, state_at = np.empty((x.size, t.size)), self._state_of[which]
-        for i in np.unique(state_at):
-            state, here = self._states[i], np.flatnonzero(state_at == i)
-            for part in np.split(here, range(_AT_ONCE, here.size, _AT_ONCE)):
-                result[:, part] = self._in_state(state, which[part], x, t[part], dx, dt)
+        most = max(_AT_ONCE // self.log.q.shape[1], 1)
+        if t.size > most:
+            return np.concatenate([self(x, part, dx, dt) for part in np.split(t, range(most, t.size, most))], axis=1)
+        result = np.empty((x.size, t.size))
+        for part in self._parts(t, dt):
+            shapes = self.joint.shapes_at(part.state, x, dx)
+            result[:, part.here] = shapes.T @ part.q + self._rest(part, x, t[part.here], dx, dt)
         return result
 
-    @cached_property
-    def _starts(self) -> FloatArray:
-        """When each segment starts, s."""
-        return np.array([segment.start for segment in self.segments])
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    @cached_property
-    def _states(self) -> tuple[ContactState, ...]:
-        """The states of the segments, each once."""
-        return tuple(dict.fromkeys(segment.state for segment in self.segments))
+    def _parts(self, t: FloatArray, dt: int) -> list[Part]:
+        """The motion at given times, state by state; taken from the latest where it is that."""
+        latest: _Latest | None = self.__dict__.get("_latest")
+        if latest is None or not np.array_equal(latest.t, t):
+            latest = _Latest(t.copy(), {})
+            self.__dict__["_latest"] = latest
+        if dt not in latest.parts:
+            which = np.maximum(np.searchsorted(self.log.start, t, side="right") - 1, 0)
+            if self._ramps is None:
+                latest.parts[dt] = self._in_states(which, t, dt)
+            else:
+                latest.parts.update(enumerate(self._on_ramps(self._ramps, which, t)))
+        return latest.parts[dt]
 
-    @cached_property
-    def _state_of(self) -> IntArray:
-        """The index in `_states` of each segment's state."""
-        index = {state: i for i, state in enumerate(self._states)}
-        return np.array([index[segment.state] for segment in self.segments])
+    def _in_states(self, which: IntArray, t: FloatArray, dt: int) -> list[Part]:
+        """Where no force is sampled: the motion at the times ``(m,)`` in segments ``(m,)``."""
+        found, slot_at = [], self.log.slot[which]
+        for slot in np.unique(slot_at).tolist():
+            everywhere = np.flatnonzero(slot_at == slot)
+            for here in np.split(everywhere, range(_LARGEST, everywhere.size, _LARGEST)):
+                q = self._coordinates(slot, which[here], t[here], dt)
+                found.append(Part(self.joint.state_in(slot), here, which[here], q, np.zeros((0, here.size))))
+        return found
 
-    def _in_state(
-        self, state: ContactState, which: IntArray, x: FloatArray, t: FloatArray, dx: int, dt: int
-    ) -> FloatArray:
-        """z or a derivative of it at ``m`` times in segments `which`, ``(m,)``, of one state; shape ``(n, m)``."""
-        shapes = self.joint.modal(state).modes.shapes(x, dx)
-        return np.asarray(shapes.T @ self._coordinates(state, which, t, dt) + self._rest(state, which, x, t, dx, dt))
-
-    def _rest(self, state: ContactState, which: IntArray, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        """What the modes leave out of z, or of a derivative of it, shape ``(n, m)``."""
+    def _rest(self, part: Part, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+        """What the modes leave out of z, or of a derivative of it, at the times of a part, shape ``(n, m)``."""
         harmonics = self.joint.harmonics
         omega = harmonics.omega[:, None]
         loads = omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2)
         constant = np.full((1, t.size), float(dt == 0))
-        return np.asarray(self.joint.residual(state)(x, dx).T @ np.concatenate([constant, loads, self._sampled(t, dt)]))
+        left_out = self.joint.residual_at(part.state, x, dx)
+        return np.asarray(left_out.T @ np.concatenate([constant, loads, part.sampled]))
 
-    def _sampled(self, t: FloatArray, dt: int) -> FloatArray:
-        """The dt-th derivative of the sampled forces at the times ``(m,)``, shape ``(R, m)``."""
-        ramps = self.joint.problem.forces.ramps
-        if ramps is None or dt == 2:
-            return np.zeros((len(self.joint.problem.forces.sampled), t.size))
-        return np.asarray(ramps.at(t)[dt].T)
-
-    def _coordinates(self, state: ContactState, which: IntArray, t: FloatArray, dt: int) -> FloatArray:
-        """q_i or its dt-th derivative at the times ``(m,)``, shape ``(N, m)``."""
-        tables, slot, (segments, at) = self.joint.tables, self.joint.slot(state), np.unique(which, return_inverse=True)
+    def _coordinates(self, slot: int, which: IntArray, t: FloatArray, dt: int) -> FloatArray:
+        """q_i or its dt-th derivative at the times ``(m,)`` of one state, shape ``(N, m)``."""
+        tables, (segments, at) = self.joint.tables, np.unique(which, return_inverse=True)
         n, terms = int(tables.modes[slot]), tables.terms[slot]
-        q, v = (np.stack([getattr(self.segments[i], name) for i in segments]) for name in "qv")
-        start, count = self._starts[segments], segments.size
-        if self.joint.problem.forces.ramps is not None:
-            order, result = np.lexsort((t, at)), np.zeros((t.size, tables.kind.shape[1]))
-            self._on_ramps(slot, start, q, v, at[order], t[order], dt, result)
-            return np.asarray(result[np.argsort(order), :n].T)
+        q, v = (np.ascontiguousarray(part[segments, :n]) for part in (self.log.q, self.log.v))
+        start, count = self.log.start[segments], segments.size
         theta, c = np.zeros((count, tables.omega.size), dtype=complex), np.zeros((count, terms), dtype=complex)
         poly = np.zeros((count, n, 3))
         start_all_terms(tables, slot, start, q, v, theta, c, poly)
@@ -100,37 +124,33 @@ class ModalField:
         np.add.at(result, tables.mode_of[slot, n:terms], free[n:])
         return np.asarray(result)
 
-    def _on_ramps(
-        self,
-        slot: int,
-        start: FloatArray,
-        q: FloatArray,
-        v: FloatArray,
-        which: IntArray,
-        t: FloatArray,
-        dt: int,
-        result: FloatArray,
-    ) -> None:
-        """Write q_i or its dt-th derivative at ascending times in segments of one state, block by block of the ramps.
-
-        Arguments are those of `analytic.march.ramp_segment.coordinates_on_ramps`: a segment lies in one block.
-        """
-        blocks, made, first = self.joint.problem.forces.ramps, self._ramps, 0
-        assert blocks is not None
-        assert made is not None
-        while first < t.size:
-            block = blocks.block_at(float(start[which[first]]))
-            after = int(np.searchsorted(start, block.end)) if block.end < blocks.end else start.size
-            last = int(np.searchsorted(which, after))
-            here, made = slice(first, last), on_block(made, self.joint, block)
-            coordinates_on_ramps(self.joint.tables, made, slot, start, q, v, which[here], t[here], dt, result[here])
-            first = last
-
     @cached_property
     def _ramps(self) -> RampTables | None:
         """What all states of the motion make of the ramps, with the block that it begins in."""
         blocks = self.joint.problem.forces.ramps
-        return None if blocks is None else ramp_tables(self.joint, blocks.block_at(float(self._starts[0])))
+        return None if blocks is None else ramp_tables(self.joint, blocks.block_at(float(self.log.start[0])))
+
+    def _on_ramps(self, made: RampTables, which: IntArray, t: FloatArray) -> list[list[Part]]:
+        """The motion and two time derivatives at times ``(m,)`` in segments ``(m,)``, block by block of the ramps."""
+        order, log, blocks, first = np.lexsort((t, which)), self.log, self.joint.problem.forces.ramps, 0
+        assert blocks is not None
+        at, times, found = which[order], t[order], np.zeros((t.size, 3, log.q.shape[1]))
+        while first < t.size:
+            block = blocks.block_at(float(log.start[at[first]]))
+            made = on_block(made, self.joint, block)
+            after = int(np.searchsorted(log.start, block.end)) if block.end < blocks.end else log.start.size
+            here = slice(first, int(np.searchsorted(at, after)))
+            arrays = log.slot, log.start, log.q, log.v, at[here], times[here], found[here]
+            coordinates_on_ramps(self.joint.tables, made, *arrays)
+            first = here.stop
+        force, slope = blocks.at(times)
+        loads = np.stack([force, slope, np.zeros_like(force)])
+        parts: list[list[Part]] = [[], [], []]
+        for slot in np.unique(log.slot[at]).tolist():
+            state, i, n = self.joint.state_in(slot), np.flatnonzero(log.slot[at] == slot), self.joint.tables.modes[slot]
+            for dt in range(3):
+                parts[dt].append(Part(state, order[i], at[i], found[i, dt, :n].T, loads[dt, i].T))
+        return parts
 
 
 def _forced(amplitude: ComplexArray, theta: ComplexArray, omega: FloatArray, s: FloatArray, dt: int) -> FloatArray:
@@ -142,15 +162,17 @@ def _forced(amplitude: ComplexArray, theta: ComplexArray, omega: FloatArray, s: 
     return np.asarray((amplitude.T @ waves).imag)
 
 
-def history_of(name: str, motion: March, field: Field | None = None) -> History:
+def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) -> History:
     """A marched motion as a History.
 
     Parameters
     ----------
     name : str
         Name and options of the solver.
-    motion : March
-        The motion, recorded with `depth`.
+    joint : Joint
+        What moves.
+    log : Log
+        The segments of the motion, at least one, marched with `depth`.
     field : Field, optional
         z(x, t) of the motion; by default a `ModalField`.
 
@@ -159,16 +181,16 @@ def history_of(name: str, motion: March, field: Field | None = None) -> History:
     History
         The motion with its contacts.
     """
-    segments = motion.segments
-    switched = [i for i, segment in enumerate(segments[:-1]) if segment.switched >= 0]
+    switched = np.flatnonzero(log.stop[:-1] >= 0)
+    states = {slot: joint.state_in(slot) for slot in np.unique(log.slot).tolist()}
     return History(
-        problem=motion.joint.problem,
+        problem=joint.problem,
         solver=name,
-        start=segments[0].start,
-        end=segments[-1].end,
-        switch_times=np.array([segments[i].end for i in switched]),
-        states=(segments[0].state, *(segments[i + 1].state for i in switched)),
-        contacts=contacts_of(motion),
-        field=field or ModalField(motion.joint, segments),
-        highest_mode=max(float(motion.joint.modal(state).modes.omega[-1]) for state in {s.state for s in segments}),
+        start=float(log.start[0]),
+        end=float(log.end[-1]),
+        switch_times=log.end[switched],
+        states=tuple(states[slot] for slot in log.slot[np.append(0, switched + 1)].tolist()),
+        contacts=contacts_of(joint, log),
+        field=field or ModalField(joint, log),
+        highest_mode=max(float(joint.modal(state).modes.omega[-1]) for state in states.values()),
     )

@@ -8,6 +8,9 @@ not.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from analytic.march.known_states import KnownStates, memory_of
@@ -29,6 +32,8 @@ from analytic.modes.static_residual import Residual
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
+_FEW_PLACES, _KEPT_PLACES = 64, 256
+"""Shapes at few places are kept, up to so many: with 20 modes 3 MB."""
 _SPARE = 4  # slots added when all are filled: a few, so that the tables are not copied for each new state
 
 
@@ -54,6 +59,7 @@ class Joint:
         self.counts = (free_modes, contact_modes)
         self._memory = memory_of(self.family, self.counts)
         self._at_stops: dict[ContactState, tuple[FloatArray, FloatArray]] = {}
+        self._places: dict[tuple[Any, ...], FloatArray] = {}
         self._fill_known(self._memory.known)
 
     def count(self, state: ContactState) -> int:
@@ -100,6 +106,56 @@ class Joint:
             1 + H + R shapes, m, the one of the constant load first, those of the sampled loads for each unit of load.
         """
         return self.modal(state).residual.scaled(self.sizes)
+
+    def shapes_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
+        """The modes of a state at places.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed, with ``N`` modes.
+        x : FloatArray, shape (n,)
+            Positions, m.
+        dx : int
+            Order of the x-derivative, 0 to 3.
+
+        Returns
+        -------
+        FloatArray, shape (N, n)
+            kg^-1/2 m^-dx; not to be written to.
+        """
+        modes = self.modal(state).modes
+        return self._at_places(("shapes", state, x.tobytes(), dx), lambda: modes.shapes(x, dx), x.size)
+
+    def residual_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
+        """The residual shapes of the loads as they are, at places.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+        x : FloatArray, shape (n,)
+            Positions, m.
+        dx : int
+            Order of the x-derivative, 0 to 3.
+
+        Returns
+        -------
+        FloatArray, shape (1 + H + R, n)
+            As `residual`, m^(1 - dx); not to be written to.
+        """
+        return self._at_places(("residual", state, x.tobytes(), dx), lambda: self.residual(state)(x, dx), x.size)
+
+    def _at_places(self, key: tuple[Any, ...], make: Callable[[], FloatArray], places: int) -> FloatArray:
+        """What was made for a key before, if that was lately, and of few places."""
+        if places > _FEW_PLACES:
+            return make()
+        found = self._places.get(key)
+        if found is None:
+            if len(self._places) >= _KEPT_PLACES:
+                self._places.clear()
+            found = self._places[key] = make()
+        return found
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
         """The map from one state to another, for the loads as they are.

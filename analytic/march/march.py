@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from analytic.march.compiled import (
     PENDING,
     SLOT,
     STUCK,
+    SWITCHES,
     TOO_MANY,
     Log,
     Motion,
@@ -113,24 +115,93 @@ def march(
     SolverError
         If more than `max_switches` switches occur, or the march makes no progress.
     """
-    motion = begun(joint, begin, start)
-    modes, stops = motion.q.size, motion.total.size
-    log, full = new_log(_ROOM, modes, stops) if record else no_log(modes, stops), []
+    marching = Marching(joint, begin, start, room=_ROOM if record else 0, depth=depth, max_switches=max_switches)
     parts = _PROGRESS_PARTS if progress is not None and not record else 1
-    ramps = RampState(joint, start) if joint.problem.forces.sampled else None
+    full = []
     for goal in [start + (end - start) * (i + 1) / parts for i in range(parts - 1)] + [end]:
-        status = LOG_FULL
-        while status != DONE or motion.time[0] < goal:
-            until = goal if ramps is None else min(goal, ramps.move_to(float(motion.time[0])))
-            on = None if ramps is None else ramps.tables
-            status, logged = advance(joint.tables, None, on, motion, until, log, depth, 0.0, max_switches)
-            if logged:
-                full.append(copied(log, logged))
-            if status != DONE:
-                settle_status(joint, motion, status, max_switches)
+        for log in marching.logs_to(goal):
+            full.append(log)
             if progress is not None:
-                progress(float(motion.time[0]) - start, end - start)
-    return March(joint, joined(full) if full else log, ended(joint, motion), motion.total)
+                progress(marching.time - start, end - start)
+    return March(joint, joined(full), marching.end, marching.penetration)
+
+
+class Marching:
+    """A march that goes on from time to time.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+    begin : Coordinates
+        Where the motion begins.
+    start : float
+        When, s.
+    room : int
+        Number of segments after which the log is handed on; 0 for none.
+    depth : bool
+        Whether to find the deepest penetration of each contact.
+    max_switches : int
+        After how many switches to give up.
+    """
+
+    def __init__(
+        self, joint: Joint, begin: Coordinates, start: float, *, room: int, depth: bool, max_switches: int
+    ) -> None:
+        self._joint, self._motion = joint, begun(joint, begin, start)
+        modes, stops = self._motion.q.size, self._motion.total.size
+        self._log = new_log(room, modes, stops) if room else no_log(modes, stops)
+        self._ramps = RampState(joint, start) if joint.problem.forces.sampled else None
+        self._depth, self._max_switches = depth, max_switches
+
+    @property
+    def time(self) -> float:
+        """Until when it has come, s."""
+        return float(self._motion.time[0])
+
+    @property
+    def end(self) -> Coordinates:
+        """Where it is."""
+        return ended(self._joint, self._motion)
+
+    @property
+    def penetration(self) -> FloatArray:
+        """Time integral of each stop's penetration so far, m s, shape ``(P,)``."""
+        return self._motion.total.copy()
+
+    def forget_switches(self) -> None:
+        """Count switches from here on."""
+        self._motion.counts[SWITCHES] = 0
+
+    def logs_to(self, goal: float) -> Iterator[Log]:
+        """March on to a time; a segment ends there.
+
+        Parameters
+        ----------
+        goal : float
+            s.
+
+        Yields
+        ------
+        Log
+            The segments since the last one; none of them if there is no room.
+
+        Raises
+        ------
+        SolverError
+            If there are too many switches, or the march makes no progress.
+        """
+        motion, status = self._motion, LOG_FULL
+        while status != DONE or motion.time[0] < goal:
+            until, ramps = goal, None
+            if self._ramps is not None:
+                until, ramps = min(goal, self._ramps.move_to(self.time)), self._ramps.tables
+            status, logged = advance(
+                self._joint.tables, None, ramps, motion, until, self._log, self._depth, 0.0, self._max_switches
+            )
+            if status != DONE:
+                settle_status(self._joint, motion, status, self._max_switches)
+            yield copied(self._log, logged)
 
 
 def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:

@@ -409,53 +409,56 @@ def carry_ramps(
 def coordinates_on_ramps(
     tables: Tables,
     ramps: RampTables,
-    slot: int,
+    slots: IntArray,
     start: FloatArray,
     q: FloatArray,
     v: FloatArray,
     which: IntArray,
     t: FloatArray,
-    order: int,
     result: FloatArray,
 ) -> None:
-    """Write a time derivative of the modal displacements at ``m`` times in ``M`` segments of one state.
+    """Write the modal displacements and two of their time derivatives at ``m`` times in ``M`` segments.
 
     Parameters
     ----------
     tables, ramps : Tables, RampTables
         The states of the joint, and the ramps.
-    slot : int
-        The state.
+    slots : IntArray, shape (M,)
+        The state of each segment.
     start : FloatArray, shape (M,)
-        When each segment starts, s.
+        When it starts, s.
     q, v : FloatArray, shape (M, N)
         Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, then.
     which : IntArray, shape (m,)
         The segment of each time, ascending.
     t : FloatArray, shape (m,)
         The times, s, ascending.
-    order : int
-        Which derivative, 0 to 2.
-    result : FloatArray, shape (m, N)
-        kg^1/2 m over s^order; written.
+    result : FloatArray, shape (m, 3, N)
+        kg^1/2 m over powers of s; written.
     """
-    theta = np.zeros(tables.omega.size, dtype=np.complex128)
-    term, none = np.zeros(tables.root.shape[1], dtype=np.complex128), np.zeros(0, dtype=np.complex128)
-    body, terms, j, base = np.zeros((2, 4)), tables.terms[slot], 0, 0.0
+    theta, none = np.zeros(tables.omega.size, dtype=np.complex128), np.zeros(0, dtype=np.complex128)
+    term, now = np.zeros((2, tables.root.shape[1]), dtype=np.complex128)
+    body, moved, slot, j, base = np.zeros((2, 4)), np.zeros((2, 4)), 0, 0, 0.0
     for i in range(t.size):
         if i == 0 or which[i] != which[i - 1]:
-            base = start[which[i]]
+            slot, base = slots[which[i]], start[which[i]]
             j = interval_at(ramps, j, base)
             set_phases(tables, base, theta)
             start_on_ramps(tables, ramps, slot, j, base, theta, q[which[i]], v[which[i]], term, body)
+        terms = tables.terms[slot]
         while j < ramps.time.size - 2 and ramps.time[j + 1] <= t[i]:
             s = ramps.time[j + 1] - base
-            turn_exactly(tables.root[slot], tables.omega[:0], terms, s, term, none)
+            if base == ramps.time[j] and abs(s - ramps.spacing) <= _ROUNDINGS * ramps.time[j + 1]:
+                for k in range(terms):
+                    term[k] *= ramps.whole[slot, k]
+            else:
+                turn_exactly(tables.root[slot], tables.omega[:0], terms, s, term, none)
             j += 1
             base = ramps.time[j]
             over_knot(tables, ramps, slot, j, s, theta, term, body)
-        now, moved = term.copy(), body.copy()
+        now[:], moved[:] = term, body
         turn_exactly(tables.root[slot], tables.omega[:0], terms, t[i] - base, now, none)
         move_body(ramps.drag[slot], t[i] - base, moved)
         set_phases(tables, t[i], theta)
-        state_on_ramps(tables, ramps, slot, j, t[i], theta, now, moved, order, result[i])
+        for order in range(3):
+            state_on_ramps(tables, ramps, slot, j, t[i], theta, now, moved, order, result[i, order])

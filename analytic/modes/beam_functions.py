@@ -100,6 +100,29 @@ class BeamFunctions:
         """
         return BeamFunctions(self.nodes, self.mu[which], self.right, self.c[which], self.p[which])
 
+    def on(self, nodes: FloatArray) -> BeamFunctions:
+        """The same functions on shorter spans.
+
+        Parameters
+        ----------
+        nodes : FloatArray, shape (T + 1,)
+            Ends of those spans, m, ascending; the ends of the present ones are among them.
+
+        Returns
+        -------
+        BeamFunctions
+            As many functions.
+        """
+        if nodes.size == self.nodes.size:
+            return self
+        span = np.searchsorted(self.nodes, nodes[:-1], side="right") - 1
+        before, after = (
+            np.where(self.right, ends[1:, None], ends[:-1, None])[which]
+            for ends, which in ((self.nodes, span), (nodes, np.arange(nodes.size - 1)))
+        )
+        moved = np.exp(self.mu[:, None, :] * (after - before))  # inwards, where each exponential is smaller
+        return BeamFunctions(nodes, self.mu, self.right, self.c[:, span] * moved, self.p[:, span])
+
     def mixed(self, matrix: FloatArray) -> BeamFunctions:
         """Combinations ``matrix @ functions`` of functions whose exponents are the same.
 
@@ -151,13 +174,15 @@ def gram(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
     Parameters
     ----------
     f, g : BeamFunctions
-        Two families on the same spans, of ``n_f`` and ``n_g`` functions.
+        Two families on the same beam, of ``n_f`` and ``n_g`` functions.
 
     Returns
     -------
     FloatArray, shape (n_f, n_g)
         In the product of the units of the functions, times m.
     """
+    nodes = np.union1d(f.nodes, g.nodes)
+    f, g = f.on(nodes), g.on(nodes)
     a, b = _fourth_powers(f)[:, None], _fourth_powers(g)[None, :]
     near = np.abs(a - b) <= _NEAR * np.maximum(np.abs(a), np.abs(b))
     total = np.where(near, 0.0, _boundary_terms(f, g) / np.where(near, 1.0, a - b))

@@ -17,6 +17,8 @@ from analytic.modes.beam_functions import BeamFunctions, ComplexArray
 from analytic.modes.characteristic_equation import Layout
 from lapjoint.problem import FloatArray
 
+BAND = 5  # diagonals on each side of the main one that hold anything: a node's rows reach over the spans beside it
+
 
 @dataclass(frozen=True)
 class Waves:
@@ -99,8 +101,8 @@ def _end_values(waves: Waves, length: float, at_right: bool) -> FloatArray:
     return np.asarray(np.einsum("ndj,wj->ndw", terms, waves.selection).real)
 
 
-def boundary_matrix(layout: Layout, waves: Waves) -> FloatArray:
-    """The matrix [g] of (15): two rows at each end, four at each inner node.
+def boundary_band(layout: Layout, waves: Waves) -> FloatArray:
+    """The matrix [g] of (15) by its diagonals: two rows at each end, four at each inner node.
 
     At each node the last two rows are the moment and the force balance, each divided by 1 plus the scaled
     stiffness; inner nodes have the continuity of deflection and slope before them.
@@ -114,34 +116,60 @@ def boundary_matrix(layout: Layout, waves: Waves) -> FloatArray:
 
     Returns
     -------
-    FloatArray, shape (n, 4 S, 4 S)
-        Without unit.
+    FloatArray, shape (n, 2 BAND + 1, 4 S)
+        Element (i, j) of the matrix stands in row BAND + i - j and column j; without unit.
     """
     spans, n = layout.spans.size, waves.scale.size
-    matrix = np.zeros((n, 4 * spans, 4 * spans))
+    band = np.zeros((n, 2 * BAND + 1, 4 * spans))
+
+    def add(row: int, span: int, values: FloatArray) -> None:
+        columns = 4 * span + np.arange(4)
+        band[:, BAND + row - columns, columns] += values
+
     row = 0
     for node in range(spans + 1):
         left = _end_values(waves, layout.spans[node - 1], True) if node > 0 else None
         right = _end_values(waves, layout.spans[node], False) if node < spans else None
-        left_columns = slice(4 * (node - 1), 4 * node)
-        right_columns = slice(4 * node, 4 * node + 4)
         if left is not None and right is not None:
             for d in (0, 1):
-                matrix[:, row, left_columns] = -left[:, d]
-                matrix[:, row, right_columns] = right[:, d]
+                add(row, node - 1, -left[:, d])
+                add(row, node, right[:, d])
                 row += 1
         # (13b), (13f), (13h): M(+) - M(-) = kt theta;  (13a), (13e), (13g): V(+) - V(-) = -k phi
         for d, stiffness, sign in ((1, layout.torsional[node], -1.0), (0, layout.translational[node], 1.0)):
             jump, hold = _balance_weights(stiffness, waves.scale ** (3 - 2 * d), sign)
             values = right if right is not None else left
-            columns = right_columns if right is not None else left_columns
             assert values is not None
             if right is not None:
-                matrix[:, row, right_columns] += jump[:, None] * right[:, 3 - d]
+                add(row, node, jump[:, None] * right[:, 3 - d])
             if left is not None:
-                matrix[:, row, left_columns] -= jump[:, None] * left[:, 3 - d]
-            matrix[:, row, columns] += hold[:, None] * values[:, d]
+                add(row, node - 1, -jump[:, None] * left[:, 3 - d])
+            add(row, node if right is not None else node - 1, hold[:, None] * values[:, d])
             row += 1
+    return band
+
+
+def boundary_matrix(layout: Layout, waves: Waves) -> FloatArray:
+    """The matrix of `boundary_band` as a whole.
+
+    Parameters
+    ----------
+    layout : Layout
+        The beam with its springs, of ``S`` spans.
+    waves : Waves
+        The waves on every span, for ``n`` wave numbers.
+
+    Returns
+    -------
+    FloatArray, shape (n, 4 S, 4 S)
+        Without unit.
+    """
+    band = boundary_band(layout, waves)
+    size = band.shape[2]
+    matrix = np.zeros((band.shape[0], size, size))
+    for offset in range(-BAND, BAND + 1):
+        columns = np.arange(max(0, -offset), min(size, size - offset))
+        matrix[:, columns + offset, columns] = band[:, BAND + offset, columns]
     return matrix
 
 
@@ -154,7 +182,7 @@ def _balance_weights(stiffness: float, scale: FloatArray, sign: float) -> tuple[
 
 
 def force_row(layout: Layout, node: int) -> int:
-    """Index of the force balance row of a node in `boundary_matrix`.
+    """Index of the force balance row of a node in `boundary_band`.
 
     Parameters
     ----------

@@ -77,20 +77,22 @@ class Layout:
         return 1 if len({row[1] for row in rows}) == 1 or rows[0][0] == 0 else 0
 
 
-def node_positions(problem: Problem) -> FloatArray:
-    """Ends of the beam and every point where something acts.
+def node_positions(problem: Problem, closed: tuple[int, ...]) -> FloatArray:
+    """Ends of the beam and every point where something acts; open stops do not.
 
     Parameters
     ----------
     problem : Problem
         What is solved.
+    closed : tuple of int
+        The closed stops.
 
     Returns
     -------
     FloatArray, shape (nodes,)
         Positions, m, ascending.
     """
-    parts = (*problem.supports, *problem.stops, *problem.point_loads)
+    parts = (*problem.supports, *(problem.stops[i] for i in closed), *problem.point_loads)
     return np.unique(np.array([0.0, problem.beam.length, *(part.x for part in parts)]))
 
 
@@ -109,7 +111,7 @@ def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
     Layout
         The nodes of the beam, and the springs at them.
     """
-    beam, x = problem.beam, node_positions(problem)
+    beam, x = problem.beam, node_positions(problem, closed)
     translational, torsional = np.zeros(x.size), np.zeros(x.size)
     for support in problem.supports:
         node = int(np.searchsorted(x, support.x))
@@ -199,27 +201,35 @@ def _span_functions(z: FloatArray, length: float) -> SpanFunctions:
     decay = np.exp(-s)
     ch, sh = (1 + decay**2) / 2, -np.expm1(-2 * s) / 2
     cos, sin = np.cos(s), np.sin(s)
-    small = s < _SERIES_BELOW
-    one_minus = np.where(small, decay * _one_minus_cos_cosh(np.where(small, s, 0)), decay - ch * cos)
-    difference = np.where(small, decay * _sin_cosh_minus_cos_sinh(np.where(small, s, 0)), sin * ch - cos * sh)
+    difference = np.where(s < _SERIES_BELOW, decay * s**3 * _series(s, _SIN_COSH_LESS), sin * ch - cos * sh)
     return (
         (decay + ch * cos) / 2,
         ch * cos,
         (sin * ch + cos * sh) / (2 * z),
         sin * sh / (2 * z**2),
         difference / (4 * z**3),
-        one_minus / (4 * z**4),
+        _one_minus_cos_cosh(s) / (4 * z**4),
     )
 
 
 def _one_minus_cos_cosh(s: FloatArray) -> FloatArray:
-    """1 - cos s cosh s = -sum_{n>0} (-4)^n s^(4n) / (4n)!, without cancellation for small s."""
-    return -sum(((-4.0) ** n / math.factorial(4 * n) * s ** (4 * n) for n in range(1, 8)), np.zeros_like(s))
+    """(1 - cos s cosh s) / exp(s), without cancellation for small s: -sum_{n>0} (-4)^n s^(4n) / (4n)! over exp(s)."""
+    decay = np.exp(-s)
+    return np.where(s < _SERIES_BELOW, -decay * _series(s, _ONE_MINUS_COS_COSH), decay - (1 + decay**2) / 2 * np.cos(s))
 
 
-def _sin_cosh_minus_cos_sinh(s: FloatArray) -> FloatArray:
-    """sin s cosh s - cos s sinh s = sum_n (-4)^n 4 s^(4n+3) / (4n+3)!, without cancellation for small s."""
-    return sum((4 * (-4.0) ** n / math.factorial(4 * n + 3) * s ** (4 * n + 3) for n in range(8)), np.zeros_like(s))
+def _series(s: FloatArray, coefficients: list[float]) -> FloatArray:
+    """sum_n a_n (-4 s^4)^n for s below `_SERIES_BELOW`; of others something finite."""
+    x = -4 * np.minimum(s, _SERIES_BELOW) ** 4
+    total = np.zeros_like(s)
+    for coefficient in reversed(coefficients):
+        total = total * x + coefficient
+    return total
+
+
+_ONE_MINUS_COS_COSH = [0.0, *(1 / math.factorial(4 * n) for n in range(1, 8))]
+_SIN_COSH_LESS = [4 / math.factorial(4 * n + 3) for n in range(8)]
+"""sin s cosh s - cos s sinh s = s^3 sum_n a_n (-4 s^4)^n."""
 
 
 def count_below(layout: Layout, z: FloatArray) -> IntArray:
@@ -266,7 +276,7 @@ def _clamped_after(
 
 def _clamped_span_sign(s: FloatArray) -> FloatArray:
     """Sign of the clamped-clamped characteristic 1 - cos s cosh s."""
-    return np.where(_span_functions(s, 1.0)[5] >= 0, 1.0, -1.0)
+    return np.where(_one_minus_cos_cosh(s) >= 0, 1.0, -1.0)
 
 
 def _clamped_span_count(s: FloatArray) -> IntArray:

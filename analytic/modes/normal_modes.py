@@ -25,14 +25,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from analytic.modes.beam_functions import BeamFunctions, gram, squares
-from analytic.modes.boundary_conditions import boundary_matrix, mode_waves
+from analytic.modes.boundary_conditions import BAND, boundary_band, boundary_matrix, mode_waves
 from analytic.modes.characteristic_equation import Layout, frequencies, layout_of
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem
 
 _POOL = 40  # least number of modes computed at once; doubled until it is enough
+_FEW_SPANS = 6  # up to so many all modes are solved for at once, as dense matrices; more take them by their diagonals
 _TWIN = 1e-9  # relative distance of roots below which they are one root to the boundary matrix
 _CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are made orthogonal
 
@@ -132,12 +134,14 @@ def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:
     waves, spans = mode_waves(z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
-        matrix = boundary_matrix(layout, waves)
-        amplitudes = _null_vectors(matrix)
+        if spans <= _FEW_SPANS:
+            amplitudes = _null_vectors(boundary_matrix(layout, waves))
+        else:
+            amplitudes = np.array([_null_vector_of_band(band) for band in boundary_band(layout, waves)])
         # Roots that coincide to rounding share a null space of two dimensions: take one vector each.
         twin = np.flatnonzero(np.diff(z) < _TWIN * z[1:])
         if twin.size:
-            vh = np.linalg.svd(matrix[twin])[2]
+            vh = np.linalg.svd(boundary_matrix(layout, mode_waves(z[twin])))[2]
             amplitudes[twin], amplitudes[twin + 1] = vh[:, -2], vh[:, -1]
     return waves.functions(layout.x * L, amplitudes.reshape(z.size, spans, 4), L)
 
@@ -158,6 +162,25 @@ def _null_vectors(matrix: FloatArray) -> FloatArray:
             continue
         return np.asarray(found / np.sqrt((found**2).sum(axis=1, keepdims=True)))
     return np.asarray(np.linalg.svd(matrix)[2][:, -1])
+
+
+def _null_vector_of_band(band: FloatArray) -> FloatArray:
+    """The same of one matrix by its diagonals, ``(2 BAND + 1, m)``, in a time that grows as m does; gives ``(m,)``."""
+    m = band.shape[1]
+    transposed = np.zeros_like(band)
+    for offset in range(-BAND, BAND + 1):
+        columns = np.arange(max(0, -offset), min(m, m - offset))
+        transposed[BAND - offset, columns + offset] = band[BAND + offset, columns]
+    start, wave = np.cos(np.arange(m)), np.cos(np.arange(band.size).reshape(band.shape))
+    for wobble in (0.0, 8 * np.finfo(float).eps, 64 * np.finfo(float).eps):
+        try:
+            left = solve_banded((BAND, BAND), transposed * (1 + wobble * wave), start)
+            found = solve_banded((BAND, BAND), band * (1 + wobble * wave), left / np.abs(left).max())
+        except np.linalg.LinAlgError:
+            continue
+        return np.asarray(found / np.sqrt(found @ found))
+    matrix = sum(np.diag(band[BAND + d, max(0, -d) : min(m, m - d)], -d) for d in range(-BAND, BAND + 1))
+    return np.asarray(np.linalg.svd(matrix)[2][-1])
 
 
 def _rigid_shapes(layout: Layout, rigid: int, L: float) -> FloatArray:

@@ -20,9 +20,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from analytic.modes.beam_functions import BeamFunctions
-from analytic.modes.boundary_conditions import boundary_matrix, force_row, foundation_waves
+from analytic.modes.boundary_conditions import BAND, boundary_band, force_row, foundation_waves
 from analytic.modes.characteristic_equation import layout_of
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
@@ -103,7 +104,7 @@ def _foundation_shapes(problem: Problem, state: ContactState, loads: Loads, stif
     """Deflections under each load of the beam on springs and a foundation of `stiffness`, N/m2."""
     layout, L, EI = layout_of(problem, state.closed), problem.beam.length, problem.beam.EI
     waves, n, spans = foundation_waves(np.array([_FOUNDATION])), loads.uniform.size, layout.spans.size
-    matrix = boundary_matrix(layout, waves)[0]
+    band = boundary_band(layout, waves)[0]
     particular = loads.uniform / stiffness  # the same constant on every span: it satisfies continuity
     right_hand = np.zeros((4 * spans, n))
     scale = _FOUNDATION**3
@@ -115,7 +116,7 @@ def _foundation_shapes(problem: Problem, state: ContactState, loads: Loads, stif
             # EI (u'''(+) - u'''(-)) + k u = P, in units of scale (1 + k / scale) EI / L^3
             force = loads.concentrated[:, node] * L**3 / EI
             right_hand[row] = (force - k * particular) / scale / (1 + k / scale)
-    amplitudes = np.linalg.solve(matrix, right_hand).T.reshape(n, spans, 4)
+    amplitudes = solve_banded((BAND, BAND), band, right_hand).T.reshape(n, spans, 4)
     repeated = foundation_waves(np.full(n, _FOUNDATION))
     shapes = repeated.functions(layout.x * L, amplitudes, L)
     constant = np.zeros((n, spans, 2))

@@ -7,25 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.march import field
-from analytic.march.tables import IntArray
 from analytic.published.joint import PublishedJoint
 from analytic.published.march import PublishedMarch
 from lapjoint.answers import History
-from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PublishedField(field.ModalField):
     """z(x, t) of (20), segment by segment: the modes' part moves, the rest of G stands still."""
 
     motion: PublishedMarch
 
-    def _rest(self, state: ContactState, which: IntArray, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+    def _rest(self, part: field.Part, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
         """The frozen shapes of the segments, or their dx-th derivative, m; nothing if they are asked how they move."""
         joint, total = self.joint, np.zeros((x.size, t.size))
         assert isinstance(joint, PublishedJoint)
-        rest = self.motion.rest[np.searchsorted(self.motion.log.start, self._starts[which], side="right") - 1]
+        rest = self.motion.rest[part.which]
         for slot in joint.order[joint.order < rest.shape[1]] if dt == 0 else ():
             if rest[:, slot].any():
                 shapes = joint.modal(joint.state_in(slot)).modes.shapes(x, dx)
@@ -48,4 +46,4 @@ def history_of(name: str, motion: PublishedMarch) -> History:
     History
         The motion with its contacts.
     """
-    return field.history_of(name, motion, PublishedField(motion.joint, motion.segments, motion))
+    return field.history_of(name, motion.joint, motion.log, PublishedField(motion.joint, motion.log, motion))

@@ -13,6 +13,7 @@ So rounding makes no contact, and a stop that rests on a gap of zero stays as it
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -25,17 +26,15 @@ from lapjoint.problem import FloatArray
 BoolArray = npt.NDArray[np.bool_]
 IndexArray = npt.NDArray[np.intp]
 _STEPS = 60  # of Newton's method or of halving, at most; 52 halvings leave the last digit of an interval
-_CONTINUOUS = 1e6  # roundings: a stop further beyond its switch than this has not just switched, but switches at once
+CONTINUOUS = 1e6
+"""Roundings: a stop further beyond its switch than this has not just switched, but switches at once."""
 _LATE = 4  # resolutions: another stop's switch may have been located so much later than this stop's
 _RESOLUTION = 2.0**-50  # relative: a crossing is located to four rounding errors of the times that are searched
 _FEW = 4  # steps: so many are searched sooner than a second look at them excludes some
 
 
-class Gaps(Protocol):
-    """The gap functions h, m, of ``P`` stops: h rises through 0 where a stop opens or closes."""
-
-    def __call__(self, t: FloatArray) -> FloatArray:
-        """All gap functions at the times ``t``, s, shape ``(m,)``: m, shape ``(P, m)``."""
+class BoundedGaps(Protocol):
+    """The gap functions h, m, of ``P`` stops, with bounds: h rises through 0 where a stop opens or closes."""
 
     def at(self, k: int, t: float) -> tuple[float, float]:
         """One gap function and its rate at one time.
@@ -56,22 +55,6 @@ class Gaps(Protocol):
     @property
     def curvature(self) -> FloatArray:
         """Bounds on \\|h''\\| at all times, m/s2, shape ``(P,)``: quickly had, for a first look."""
-
-    def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
-        """One gap function and its rate at both ends of a step of the grid that is searched.
-
-        Parameters
-        ----------
-        k : int
-            The stop.
-        i : int
-            Which step.
-
-        Returns
-        -------
-        float, float, float, float
-            h, m, and h', m/s, at its beginning; h and h' at its end.
-        """
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
         """How far each gap function may rise above, or fall below, both ends of an interval.
@@ -134,6 +117,29 @@ class Gaps(Protocol):
         """
 
 
+class Gaps(BoundedGaps, Protocol):
+    """The same, on a grid of times, too."""
+
+    def __call__(self, t: FloatArray) -> FloatArray:
+        """All gap functions at the times ``t``, s, shape ``(m,)``: m, shape ``(P, m)``."""
+
+    def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
+        """One gap function and its rate at both ends of a step of the grid that is searched.
+
+        Parameters
+        ----------
+        k : int
+            The stop.
+        i : int
+            Which step.
+
+        Returns
+        -------
+        float, float, float, float
+            h, m, and h', m/s, at its beginning; h and h' at its end.
+        """
+
+
 @dataclass(frozen=True)
 class Switch:
     """A stop opens or closes."""
@@ -144,8 +150,8 @@ class Switch:
     """Which stop."""
 
 
-class _Interval(NamedTuple):
-    """An interval with a gap function and its rate at both ends."""
+class Part(NamedTuple):
+    """A part of the time, with a gap function and its rate at both ends."""
 
     start: float
     """s."""
@@ -185,19 +191,51 @@ def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, rounding: FloatArray,
     held, level, suspicious, steps = _first_look(h, rounding, fresh, gaps.curvature, float(t[1] - t[0]))
     if steps.size > _FEW:
         suspicious, steps = _second_look(gaps, t, h, level, suspicious, steps)
-    resolution = _RESOLUTION * max(abs(float(t[0])), abs(float(t[-1])))
+    latest = max(abs(float(t[0])), abs(float(t[-1])))
     for i, suspects in zip(steps.tolist(), suspicious[:, steps].T, strict=True):
-        first: Switch | None = None
-        for k in suspects.nonzero()[0].tolist():
-            interval = _Interval(float(t[i]), float(t[i + 1]), *gaps.at_step(k, i))
-            if first is not None:
-                interval = _Interval(interval.start, first.time, interval.h, interval.rate, *gaps.at(k, first.time))
-            touching = i == 0 and bool(held[k])
-            time = _first_crossing(gaps, k, interval, float(level[k]), touching, resolution)
-            first = first if time is None else Switch(time, k)
+        begin, end = float(t[i]), float(t[i + 1])
+        first = first_in(
+            gaps,
+            {k: Part(begin, end, *gaps.at_step(k, i)) for k in suspects.nonzero()[0].tolist()},
+            level,
+            held & (i == 0),
+            latest,
+        )
         if first is not None:
             return first
     return None
+
+
+def first_in(
+    gaps: BoundedGaps, parts: Mapping[int, Part], level: FloatArray, touching: BoolArray, latest: float
+) -> Switch | None:
+    """The first crossing of some gap functions in one part of the time.
+
+    Parameters
+    ----------
+    gaps : BoundedGaps
+        The gap functions of ``P`` stops.
+    parts : mapping of int to Part
+        The stops that may switch in it, and their gap functions at its ends.
+    level : FloatArray, shape (P,)
+        What each must exceed for the stop to switch, m.
+    touching : BoolArray, shape (P,)
+        Whether each stop has just switched where the part begins.
+    latest : float
+        Largest modulus of the times, s, to the rounding of which a crossing is located.
+
+    Returns
+    -------
+    Switch or None
+        The first crossing, or None if there is none.
+    """
+    resolution, first = _RESOLUTION * latest, None
+    for k, part in parts.items():
+        if first is not None:
+            part = Part(part.start, first.time, part.h, part.rate, *gaps.at(k, first.time))
+        time = _first_crossing(gaps, k, part, float(level[k]), bool(touching[k]), resolution)
+        first = first if time is None else Switch(time, k)
+    return first
 
 
 @njit(cache=True)
@@ -231,7 +269,7 @@ def _first_look(
     stops, last = h.shape[0], h.shape[1] - 1
     held, level = np.zeros(stops, dtype=np.bool_), rounding.copy()
     for k in range(stops):
-        held[k] = fresh[k] and h[k, 0] <= _CONTINUOUS * rounding[k]
+        held[k] = fresh[k] and h[k, 0] <= CONTINUOUS * rounding[k]
         if held[k]:
             level[k] += max(h[k, 0], 0.0)
         for i in range(last):
@@ -264,7 +302,7 @@ def _second_look(
 
 
 def _first_crossing(
-    gaps: Gaps, k: int, interval: _Interval, level: float, touching: bool, resolution: float
+    gaps: BoundedGaps, k: int, interval: Part, level: float, touching: bool, resolution: float
 ) -> float | None:
     """Where stop `k` first switches in an interval, or None; at once if it is above its level from the start."""
     t, end, h, rate = interval.start, interval.end, interval.h, interval.rate
@@ -287,7 +325,7 @@ def _first_crossing(
         elif h_after > level and rate > turn:  # it rises all the way
             if h >= 0 and not touching:
                 return t
-            rising = _Interval(t, after, h, rate, h_after, rate_after)
+            rising = Part(t, after, h, rate, h_after, rate_after)
             return _located(gaps, k, rising, 0.0 if h < 0 else level, resolution)
         elif width > resolution:
             width /= 2
@@ -298,7 +336,7 @@ def _first_crossing(
     return None
 
 
-def _located(gaps: Gaps, k: int, rising: _Interval, level: float, resolution: float) -> float:
+def _located(gaps: BoundedGaps, k: int, rising: Part, level: float, resolution: float) -> float:
     """Where a gap function that rises all the way passes a level: Newton's method, kept between the ends.
 
     It is done when so short a step remains that the curvature moves the crossing by less than the resolution: a step s
@@ -321,7 +359,7 @@ def _located(gaps: Gaps, k: int, rising: _Interval, level: float, resolution: fl
     return float(t)
 
 
-def _passed(rising: _Interval, level: float) -> float:
+def _passed(rising: Part, level: float) -> float:
     """About when a rising gap function passes a level: time as a cubic in it, by its value and rate at both ends."""
     width, rise = rising.end - rising.start, rising.h_end - rising.h
     u = (level - rising.h) / rise

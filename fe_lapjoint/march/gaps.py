@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.propagator import Coordinates, Flow
 from fe_lapjoint.march.system import SAMPLES
 from lapjoint.problem import FloatArray
-
-Coordinates = Callable[[FloatArray, int], FloatArray]
-"""A function of times, s, shape ``(m,)``, and of a number dt from 0 to 2.
-
-It gives the dt-th derivative of the modal displacements, kg^1/2 m over s^dt, shape ``(n, m)``.
-"""
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,11 @@ from scipy.integrate import solve_ivp
 
 from fe_lapjoint.march.crowding import Crowd
 from fe_lapjoint.march.events import Switch, first_switch
-from fe_lapjoint.march.gaps import Coordinates, FlowGaps, SolutionGaps
+from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
-from fe_lapjoint.march.propagator import Flow
-from fe_lapjoint.march.ramp_flow import flow_of
+from fe_lapjoint.march.propagator import Coordinates, Flow
+from fe_lapjoint.march.ramp_motion import RampMotion, follow
 from fe_lapjoint.march.system import SAMPLES
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
@@ -140,6 +140,8 @@ class _Since:
     """When each stop switched last, or when the march began, s, shape ``(P,)``."""
     rounding: FloatArray
     """What rounding made of each gap function in the window before, m, shape ``(P,)``."""
+    shift: FloatArray
+    """How far above 0 each gap function was when its stop switched, m, shape ``(P,)``; used along ramps."""
 
     def rounding_until_now(self, rounding: FloatArray) -> FloatArray:
         """The larger of what rounding makes now and made before, which the change of state has carried over."""
@@ -191,9 +193,9 @@ def march(
         If the integrator fails, more than `max_switches` switches occur, or those of a stop crowd that is too stiff for
         the mesh; see `fe_lapjoint.march.crowding`.
     """
-    window = _window(model, state)
+    window = window_of(model, state)
     step, crowd = window / SAMPLES, Crowd(model, window)
-    since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size))
+    since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
     going = {k: _Going(start, True) for k in state.closed}
     pieces: list[Piece] = []
     contacts: list[Contact] = []
@@ -228,8 +230,21 @@ def march(
     return March(model, tuple(pieces), tuple(contacts), state, y, switches)
 
 
-def _window(model: Model, state: ContactState) -> float:
-    """A third of the shortest excitation period or of the slowest bending, s."""
+def window_of(model: Model, state: ContactState) -> float:
+    """The time in which switches are searched for at once: a third of the shortest excitation period or slow bending.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    state : ContactState
+        Any, the loads are those of all.
+
+    Returns
+    -------
+    float
+        s.
+    """
     beam = model.problem.beam
     slow = 2 * math.pi * math.sqrt(beam.m * beam.length**4 / beam.EI)
     periods = [2 * math.pi / omega for omega in model.system(state).driven]
@@ -242,13 +257,14 @@ def _advance(
     """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end."""
     system = model.system(state)
     orientation, offset = model.orientation(state), model.offset(state)
-    if system.ramps is not None:  # a window ends at the next knot at the latest
-        end = min(end, system.ramps.ramps.until(t))
-        step = step / 2 ** max(0, math.ceil(math.log2(step / (end - t)))) if end > t else step
+    if system.ramps is not None:
+        if model.method == "exact":
+            return _advance_on_ramps(model, state, t, end, step * SAMPLES, y, since)
+        end = min(end, system.ramps.ramps.until(t))  # a library method is started anew at every knot
     count = min(SAMPLES, max(1, math.ceil((end - t) / step)))
     until = min(t + count * step, end)
     if model.method == "exact":
-        flow = flow_of(system, t, *y.reshape(2, -1))
+        flow = Flow(system, t, *y.reshape(2, -1))
         switch: Switch | None = None
         if orientation.size:
             # The flow goes on beyond the end of the window, so the last step may, too.
@@ -261,6 +277,18 @@ def _advance(
         until = until if switch is None else switch.time
         return Piece(state, t, until, y, flow, flow, -1 if switch is None else switch.stop), flow.at(until)
     return _advance_by_library(model, state, t, until, y, since)
+
+
+def _advance_on_ramps(
+    model: Model, state: ContactState, t: float, end: float, window: float, y: FloatArray, since: _Since
+) -> tuple[Piece, FloatArray]:
+    """Over knots, up to a switch at the latest; and (q, q') at the end."""
+    knots, last = model.block_at(t)
+    motion = RampMotion(model.ramp_tables(state, window), knots, t, y)
+    until, y_end, switched = follow(
+        motion, min(end, last) if last > t else end, since.switch == t, since.shift, since.rounding
+    )
+    return Piece(state, t, until, y, motion, None, switched), y_end
 
 
 def _advance_by_library(
@@ -284,7 +312,15 @@ def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) 
     if not going or piece.end <= piece.start:
         return
     system, duration = model.system(piece.state), piece.end - piece.start
-    if piece.flow is not None:
+    if isinstance(piece.coordinates, RampMotion):
+        closed, deepest_ = np.zeros(model.sign.size, dtype=bool), np.zeros(model.sign.size)
+        for k, contact in going.items():
+            closed[k], deepest_[k] = True, contact.deepest
+        area, deepest_ = piece.coordinates.accounted(piece.end, peaks, closed, deepest_)
+        for k, contact in going.items():
+            contact.deepest = float(deepest_[k])
+        peaks = False
+    elif piece.flow is not None:
         area = piece.flow.integral_at_stops(piece.end)
     else:
         # Ten Gauss points on each of 16 panels are more accurate than the integrators' dense output.

@@ -6,10 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fe_lapjoint.march.ramp_interval import Knots, knots_of
+from fe_lapjoint.march.ramp_tables import RampTables, ramp_tables
 from fe_lapjoint.march.system import System, build_system
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.ramps import Ramps
 
 
 @dataclass
@@ -27,6 +30,8 @@ class Model:
     _systems: dict[ContactState, System] = field(default_factory=dict)
     _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _weighted: dict[ContactState, FloatArray] = field(default_factory=dict)
+    _tables: dict[ContactState, RampTables] = field(default_factory=dict)
+    _block: tuple[Ramps, Knots] | None = None
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -52,6 +57,46 @@ class Model:
         if system is None:
             system = self._systems[state] = build_system(self.assembly, state)
         return system
+
+    def ramp_tables(self, state: ContactState, window: float) -> RampTables:
+        """One contact state as the march along sampled forces takes it.
+
+        Parameters
+        ----------
+        state : ContactState
+            The stops that are closed.
+        window : float
+            Longest time that one closed form is searched for, s; always the same.
+
+        Returns
+        -------
+        RampTables
+            The state in flat arrays.
+        """
+        tables = self._tables.get(state)
+        if tables is None:
+            signs = self._signs(state)
+            tables = self._tables[state] = ramp_tables(self.system(state), *signs, window)
+        return tables
+
+    def block_at(self, t: float) -> tuple[Knots, float]:
+        """The block of sampled forces that a time is in; see `lapjoint.problem.ramps.RampBlocks`.
+
+        Parameters
+        ----------
+        t : float
+            The time, s.
+
+        Returns
+        -------
+        Knots, float
+            The block, and where it ends, s.
+        """
+        assert self.problem.forces.ramps is not None
+        block = self.problem.forces.ramps.block_at(t)
+        if self._block is None or self._block[0] is not block:
+            self._block = block, knots_of(block)
+        return self._block[1], block.end
 
     def weighted(self, state: ContactState) -> FloatArray:
         """M Phi of a contact state: the free degrees of freedom times it are the modal coordinates.

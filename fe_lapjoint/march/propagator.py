@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -21,9 +22,16 @@ from scipy.integrate import DenseOutput, OdeSolver
 
 from fe_lapjoint.march.compiled import above_troughs, at_place, at_row, integrals, moved_on, start_terms
 from fe_lapjoint.march.envelope import Envelope
+from fe_lapjoint.march.ramp_motion import motion_of
 from fe_lapjoint.march.system import ComplexArray, System
+from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
 
+Coordinates = Callable[[FloatArray, int], FloatArray]
+"""A function of times, s, shape ``(m,)``, and of a number dt from 0 to 2.
+
+It gives the dt-th derivative of the modal displacements, kg^1/2 m over s^dt, shape ``(n, m)``.
+"""
 _ROUNDING = 32 * np.finfo(float).eps
 """Relative: what rounding makes of a sum of some hundred terms, and of a change of state, at most."""
 
@@ -413,13 +421,13 @@ def _frequency(it: System) -> FloatArray:
 class _ExactDense(DenseOutput):  # type: ignore[misc]
     """The motion within a step, by the flow itself."""
 
-    def __init__(self, t_old: float, t: float, flow: Flow) -> None:
+    def __init__(self, t_old: float, t: float, flow: Coordinates) -> None:
         super().__init__(t_old, t)
         self._flow = flow
 
     def _call_impl(self, t: FloatArray) -> FloatArray:
         times = np.atleast_1d(t)
-        y = np.concatenate([self._flow(times), self._flow(times, 1)])
+        y = np.concatenate([self._flow(times, 0), self._flow(times, 1)])
         return np.asarray(y if np.ndim(t) else y[:, 0])
 
 
@@ -434,6 +442,11 @@ class ExactPropagator(OdeSolver):  # type: ignore[misc]
         The linear system; `fun` is not called.
     max_step : float
         Longest step, s; every step is exact, so only the spacing of the output depends on it.
+
+    Raises
+    ------
+    InputError
+        If the system has sampled forces and is to be followed back in time.
     """
 
     t: float
@@ -452,14 +465,25 @@ class ExactPropagator(OdeSolver):  # type: ignore[misc]
         **_: Any,
     ) -> None:
         super().__init__(fun, t0, y0, t_bound, vectorized)
+        if system.ramps is not None and t_bound < t0:
+            raise InputError("ExactPropagator: sampled forces are followed forward in time only")
         self._system, self._max_step = system, max_step
-        self._flow = Flow(system, t0, *np.split(np.asarray(y0, dtype=float), 2))
+        self._flow: Coordinates = self._from(t0, np.asarray(y0, dtype=float))
+
+    def _from(self, t: float, y: FloatArray) -> Coordinates:
+        """The motion from given coordinates on."""
+        if self._system.ramps is None:
+            return Flow(self._system, t, *np.split(y, 2))
+        return motion_of(self._system, t, y)
 
     def _step_impl(self) -> tuple[bool, str | None]:
         now = self.t
         t = now + self.direction * min(self._max_step, abs(self.t_bound - now))
-        self._flow = Flow(self._system, now, *np.split(self.y, 2))
-        self.y = np.concatenate([part[:, 0] for part in (self._flow(np.array([t])), self._flow(np.array([t]), 1))])
+        if self._system.ramps is not None:
+            end = self._system.ramps.ramps.block_at(now).end
+            t = min(t, end) if end > now else t
+        self._flow, at = self._from(now, self.y), np.array([t])
+        self.y = np.concatenate([self._flow(at, dt)[:, 0] for dt in (0, 1)])
         self.t = t
         return True, None
 

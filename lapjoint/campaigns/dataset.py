@@ -295,20 +295,20 @@ def read_curve(path: str | Path) -> xr.Dataset:
     return read_result(path, Plan.noun)
 
 
-def read_result(path: str | Path, noun: str) -> xr.Dataset:
+def read_result(path: str | Path, *nouns: str) -> xr.Dataset:
     """Read the dataset of a sweep, or of other work that is done cell by cell, from a NetCDF file into memory.
 
     Parameters
     ----------
     path : str or Path
         The file.
-    noun : str
-        What the work is called.
+    *nouns : str
+        What the work may be called.
 
     Returns
     -------
     xarray.Dataset
-        The dataset.
+        The dataset; its attribute ``result_of`` says what the work is called, where it is no sweep.
 
     Raises
     ------
@@ -320,10 +320,10 @@ def read_result(path: str | Path, noun: str) -> xr.Dataset:
 
     raw = read_file(path)
     if not is_whole(raw):
-        raise InputError(f"{path}: {_reason_for(raw, noun)}")
+        raise InputError(f"{path}: {_reason_for(raw, ' or a '.join(nouns))}")
     found = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")
-    if "fingerprint" not in found.attrs or found.attrs.get("result_of", Plan.noun) != noun:
-        raise InputError(f"{path}: is not the result of a {noun}")
+    if "fingerprint" not in found.attrs or found.attrs.get("result_of", Plan.noun) not in nouns:
+        raise InputError(f"{path}: is not the result of a {' or a '.join(nouns)}")
     reason = refusal(found.attrs.get("format_version", 1))
     if reason:
         raise InputError(f"{path}: {reason}")

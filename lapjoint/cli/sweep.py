@@ -104,13 +104,20 @@ def sweep(
 @click.option("-o", "--out", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
 def plot(curve: str, figure: str | None, wide: bool) -> None:
-    """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
-    from lapjoint.campaigns.dataset import read_curve
+    """Draw what a sweep or `lapjoint branch` found, from its file CURVE: impulse of each stop over what was changed."""
+    from lapjoint.campaigns.branch_plan import BranchPlan
+    from lapjoint.campaigns.dataset import read_result
+    from lapjoint.campaigns.plan import Plan
     from lapjoint.cli import arguments
-    from lapjoint.figures import plot_curve, plot_curve_wide, save
+    from lapjoint.figures import plot_branches, plot_curve, plot_curve_wide, save
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
     arguments.check_file("--out", path, *FIGURES)
-    dataset = read_curve(curve)
-    save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
+    dataset = read_result(curve, Plan.noun, BranchPlan.noun)
+    if dataset.attrs.get("result_of") == BranchPlan.noun:
+        if wide:
+            arguments.refuse("a diagram of branches is one column wide", wide=wide)
+        save(plot_branches(dataset), path)
+    else:
+        save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
     echo(f"Wrote {path}")

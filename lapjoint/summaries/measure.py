@@ -11,7 +11,7 @@ import numpy as np
 from lapjoint.answers.contact_state import FREE
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
-from lapjoint.problem import ModalDamping, Problem, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from lapjoint.solver import Progress, Solver, Streams
 from lapjoint.summaries.collector import Collector
 from lapjoint.summaries.quantities import Selection
@@ -165,14 +165,24 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
 
     The lowest modes tell: under modal damping of one ratio, and under viscous damping, those above do not decay slower.
     """
-    omega = np.asarray(solver.modes(problem, FREE, _MODES).angular_frequencies, dtype=float)
+    omega = _lowest_modes(problem, solver)
     damping, bends = problem.damping, omega > 1e-6 * omega.max()
     if isinstance(damping, ModalDamping):
-        rates = damping.ratios(_MODES) * omega
+        rates = damping.ratios(omega.size) * omega
     elif isinstance(damping, ViscousDamping):
         half = damping.coefficient / (2 * problem.beam.m)
         rates = half - np.sqrt(np.maximum(half**2 - omega**2, 0.0))
     else:
-        rates = np.zeros(_MODES)
+        rates = np.zeros(omega.size)
     slow = rates[bends & (rates > 0)]
     return float(omega[bends].min()), float(slow.min()) if slow.size else 0.0
+
+
+def _lowest_modes(problem: Problem, solver: Solver) -> FloatArray:
+    """Angular frequencies of the lowest modes, rad/s: `_MODES` of them, or as many as a coarse solver has."""
+    for count in (_MODES, _MODES // 2, _MODES // 4):
+        try:
+            return np.asarray(solver.modes(problem, FREE, count).angular_frequencies, dtype=float)
+        except InputError:
+            continue
+    return np.asarray(solver.modes(problem, FREE, 1).angular_frequencies, dtype=float)

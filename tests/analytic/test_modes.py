@@ -10,7 +10,9 @@ import pytest
 from analytic.march.joint import Joint
 from analytic.modes import beam_functions, normal_modes
 from analytic.modes.beam_functions import gram, integral, squares
-from analytic.modes.normal_modes import exact_modes
+from analytic.modes.boundary_conditions import BAND
+from analytic.modes.characteristic_equation import layout_of
+from analytic.modes.normal_modes import _null_vector_of_band, exact_modes
 from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, contact_states, paper_joint
 
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
@@ -187,3 +189,56 @@ def test_modes_without_contact_keep_their_sign_as_a_support_stiffens(change: str
         if previous is not None:
             assert np.all((previous * shapes).sum(axis=1) > 0.0)
         previous = shapes
+
+
+def with_many_stops(count: int) -> Problem:
+    """The paper's joint with many more stops along it."""
+    joint = paper_joint()
+    x = np.linspace(0.2, 1.0, count) * joint.beam.length
+    return joint.replace(stops=tuple(Stop(x=float(it), side="top", gap=1e-3, stiffness=1e4) for it in x))
+
+
+def test_open_stops_cost_nothing_and_change_no_bit() -> None:
+    many = with_many_stops(200)
+    few = many.replace(stops=many.stops[30:60:10])
+    assert layout_of(many, (30, 50)).x.size == 4  # both ends, two closed stops, nothing else
+    one, other = exact_modes(many, ContactState((30, 50)), 12), exact_modes(few, ContactState((0, 2)), 12)
+    assert np.array_equal(one.omega, other.omega)
+    assert np.array_equal(one.shapes(few.stops[1].x * np.ones(1)), other.shapes(few.stops[1].x * np.ones(1)))
+
+
+def test_modes_on_many_spans_are_orthonormal_and_solve_the_same_equations(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are found by the diagonals of a matrix; on few spans, by the whole of it."""
+    many = with_many_stops(24)
+    state = ContactState(tuple(range(24)))
+    modes = exact_modes(many, state, 12)
+    assert many.beam.m * gram(modes.shapes, modes.shapes) == pytest.approx(np.eye(12), abs=1e-9)
+    monkeypatch.setattr(normal_modes, "_FEW_SPANS", 100)
+    normal_modes._exact_modes.cache_clear()
+    whole = exact_modes(many, state, 12)
+    x = np.linspace(0.0, many.beam.length, 50)
+    assert modes.shapes(x) == pytest.approx(whole.shapes(x), abs=1e-8 * np.abs(whole.shapes(x)).max())
+    normal_modes._exact_modes.cache_clear()
+
+
+def test_a_band_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
+    size = 28
+    values = np.cos(np.arange(size))
+    exact = np.tile(np.array([0.0] * BAND + [1.0] + [0.0] * BAND)[:, None], (1, size))
+    exact[BAND, -1] = 0.0  # the last equation is 0 = 0
+    exact[BAND - 1, -1] = values[3]
+    null = _null_vector_of_band(exact)
+    assert np.abs(null[:-2]).max() < 1e-12
+    assert null[-2] == pytest.approx(-values[3] * null[-1], rel=1e-12)
+
+
+@pytest.mark.parametrize("extra", [[0.11], [0.3, 0.31, 0.9]])
+def test_functions_on_shorter_spans_are_the_same(extra: list[float]) -> None:
+    shapes = exact_modes(paper_joint(), ContactState((2, 3)), 30).shapes
+    nodes = np.union1d(shapes.nodes, np.array(extra) * shapes.nodes[-1])
+    shorter, x = shapes.on(nodes), np.linspace(0.0, shapes.nodes[-1], 301)
+    assert shorter.nodes.size == shapes.nodes.size + len(extra)
+    for derivative in range(4):
+        values = shapes(x, derivative)
+        assert shorter(x, derivative) == pytest.approx(values, abs=1e-12 * np.abs(values).max())
+    assert gram(shorter, shapes) == pytest.approx(gram(shapes, shapes), abs=1e-12 * gram(shapes, shapes).max())

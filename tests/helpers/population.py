@@ -11,7 +11,8 @@ index are cantilevers with one stop at the tip, those of odd index joints with o
 
 Frequencies, gaps, stiffnesses of stops in cantilevers' range and of springs, and ratios that span more than a decade
 are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives them stops of up to 1e6,
-`harmonic_joint` a base, and some of them a load, of several harmonics, of odd multiples only in every third.
+`harmonic_joint` a base, and some of them a load, of several harmonics, of odd multiples only in every third;
+`recorded_joint` records of the base and of loads in place of the sine, `randomly_driven_joint` a random motion.
 """
 
 from __future__ import annotations
@@ -23,11 +24,33 @@ from dataclasses import dataclass
 import numpy as np
 
 import analytic
-from lapjoint import FREE, BaseMotion, Beam, HarmonicsBaseMotion, HarmonicsLoad, ModalDamping, Problem, Stop, Support
-from lapjoint.problem import BaseHarmonic, FloatArray, LoadHarmonic, ViscousDamping
+from lapjoint import (
+    FREE,
+    BaseMotion,
+    Beam,
+    HarmonicsBaseMotion,
+    HarmonicsLoad,
+    ModalDamping,
+    NoDamping,
+    Problem,
+    SineLoad,
+    StepLoad,
+    Stop,
+    Support,
+)
+from lapjoint.problem import (
+    BaseHarmonic,
+    FloatArray,
+    LoadHarmonic,
+    RandomBaseMotion,
+    RecordBaseMotion,
+    RecordLoad,
+    ViscousDamping,
+)
 
 BASE = 1e-3  # m, amplitude of the base
 BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
+RECORDED_PERIODS = 6  # of the sine that a record takes the place of
 _MODES = 12  # of the sum that gives the amplitude without contact: excitation is below the fourth or fifth
 _POINTS = 2001  # of the quadrature over the beam
 _MOVES = 0.05  # of the largest amplitude along the beam: a stop where it moves by less is placed elsewhere
@@ -121,6 +144,62 @@ def harmonic_joint(seed: int, index: int) -> Problem:
         loads.append(HarmonicsLoad(x=rng.uniform(0.2, 1.0), angular_frequency=omega, harmonics=harmonics))
     title = f"{problem.title}, harmonics {sorted(sizes)}{', load' * len(loads)}"
     return problem.replace(title=title, base_motion=base, point_loads=tuple(loads))
+
+
+def recorded_joint(seed: int, index: int) -> tuple[Problem, float]:
+    """The same problem under a record of the base, for some periods of its own sine; and that time, s.
+
+    The record is twice that sine with noise, at 0.2 to 200 knots a period, even or uneven.  One joint in four is free
+    to turn or to drift; three in five are damped otherwise, up to ratios of 5, by a viscous coefficient, or not at all.
+    Some have a second record as a load, a constant load, or a sine that is no multiple of anything.
+    """
+    problem, rng = joint(seed, index), np.random.default_rng((seed, index, 3))
+    sine = problem.base_motion
+    assert isinstance(sine, BaseMotion)
+    omega, damping = sine.angular_frequency, int(rng.integers(0, 5))
+    if index % 4 == 1:
+        problem = problem.replace(supports=() if rng.random() < 0.5 else (Support(x=0.0, translational=math.inf),))
+    if damping == 0:
+        ratios = tuple(_between(rng, 1e-2, 5.0) for _ in range(int(rng.integers(1, 4))))
+        problem = problem.replace(damping=ModalDamping(ratio=ratios))
+    elif damping == 1:
+        problem = problem.replace(damping=ViscousDamping(coefficient=_between(rng, 0.1, 300.0)))
+    elif damping == 2:
+        problem = problem.replace(damping=NoDamping())
+    duration = RECORDED_PERIODS * 2 * math.pi / omega
+    count = max(4, int(RECORDED_PERIODS * _between(rng, 0.2, 200.0)))
+    between = np.ones(count) if rng.random() < 0.5 else 10.0 ** rng.uniform(-2.0, 0.0, size=count)
+    t = np.append(0.0, np.cumsum(between)) * (duration / between.sum())
+    size = 2 * BASE * omega**2
+    noise = rng.standard_normal(t.size) * float(rng.choice([0.1, 0.5, 1.0]))
+    record = RecordBaseMotion(quantity="acceleration", times=t, values=size * (np.sin(omega * t) + noise))
+    loads: list[SineLoad | RecordLoad | StepLoad] = []
+    if rng.random() < 0.4:
+        loads.append(
+            SineLoad(x=rng.uniform(0.2, 1.0), force=0.3 * size, angular_frequency=omega * rng.uniform(0.3, 3.0))
+        )
+    if rng.random() < 0.4:
+        times = np.linspace(0.0, duration, int(rng.integers(3, 200)))
+        force = 0.3 * size * rng.standard_normal(times.size)
+        loads.append(RecordLoad(x=rng.uniform(0.2, 1.0), times=times, values=force))
+    if rng.random() < 0.3:
+        loads.append(StepLoad(x=rng.uniform(0.2, 1.0), force=0.2 * size * rng.standard_normal()))
+    title = f"{problem.title}, record of {t.size}, {len(loads)} loads"
+    problem = problem.replace(title=title, base_motion=record, point_loads=tuple(loads))
+    assert problem.forces.ramps is not None
+    return problem, min(duration, float(t[-1]))
+
+
+def randomly_driven_joint(seed: int, index: int) -> tuple[Problem, float]:
+    """The same problem under a random acceleration of the base around the sine's frequency; and some periods, s."""
+    problem, rng = joint(seed, index), np.random.default_rng((seed, index, 4))
+    sine = problem.base_motion
+    assert isinstance(sine, BaseMotion)
+    frequency, size = sine.angular_frequency / (2 * math.pi), BASE * sine.angular_frequency**2
+    low, high = frequency * rng.uniform(0.2, 0.8), frequency * rng.uniform(1.5, 4.0)
+    density = size**2 / (high - low)
+    base = RandomBaseMotion(psd=[[low, density], [high, density]], seed=int(rng.integers(0, 10**6)))
+    return problem.replace(title=f"{problem.title}, random", base_motion=base), RECORDED_PERIODS / frequency
 
 
 def random_cantilever(rng: np.random.Generator) -> Problem:

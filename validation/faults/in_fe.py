@@ -102,6 +102,22 @@ FE = (
         new="return 1.001 * omega**2 / np.where(a + s",
     ),
     Fault(
+        "fe-record-lag",
+        "a term dropped",
+        "fe_lapjoint.march.ramp_flow",
+        "What damping makes of a force that grows is missed.",
+        old="self._force / square - 2 * system.damping_rate * self._rate / square",
+        new="self._force / square",
+    ),
+    Fault(
+        "fe-record-turns",
+        "a term dropped",
+        "fe_lapjoint.march.ramp_flow",
+        "Where a force begins to grow, the free motion does not take its part.",
+        old="q - self._begin, v - self._rate)",
+        new="q - self._begin, v)",
+    ),
+    Fault(
         "fe-gap",
         "a factor",
         "fe_lapjoint.march.model",

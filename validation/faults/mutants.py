@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -52,8 +52,8 @@ level, until one disagrees: first the case that ended it when it was last run, t
 crash, or a case that takes far too long, is told apart. What is not caught needs a check, or a reason why it changes no
 answer; those with a reason are called equivalent.
 
-The seed {seed} drew {draws}. {count} were judged on the source of commit {commit}: {found}. The source has moved on
-since: a name says what was changed, and where, at that commit.
+The seed {seed} drew {drawn}. Judged were {judged}: {found}. The source has moved on since; a name says what was
+changed, and where it stood.
 
 | mutant | kind | result | by | number | bound |
 |---|---|---|---|---|---|
@@ -70,6 +70,8 @@ class Outcome:
     """Why it changes no answer; empty where none is known, or none is due."""
     drawn: str
     """The commit from whose source it was drawn."""
+    judged: str
+    """The commit in whose source it was judged; empty where that is unknown."""
 
     @property
     def verdict(self) -> str:
@@ -90,10 +92,8 @@ def record_path() -> Path:
 
 @dataclass(frozen=True)
 class Run:
-    """Mutants that were judged together."""
+    """What became of the mutants that a seed draws."""
 
-    commit: str
-    """The commit whose source was changed; empty where that is unknown."""
     seed: int
     outcomes: tuple[Outcome, ...]
     """In the sequence in which they were drawn."""
@@ -110,19 +110,20 @@ class Run:
         def line(seen: Seen) -> dict[str, Any]:
             return {key: value for key, value in plain(seen).items() if key not in ("spent", "seconds") and value != ""}
 
-        found = [{"drawn": it.drawn, "mutant": vars(it.mutant), "seen": line(it.seen)} for it in self.outcomes]
-        return json.dumps({"commit": self.commit, "seed": self.seed, "mutants": found}, indent=1) + "\n"
+        found = [
+            {"drawn": it.drawn, "judged": it.judged, "mutant": vars(it.mutant), "seen": line(it.seen)}
+            for it in self.outcomes
+        ]
+        return json.dumps({"seed": self.seed, "mutants": found}, indent=1) + "\n"
 
     @property
     def page(self) -> str:
         """Its page, Markdown."""
-        counts, draws = (Counter(it) for it in zip(*((one.verdict, one.drawn) for one in self.outcomes), strict=True))
         text = _HEAD.format(
             seed=self.seed,
-            draws=", ".join(f"{number} from the source of commit {commit}" for commit, number in draws.items()),
-            count=len(self.outcomes),
-            commit=self.commit,
-            found=", ".join(f"{number} {verdict}" for verdict, number in counts.most_common()),
+            drawn=_counted((it.drawn for it in self.outcomes), "{0} from the source of commit {1}"),
+            judged=_counted((it.judged for it in self.outcomes), "{0} in the source of commit {1}"),
+            found=_counted((it.verdict for it in self.outcomes), "{0} {1}"),
         )
         for it in self.outcomes:
             by = it.reason if it.verdict == EQUIVALENT else f"{it.seen.case.replace('_', '-')}: {it.seen.item}"
@@ -131,17 +132,24 @@ class Run:
         return text
 
 
+def _counted(names: Iterable[str], words: str) -> str:
+    """How often each name is there, most often first."""
+    return ", ".join(words.format(number, name) for name, number in Counter(names).most_common())
+
+
 def recorded_run() -> Run:
     """The run that the documents show, with the reasons that are known now; without mutants if there is none."""
     if not record_path().exists():
-        return Run("", SEED, ())
+        return Run(SEED, ())
     known, data = reasons(), json.loads(record_path().read_text())
 
     def outcome(entry: dict[str, Any]) -> Outcome:
         mutant = Mutant(**entry["mutant"])
-        return Outcome(mutant, seen_from(entry["seen"]), known.get(mutant.identity, ""), entry["drawn"])
+        return Outcome(
+            mutant, seen_from(entry["seen"]), known.get(mutant.identity, ""), entry["drawn"], entry["judged"]
+        )
 
-    return Run(data["commit"], data["seed"], tuple(map(outcome, data["mutants"])))
+    return Run(data["seed"], tuple(map(outcome, data["mutants"])))
 
 
 def commit_of(tree: Path) -> str:
@@ -175,6 +183,7 @@ def judged(
     mutants: Mapping[Mutant, str],
     cases: Sequence[str],
     first: Mapping[str, str],
+    commit: str,
     output: Path,
     console: Console,
     workers: int,
@@ -189,6 +198,8 @@ def judged(
         Modules of the cases.
     first : mapping of str to str
         The case that a mutant goes through first, by its identity.
+    commit : str
+        The commit whose source this is; empty if none.
     output : Path
         Folder that keeps the trials that are done.
     console : rich.console.Console
@@ -216,7 +227,7 @@ def judged(
         for changed, seen in trials.judged(changes, order, first):
             name = changed.label
             mutant = by_name[name]
-            found[name] = Outcome(mutant, seen, known.get(name, ""), mutants[mutant])
+            found[name] = Outcome(mutant, seen, known.get(name, ""), mutants[mutant], commit)
             line = f"  {len(found)}/{len(by_name)} {name}: {seen_line(seen)}"
             console.print(line, highlight=False, markup=False, soft_wrap=True)
     return [found[name] for name in by_name]
@@ -256,7 +267,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         mutants = {it: before[it.identity].drawn if it.identity in before else commit for it in found}
     usual = tuple(dict.fromkeys((*recorded()[1], *BESIDES))) if recorded()[1] else modules_of(())
     cases = modules_of(tuple(given.case)) if given.case else usual
-    run = Run(commit, given.seed, tuple(judged(mutants, cases, first, given.output, Console(), given.workers)))
+    run = Run(given.seed, tuple(judged(mutants, cases, first, commit, given.output, Console(), given.workers)))
     if not run.outcomes:
         return 1
     write_file(given.output / RECORD, run.text)

@@ -284,7 +284,10 @@ class Trials:
         self._context.set_forkserver_preload(["validation.faults.preload"])
 
     def costs(self, cases: Sequence[str], done: Callable[[str, Seen], None]) -> dict[str, Seen]:
-        """Run each case alone on the sound packages.
+        """Run each case alone on the sound packages, whether that was done before or not.
+
+        What they compile stays in that tree, and goes with every copy of it: without it a trial would take the time
+        of compiling, for which it has no allowance, and count as too slow.
 
         Parameters
         ----------
@@ -335,7 +338,7 @@ class Trials:
                     changed, cases = job
                     key = self._key(changed)
                     seen = self._kept.get(key, self._with_digests(_limits(cases, False)))
-                    if seen is not None:
+                    if seen is not None and changed.module:
                         yield changed, seen
                         continue
                     here, trial = self._begin(changed, cases, key)
@@ -351,13 +354,17 @@ class Trials:
                     del running[ready]
                     ready.close()
                     trial.folder.cleanup()
-                    yield trial.changed, self._kept.put(trial.key, seen, self._sources)
+                    yield trial.changed, self._put(trial, seen)
         finally:
             for connection, trial in running.items():
                 trial.process.kill()
                 trial.process.join()
                 connection.close()
                 trial.folder.cleanup()
+
+    def _put(self, trial: _Trial, seen: Seen) -> Seen:
+        """What was seen of a trial, kept if anything is changed in it."""
+        return self._kept.put(trial.key, seen, self._sources) if trial.changed.module else seen
 
     def _with_digests(self, limits: Limits) -> dict[str, str]:
         return {case: self._sources[case] for case, _ in limits}
@@ -375,7 +382,7 @@ class Trials:
             tree = Path(folder.name)
             copied_tree(self.tree, tree)
             compiles = change(tree, changed.module, changed.source)
-        passed = {case for case, _ in self._kept.passed(key, self._sources).spent}
+        passed = {case for case, _ in self._kept.passed(key, self._sources).spent} if changed.module else set()
         limits = tuple((case, most) for case, most in _limits(cases, compiles) if case not in passed)
         here, there = self._context.Pipe(duplex=False)
         process = self._context.Process(target=try_tree, args=(str(tree), limits, self._level, there))

@@ -10,6 +10,9 @@ answers is the static deflection, of a uniform load q or of a force F at a (b = 
     EI z = q x (L^3 - 2 L x^2 + x^3) / 24,    EI z = F b x (L^2 - b^2 - x^2) / (6 L)
 
 so that only the rests are summed, and moments and shear forces come out as well as displacements.
+
+A record is linear between its knots: a step of its first value, and a ramp from each knot on, of the change of slope
+there.  Every ramp has an answer of its own, and all are added; nothing is carried from knot to knot.
 The problem is read from the text of a problem file by `tomllib`.
 """
 
@@ -17,13 +20,14 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, make_interp_spline
 
 Array = npt.NDArray[np.float64]
 
@@ -93,17 +97,53 @@ class PinnedBeam:
         found: list[tuple[float | None, float, float, float]] = []
         if "base_motion" in self.tables:
             base = self.tables["base_motion"]
-            for one in base.get("harmonics", [base]):
+            for one in base.get("harmonics", [base] if base.get("kind") != "record" else []):
                 w = one.get("multiple", 1) * base["angular_frequency"]
                 found.append((None, self._beam[2] * one["amplitude"] * w**2, w, one.get("phase", 0.0)))
         for load in self.tables.get("point_loads", ()):
             if load["kind"] == "step":
                 found.append((load["x"], load["force"], 0.0, math.pi / 2))
                 continue
-            for one in load.get("harmonics", [load]):
+            for one in load.get("harmonics", [load] if load["kind"] != "record" else []):
                 w = one.get("multiple", 1) * load["angular_frequency"]
                 found.append((load["x"], one["force"], w, one.get("phase", 0.0)))
         return found
+
+    @cached_property
+    def _records(self) -> list[tuple[float | None, Array, Array]]:
+        """Place (None: uniform), knots and forces there, N or N/m."""
+        found: list[tuple[float | None, Array, Array]] = []
+        base = self.tables.get("base_motion", {})
+        if base.get("kind") == "record":
+            knots, acceleration = accelerations(base["quantity"], *_samples(base))
+            found.append((None, knots, -self._beam[2] * acceleration))
+        found += [(it["x"], *_samples(it)) for it in self.tables.get("point_loads", ()) if it["kind"] == "record"]
+        return found
+
+    def _ramped(self, t: float, dt: int) -> Iterator[tuple[float | None, float, Array]]:
+        """Of each record: its place, the force at t or its t-derivative, and what moves besides the static answer."""
+        for place, knots, force in self._records:
+            slope, passed = np.diff(force) / np.diff(knots), knots[:-1] <= t
+            turns, begun = np.diff(slope, prepend=0.0)[passed], knots[:-1][passed]
+            rests = force[0] * self._after(t, 0, dt) + sum(
+                turn * self._after(t - start, 1, dt) for start, turn in zip(begun, turns, strict=True)
+            )
+            now = np.interp(t, knots, force) if dt == 0 else slope[int(passed.sum()) - 1]
+            yield place, float(now), self._projected(place) * rests
+
+    def _after(self, s: float, kind: int, dt: int) -> Array:
+        """A t-derivative of each mode, a time s after a unit step (0) or ramp (1) began, less its static answer."""
+        omega, decay = self.omega, self._decay
+        lag = -2 * decay / omega**4 if kind else np.zeros(_TERMS)
+        start = -lag - (0.0 if kind else 1 / omega**2), -(1 / omega**2 if kind else np.zeros(_TERMS))
+        return (lag if dt == 0 else 0.0) + self._free(*start, s, dt)
+
+    def _free(self, q: Array, v: Array, t: float, dt: int) -> Array:
+        """A t-derivative of the free motion of each mode from q and v."""
+        swing = np.sqrt(self.omega**2 - self._decay**2 + 0j)  # imaginary where a mode is overdamped
+        one, other = -self._decay + 1j * swing, -self._decay - 1j * swing
+        a = (v - other * q) / (one - other)
+        return np.asarray((a * one**dt * np.exp(one * t) + (q - a) * other**dt * np.exp(other * t)).real)
 
     def _projected(self, place: float | None) -> Array:
         """Modal force of a unit load."""
@@ -170,10 +210,9 @@ class PinnedBeam:
             q, v = q - (wave * at_start).imag, v - (1j * w * wave * at_start).imag
             rest = rest + ((wave - force / omega**2) * now).imag
             total += size * self._static(place, x, dx) * float(now.imag)
-        swing = np.sqrt(omega**2 - decay**2 + 0j)  # imaginary where a mode is overdamped
-        one, other = -decay + 1j * swing, -decay - 1j * swing
-        a = (v - other * q) / (one - other)
-        rest = rest + (a * one**dt * np.exp(one * t) + (q - a) * other**dt * np.exp(other * t)).real
+        for place, force_now, moving in self._ramped(t, dt):
+            total, rest = total + self._static(place, x, dx) * force_now, rest + moving
+        rest = rest + self._free(q, v, t, dt)
         return total + float(self._sines(x, dx) @ rest)
 
     def moment(self, x: float, t: float) -> float:
@@ -209,3 +248,34 @@ class PinnedBeam:
             N.
         """
         return self._beam[1] * self.evaluate(x, t, 3)
+
+
+def accelerations(quantity: str, time: Array, values: Array) -> tuple[Array, Array]:
+    """The acceleration of a recorded motion, which is linear between knots.
+
+    Parameters
+    ----------
+    quantity : str
+        What was recorded: acceleration, velocity or displacement.
+    time, values : ndarray, shape (n,)
+        The samples, s and m over powers of s.
+
+    Returns
+    -------
+    knots, acceleration : ndarray, shape (K,)
+        s and m/s2.
+    """
+    if quantity == "acceleration":
+        return time, values
+    if quantity == "displacement":
+        return time, np.asarray(CubicSpline(time, values)(time, 2))
+    # A quadratic spline whose knots lie half-way between the samples, without the first and the last.
+    knots = np.concatenate([time[:1], (time[1:-2] + time[2:-1]) / 2, time[-1:]])
+    spline = make_interp_spline(time, values, k=2, t=np.pad(knots, 2, mode="edge"))
+    return knots, np.asarray(spline(knots, 1))
+
+
+def _samples(record: dict[str, Any]) -> tuple[Array, Array]:
+    """Times and values of a record that its tables hold."""
+    values = np.array(record["values"], dtype=float)
+    return np.arange(values.size) / record["rate"], values

@@ -61,6 +61,27 @@ class ShakenCantilever:
         total = -np.einsum("jn,jn->n", weights, shape)
         return np.asarray((total + (1.0 if derivative == 0 else 0.0)) * self.mass / inertia)
 
+    def absolute_mean_square(self, low: float, high: float, density: float, x: float) -> float:
+        """The mean square of the absolute acceleration, that of the base included, under a flat density.
+
+        Parameters
+        ----------
+        low, high : float
+            The band, Hz.
+        density : float
+            One-sided density of the acceleration of the base, (m/s2)^2/Hz.
+        x : float
+            Position, m.
+
+        Returns
+        -------
+        float
+            (m/s2)^2.
+        """
+        points, weights = self._quadrature(low, high)
+        values = np.abs(1 - (2 * np.pi * points) ** 2 * self.answer(points, x, 0)) ** 2
+        return float(density * (weights @ values))
+
     def _weights(self, b: ComplexArray) -> ComplexArray:
         """The weights of exp(-bx), exp(b (x - L)), exp(-ibx) and exp(ib (x - L)), shape ``(4, n)``."""
         offsets = np.array([0.0, self.length, 0.0, self.length])

@@ -7,7 +7,7 @@ import hashlib
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -275,7 +275,8 @@ def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:
 def _answer(shown: Sequence[View]) -> Sheet | None:
     """The numbers that a user's own problem was asked for: those of the steady state, or else of the first contacts."""
     found = {view.result.name: sheet for view in shown for sheet in view.tables[:1] if sheet.rows}
-    return next((found[name] for name in PICTURED if name in found), None)
+    best = next((found[name] for name in PICTURED if name in found), None)
+    return None if best is None else replace(best, title=f"{best.title}: both solvers")
 
 
 def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str, Any], joint: Drawing) -> str:

@@ -80,7 +80,7 @@ def test_the_sums_are_the_motion(name: str) -> None:
     problem = PROBLEMS[name]
     joint, begin, period = settled(problem, 8)
     motion = march(joint, begin, 0.0, period, depth=True)
-    history, view = history_of("here", motion), gap_view(motion)
+    history, view = history_of("here", motion.joint, motion.log), gap_view(motion)
     assert len(view) == motion.log.slot.size > 2
     x = np.array([stop.x for stop in problem.stops])
     for segment, marched in zip(view, motion.segments, strict=True):

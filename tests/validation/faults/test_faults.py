@@ -74,6 +74,18 @@ def _some(*names: str) -> dict[str, str]:
     return {name: CASES[name] for name in names}
 
 
+def test_the_sound_packages_are_always_run_for_what_they_compile_goes_with_their_copies(tmp_path: Path) -> None:
+    path = tmp_path / "kept"
+    done: list[str] = []
+    for _ in range(2):
+        trials = Trials(TREE, "quick", 1, Kept(path))
+        seen = trials.costs(["table4"], lambda case, _: done.append(case))
+        assert seen["table4"].seconds > 0
+        assert [case for case, _ in seen["table4"].spent] == ["table4"]
+    assert done == ["table4", "table4"]
+    assert not path.exists()
+
+
 def test_a_trial_that_was_done_is_not_run_again_and_a_torn_line_is(tmp_path: Path) -> None:
     path, seen = tmp_path / "kept", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 0.5, (("textbook", 0.5),))
     Kept(path).put("one", seen, CASES)

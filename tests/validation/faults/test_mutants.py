@@ -17,15 +17,15 @@ FIRST, SECOND = drawn(installed_tree(), 1, 2)
 
 
 def _run() -> Run:
-    caught = Outcome(FIRST, Seen(Result.CAUGHT, "one_mode", "peak", "2 N", "1 N"), "", "1234567")
-    return Run("89abcde", 5, (caught, Outcome(SECOND, Seen(Result.MISSED), "because", "89abcde")))
+    caught = Outcome(FIRST, Seen(Result.CAUGHT, "one_mode", "peak", "2 N", "1 N"), "", "1234567", "89abcde")
+    return Run(5, (caught, Outcome(SECOND, Seen(Result.MISSED), "because", "89abcde", "89abcde")))
 
 
 def test_the_page_names_the_commits_and_gives_the_reason_of_what_survived() -> None:
     text = " ".join(_run().page.split())
     assert (
         "seed 5 drew 1 from the source of commit 1234567, 1 from the source of commit 89abcde. "
-        "2 were judged on the source of commit 89abcde: 1 caught, 1 equivalent."
+        "Judged were 2 in the source of commit 89abcde: 1 caught, 1 equivalent."
     ) in text
     assert "| caught | one-mode: peak | 2 N | 1 N |" in text
     assert "| equivalent | because |" in text

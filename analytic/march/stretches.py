@@ -1,0 +1,90 @@
+"""A motion in stretches, so that a long one needs no more memory than a short one.
+
+A stretch ends where a segment ends without a switch: along ramps at a knot where the log has a new segment in any case,
+so that the motion has the bits that it has as a whole; under a periodic excitation at the end of a period, as the
+search for periodic motions marches; else at times that are made for this.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+
+from analytic.march.compiled import Log
+from analytic.march.initial_state import started
+from analytic.march.joint import Joint
+from analytic.march.march import MOST_SWITCHES, Marching, joined
+
+ROWS = 1024
+"""Segments after which a stretch ends where it can: 1 MB with 20 modes, and a millisecond of work on its arrays."""
+_ROOM = 256  # segments logged before the log is handed on
+_STEPS = 16
+"""Longest tabulated steps, each some half a period of the beam, between two ends where nothing else offers one."""
+
+
+def stretches(logs: Iterator[Log]) -> Iterator[Log]:
+    """A motion in stretches of some `ROWS` segments.
+
+    Parameters
+    ----------
+    logs : iterator of Log
+        The segments of the motion, in parts of any length.
+
+    Yields
+    ------
+    Log
+        Segments of which the last ends without a switch; in all, those that were given.
+    """
+    kept: list[Log] = []
+    for log in logs:
+        kept.append(log)
+        if sum(part.slot.size for part in kept) < ROWS:
+            continue
+        whole = joined(kept)
+        ends = np.flatnonzero(whole.stop < 0)
+        kept = [whole]
+        if ends.size:
+            cut = int(ends[-1]) + 1
+            yield _rows(whole, slice(cut))
+            kept = [_rows(whole, slice(cut, None))]
+    if any(part.slot.size for part in kept):
+        yield joined(kept)
+
+
+def marched(joint: Joint, duration: float) -> Iterator[Log]:
+    """The segments of the motion from the initial state, as a march whose excitation has no period goes through them.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+    duration : float
+        How long, s.
+
+    Yields
+    ------
+    Log
+        With the depths of contacts; some segments end without a switch.
+
+    Raises
+    ------
+    SolverError
+        If there are too many switches between two such ends, or the march makes no progress.
+    """
+    marching = Marching(joint, started(joint), 0.0, room=_ROOM, depth=True, max_switches=MOST_SWITCHES)
+    step = np.inf if joint.problem.forces.sampled else _STEPS * float(joint.tables.step[0])
+    for i in itertools.count(1):
+        goal = min(i * step, duration)
+        for log in marching.logs_to(goal):
+            if np.any(log.stop < 0):
+                marching.forget_switches()
+            yield log
+        if goal == duration:
+            return
+
+
+def _rows(log: Log, rows: slice) -> Log:
+    """Some segments of a log."""
+    return Log._make(part[rows] for part in log)

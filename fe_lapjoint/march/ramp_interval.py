@@ -1,0 +1,507 @@
+r"""The exact flow of one contact state under forces that are linear in time, from one knot to the next, compiled.
+
+The equations are linear, so the answer p to the ramps alone is added to the flow of all the rest, which starts from
+what p leaves.  For a modal force f + g s on a mode with stiffness, s from the start,
+
+    p(s) = (f + g s) / omega^2 - 2 a g / omega^4,
+
+and a rigid-body mode, q'' + 2 a q' = f + g s, starts from rest: p = f e2 + g e3, with e1, e2, ... the integrals of
+exp(-2 a s), s and s^2 / 2 and so on where a is 0.
+
+p of modes with stiffness is linear in time, so it strays from no chord and from no tangent.
+
+Arrays are named as in `RampTables`; an interval is the motion from a time on as long as the forces stay linear.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from fe_lapjoint.march.compiled import at_place
+from fe_lapjoint.march.ramp_tables import RampTables
+from fe_lapjoint.march.system import ComplexArray
+from lapjoint.problem import FloatArray
+from lapjoint.problem.ramps import Ramps
+
+_SHORT = 2.0  # of 2 a s, without unit: up to it the integrals are summed as a series
+_TERMS = 22  # of that: the next is 2^22 4! / 26!, 3e-19 of the first
+_ROUNDING = float(32 * np.finfo(float).eps)  # relative, as in `fe_lapjoint.march.propagator`
+
+
+class Knots(NamedTuple):
+    """``K`` knots of ``R`` forces that are linear between them."""
+
+    time: FloatArray
+    """s, ascending, shape ``(K,)``."""
+    force: FloatArray
+    """N or N/m, shape ``(K, R)``."""
+    slope: FloatArray
+    """How fast each changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
+
+
+class Interval(NamedTuple):
+    """The motion from a time on, of ``n`` modes and at ``p`` places; see `RampTables` for the other sizes."""
+
+    begin: FloatArray
+    """Displacement under constant and linear forces at the start, but of rigid-body modes, kg^1/2 m, ``(n,)``."""
+    rate: FloatArray
+    """How fast it changes, kg^1/2 m/s, shape ``(n,)``."""
+    free: FloatArray
+    """Displacement and velocity of the free motion at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2, n)``."""
+    body: FloatArray
+    """Forces on the rigid-body modes, kg^1/2 m/s2, and their rates, kg^1/2 m/s3, shape ``(2, r)``."""
+    terms: ComplexArray
+    """Complex amplitudes of the modes that oscillate, kg^1/2 m, and of the loads, 1; shape ``(o + H,)``."""
+    at_places: ComplexArray
+    """Amplitudes in the motion of the places, m, shape ``(p, o + H)``."""
+    line: FloatArray
+    """Displacement, m, and velocity, m/s, of the places by `begin` and `rate`, shape ``(p, 2)``."""
+    bounds: FloatArray
+    """On each bounded term and its first three derivatives over its share, shape ``(4, b)``."""
+    rounding: FloatArray
+    """What rounding makes of the displacement of each place, m, shape ``(p,)``."""
+
+
+def knots_of(ramps: Ramps) -> Knots:
+    """Forces that are linear between knots, as the compiled march takes them.
+
+    Parameters
+    ----------
+    ramps : Ramps
+        The forces.
+
+    Returns
+    -------
+    Knots
+        The same.
+    """
+    return Knots(ramps.time, np.ascontiguousarray(ramps.force), np.ascontiguousarray(ramps.slope))
+
+
+def new_interval(tables: RampTables) -> Interval:
+    """Room for an interval.
+
+    Parameters
+    ----------
+    tables : RampTables
+        The contact state.
+
+    Returns
+    -------
+    Interval
+        Its arrays, not filled.
+    """
+    p, n = tables.places.shape
+    m = tables.rates.size
+    return Interval(
+        np.empty(n),
+        np.empty(n),
+        np.empty((2, n)),
+        np.empty((2, tables.rigid.size)),
+        np.empty(m, dtype=np.complex128),
+        np.empty((p, m), dtype=np.complex128),
+        np.empty((p, 2)),
+        np.empty((4, tables.fading.size)),
+        np.empty(p),
+    )
+
+
+@njit(cache=True)
+def fading_integrals(drag: float, s: float) -> tuple[float, float, float, float, float]:
+    """exp(-drag s), and its integrals from 0 to s, once to four times.
+
+    Parameters
+    ----------
+    drag : float
+        1/s, 0 or more.
+    s : float
+        Time, s.
+
+    Returns
+    -------
+    tuple of float
+        Without unit, s, s^2, s^3 and s^4.
+    """
+    x = drag * s
+    if abs(x) <= _SHORT:
+        series, term = 0.0, 1.0
+        for n in range(_TERMS):
+            series += term
+            term *= -x / (5 + n)
+        fourth = series * s**4 / 24
+        third = s**3 / 6 - drag * fourth
+        second = s**2 / 2 - drag * third
+        first = s - drag * second
+        return 1 - drag * first, first, second, third, fourth
+    first = -math.expm1(-x) / drag
+    second = (s - first) / drag
+    third = (s**2 / 2 - second) / drag
+    return math.exp(-x), first, second, third, (s**3 / 6 - third) / drag
+
+
+@njit(cache=True)
+def _response(a: float, omega: float, s: float) -> tuple[float, float]:
+    """C and S of `fe_lapjoint.march.propagator.free_response`, of one mode that does not oscillate, or hardly."""
+    square = a**2 - omega**2
+    root, decay = math.sqrt(abs(square)), math.exp(-a * s)
+    if root == 0:
+        S = decay * s
+        return decay + a * S, S
+    if square < 0:
+        S = decay * math.sin(root * s) / root
+        return decay * math.cos(root * s) + a * S, S
+    slow = math.exp(-(omega**2 / (a + root)) * s)
+    S = -slow * math.expm1(-2 * root * s) / (2 * root)
+    return slow * (1 + math.exp(-2 * root * s)) / 2 + a * S, S
+
+
+@njit(cache=True)
+def begin_interval(
+    tables: RampTables, knots: Knots, j: int, t: float, ahead: float, y: FloatArray, it: Interval
+) -> None:
+    """Write the closed form of the motion from a time on.
+
+    Parameters
+    ----------
+    tables, knots : RampTables, Knots
+        The contact state, and the forces.
+    j : int
+        Between which knots: from this one to the next.
+    t : float
+        When it begins, s.
+    ahead : float
+        How long its bounds are to hold, s.
+    y : FloatArray, shape (2 n,)
+        (q, q') then, kg^1/2 m and kg^1/2 m/s.
+    it : Interval
+        Takes it.
+    """
+    n, count, H = tables.omega.size, tables.which.size, tables.driven.size
+    for h in range(H):
+        angle = tables.driven[h] * t + tables.phase[h]
+        it.terms[count + h] = complex(math.cos(angle), math.sin(angle))
+    for i in range(n):
+        force, slope = tables.constant[i], 0.0
+        for r in range(knots.slope.shape[1]):
+            g = knots.slope[j, r]
+            force += tables.forces[i, r] * (knots.force[j, r] + g * (t - knots.time[j]))
+            slope += tables.forces[i, r] * g
+        soft = tables.compliance[i]
+        it.rate[i] = slope * soft
+        it.begin[i] = (force - 2 * tables.damping_rate[i] * it.rate[i]) * soft
+        x, v = y[i] - it.begin[i], y[n + i] - it.rate[i]
+        for h in range(H):
+            wave = tables.forced[i, h] * it.terms[count + h]
+            x -= wave.imag
+            v -= tables.driven[h] * wave.real
+        it.free[0, i], it.free[1, i] = x, v
+        if soft == 0:
+            for b in range(tables.rigid.size):
+                if tables.rigid[b] == i:
+                    it.body[0, b], it.body[1, b] = force, slope
+    for k in range(count):
+        x, v = it.free[0, tables.which[k]], it.free[1, tables.which[k]]
+        root = tables.rates[k]
+        it.terms[k] = complex(x, (root.real * x - v) / root.imag)
+    _write_places(tables, y, it)
+    _write_bounds(tables, ahead, it)
+
+
+@njit(cache=True)
+def _write_places(tables: RampTables, y: FloatArray, it: Interval) -> None:
+    """Write the motion of the places."""
+    p, n = tables.places.shape
+    count, H = tables.which.size, tables.driven.size
+    for u in range(p):
+        x, v, size = 0.0, 0.0, 0.0
+        for i in range(n):
+            share = tables.places[u, i]
+            x += share * it.begin[i]
+            v += share * it.rate[i]
+            size += abs(share) * (abs(it.begin[i]) + abs(it.free[0, i]) + abs(y[i]))
+        it.line[u, 0], it.line[u, 1] = x, v
+        for k in range(count):
+            it.at_places[u, k] = tables.places[u, tables.which[k]] * it.terms[k]
+            size += abs(it.at_places[u, k].real) + abs(it.at_places[u, k].imag)
+        for h in range(H):
+            wave = -1j * tables.forced_places[u, h]
+            it.at_places[u, count + h] = wave * it.terms[count + h]
+            size += abs(wave)
+        it.rounding[u] = _ROUNDING * size
+
+
+@njit(cache=True)
+def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
+    """Write the bounds, each times exp(-fading s); see `fe_lapjoint.march.propagator.Flow.envelope`."""
+    b, ringing, near, creeping = 0, tables.ringing.size, tables.near.size, tables.creeping.size
+    for k in range(ringing):
+        i = tables.ringing[k]
+        a, w = tables.damping_rate[i], tables.omega[i]
+        x, v = it.free[0, i], it.free[1, i] + a * it.free[0, i]
+        _powers(math.sqrt(x**2 + v**2 / (w**2 - a**2)), w, b + k, it.bounds)
+    b += ringing
+    for k in range(near):
+        i = tables.near[k]
+        a, w = tables.damping_rate[i], tables.omega[i]
+        least = math.e / 2 * (a - math.sqrt(max(a**2 - w**2, 0.0)))
+        x, v = it.free[0, i], it.free[1, i]
+        for d in range(4):
+            it.bounds[d, b + k] = abs(x) + abs(v + a * x) / least
+            x, v = v, -2 * a * v - w**2 * x
+    b += near
+    for k in range(creeping):
+        i = tables.creeping[k]
+        x, v = it.free[0, i], it.free[1, i]
+        first = (v + tables.fast[k] * x) / (tables.fast[k] - tables.slow[k])
+        _powers(abs(first), tables.slow[k], b + k, it.bounds)
+        _powers(abs(x - first), tables.fast[k], b + creeping + k, it.bounds)
+    b += 2 * creeping
+    for h in range(tables.driven.size):
+        _powers(1.0, tables.driven[h], b + h, it.bounds)
+    b += tables.driven.size
+    for k in range(tables.rigid.size):  # |p''| = |f exp(-2 a s) + g e1|, of which g is the most that s can make
+        drag, force, slope = 2 * tables.damping_rate[tables.rigid[k]], abs(it.body[0, k]), abs(it.body[1, k])
+        it.bounds[0, b + k] = it.bounds[1, b + k] = np.inf
+        it.bounds[2, b + k] = force + slope * ahead
+        it.bounds[3, b + k] = force * drag + slope
+
+
+@njit(cache=True)
+def _powers(amplitude: float, rate: float, b: int, bounds: FloatArray) -> None:
+    """Write the bounds on a term and its derivatives, of which each has the rate of growth of the one before."""
+    for d in range(4):
+        bounds[d, b] = amplitude
+        amplitude *= rate
+
+
+@njit(cache=True)
+def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
+    """Write exp(rate s) of each term.
+
+    Parameters
+    ----------
+    tables : RampTables
+        The contact state.
+    s : float
+        Time from the start, s.
+    waves : ComplexArray, shape (o + H,)
+        Takes them.
+    """
+    if s == tables.spacing:
+        waves[:] = tables.whole
+        return
+    if s == 0:
+        waves[:] = 1.0
+        return
+    for k in range(waves.size):
+        size, angle = math.exp(tables.rates[k].real * s), tables.rates[k].imag * s
+        waves[k] = complex(size * math.cos(angle), size * math.sin(angle))
+
+
+@njit(cache=True)
+def _other_motion(tables: RampTables, it: Interval, i: int, s: float) -> tuple[float, float, float]:
+    """Displacement, velocity and acceleration, ramps of rigid-body modes included, of a mode without oscillation."""
+    a, w = tables.damping_rate[i], tables.omega[i]
+    C, S = _response(a, w, s)
+    x, y = it.free[0, i], it.free[1, i]
+    q, v = x * C + y * S, -(w**2) * x * S + y * (C - 2 * a * S)
+    acceleration = -2 * a * v - w**2 * q
+    for b in range(tables.rigid.size):
+        if tables.rigid[b] == i:
+            e0, e1, e2, e3, _ = fading_integrals(2 * a, s)
+            force, slope = it.body[0, b], it.body[1, b]
+            q += force * e2 + slope * e3
+            v += force * e1 + slope * e2
+            acceleration += force * e0 + slope * e1
+    return q, v, acceleration
+
+
+@njit(cache=True)
+def places_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, z: FloatArray) -> None:
+    """Write displacement, velocity and acceleration of the places.
+
+    Parameters
+    ----------
+    tables, it : RampTables, Interval
+        The contact state, and its motion.
+    s : float
+        Time from the start, s.
+    waves : ComplexArray, shape (o + H,)
+        Takes exp(rate s) of each term.
+    z : FloatArray, shape (p, 3)
+        m, m/s and m/s2; written.
+    """
+    waves_of(tables, s, waves)
+    for u in range(z.shape[0]):
+        x, v, a = it.line[u, 0] + it.line[u, 1] * s, it.line[u, 1], 0.0
+        for k in range(waves.size):
+            now = it.at_places[u, k] * waves[k]
+            x += now.real
+            now *= tables.rates[k]
+            v += now.real
+            a += now.real * tables.rates[k].real - now.imag * tables.rates[k].imag
+        z[u, 0], z[u, 1], z[u, 2] = x, v, a
+    for i in tables.others:
+        q, v, a = _other_motion(tables, it, i, s)
+        for u in range(z.shape[0]):
+            share = tables.places[u, i]
+            z[u, 0] += share * q
+            z[u, 1] += share * v
+            z[u, 2] += share * a
+
+
+@njit(cache=True)
+def place_at(tables: RampTables, it: Interval, u: int, s: float) -> tuple[float, float]:
+    """Displacement and velocity of one place.
+
+    Parameters
+    ----------
+    tables, it : RampTables, Interval
+        The contact state, and its motion.
+    u : int
+        Which place.
+    s : float
+        Time from the start, s.
+
+    Returns
+    -------
+    float, float
+        m and m/s.
+    """
+    x, v = at_place(it.at_places, tables.rates, u, s)
+    x, v = x + it.line[u, 0] + it.line[u, 1] * s, v + it.line[u, 1]
+    for i in tables.others:
+        q, rate, _ = _other_motion(tables, it, i, s)
+        x, v = x + tables.places[u, i] * q, v + tables.places[u, i] * rate
+    return x, v
+
+
+@njit(cache=True)
+def state_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, order: int, q: FloatArray) -> None:
+    """Write a time derivative of the modal displacements.
+
+    Parameters
+    ----------
+    tables, it : RampTables, Interval
+        The contact state, and its motion.
+    s : float
+        Time from the start, s.
+    waves : ComplexArray, shape (o + H,)
+        exp(rate s) of each term.
+    order : int
+        Which derivative, 0 to 2.
+    q : FloatArray, shape (n,)
+        kg^1/2 m over s^order; written.
+    """
+    count = tables.which.size
+    for i in range(q.size):
+        x = it.begin[i] + it.rate[i] * s if order == 0 else (it.rate[i] if order == 1 else 0.0)
+        for h in range(tables.driven.size):
+            wave, w = tables.forced[i, h] * it.terms[count + h] * waves[count + h], tables.driven[h]
+            x += wave.imag if order == 0 else (w * wave.real if order == 1 else -w * w * wave.imag)
+        q[i] = x
+    for k in range(count):
+        now = it.terms[k] * waves[k]
+        for _ in range(order):
+            now *= tables.rates[k]
+        q[tables.which[k]] += now.real
+    for i in tables.others:
+        q[i] += _other_motion(tables, it, i, s)[order]
+
+
+@njit(cache=True)
+def move(tables: RampTables, it: Interval, s: float, waves: ComplexArray, y: FloatArray) -> None:
+    """Write the modal displacements and velocities.
+
+    Parameters
+    ----------
+    tables, it : RampTables, Interval
+        The contact state, and its motion.
+    s : float
+        Time from the start, s.
+    waves : ComplexArray, shape (o + H,)
+        exp(rate s) of each term.
+    y : FloatArray, shape (2 n,)
+        (q, q'), kg^1/2 m and kg^1/2 m/s; written.
+    """
+    n = y.size // 2
+    state_at(tables, it, s, waves, 0, y[:n])
+    state_at(tables, it, s, waves, 1, y[n:])
+
+
+@njit(cache=True)
+def moved(tables: RampTables, it: Interval, s: float) -> FloatArray:
+    """The modal displacements and velocities after some time.
+
+    Parameters
+    ----------
+    tables, it : RampTables, Interval
+        The contact state, and its motion.
+    s : float
+        Time from the start, s.
+
+    Returns
+    -------
+    FloatArray, shape (2 n,)
+        (q, q'), kg^1/2 m and kg^1/2 m/s.
+    """
+    y, waves = np.empty(2 * tables.omega.size), np.empty_like(tables.rates)
+    waves_of(tables, s, waves)
+    move(tables, it, s, waves, y)
+    return y
+
+
+@njit(cache=True)
+def areas_of(tables: RampTables, it: Interval, s: float, areas: FloatArray) -> None:
+    """Add the time integrals of the displacements of the places from the start on.
+
+    Parameters
+    ----------
+    tables, it : RampTables, Interval
+        The contact state, and its motion.
+    s : float
+        Until when, s from the start.
+    areas : FloatArray, shape (p,)
+        m s; added to.
+    """
+    for u in range(areas.size):
+        areas[u] += s * (it.line[u, 0] + it.line[u, 1] * (s / 2))
+    usual = s == tables.spacing
+    for k in range(tables.rates.size):
+        less = tables.whole_areas[k] if usual else _wave_area(tables.rates[k], s)
+        for u in range(areas.size):
+            areas[u] += (it.at_places[u, k] * less).real
+    for i in tables.others:
+        area = _other_area(tables, it, i, s)
+        for u in range(areas.size):
+            areas[u] += tables.places[u, i] * area
+
+
+@njit(cache=True)
+def _wave_area(rate: complex, s: float) -> complex:
+    """The integral of exp(rate t) from 0 to s, without cancellation."""
+    a, b = rate.real * s, rate.imag * s
+    less = complex(math.expm1(a) * math.cos(b) - 2 * math.sin(b / 2) ** 2, math.exp(a) * math.sin(b))
+    return less / rate
+
+
+@njit(cache=True)
+def _other_area(tables: RampTables, it: Interval, i: int, s: float) -> float:
+    """The time integral of the displacement of a mode without oscillation, kg^1/2 m s."""
+    a, w, x, y = tables.damping_rate[i], tables.omega[i], it.free[0, i], it.free[1, i]
+    for b in range(tables.rigid.size):
+        if tables.rigid[b] == i:
+            _, _, e2, e3, e4 = fading_integrals(2 * a, s)
+            return float(x * s + y * e2 + it.body[0, b] * e3 + it.body[1, b] * e4)
+    for k in range(tables.creeping.size):
+        if tables.creeping[k] == i:
+            slow, fast = tables.slow[k], tables.fast[k]
+            first = (y + fast * x) / (fast - slow)
+            return float(-first * math.expm1(-slow * s) / slow - (x - first) * math.expm1(-fast * s) / fast)
+    # The equation of motion integrated once: omega^2 int q = -[q'] - 2 a [q].
+    q, v, _ = _other_motion(tables, it, i, s)
+    return float(-(v - y + 2 * a * (q - x)) / w**2)

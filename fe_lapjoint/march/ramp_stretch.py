@@ -1,0 +1,406 @@
+"""A march along ramps from knot to knot, compiled, as far as no stop can have switched.
+
+On every interval the gap functions are bounded as in `fe_lapjoint.march.events`: by a chord where both ends are known,
+and by the tangent where it begins.  An interval that neither clears is halved, some times.  What is left may hold a
+switch; there this stops, and `fe_lapjoint.march.events` has the word.
+
+Arrays are named as in `fe_lapjoint.march.ramp_interval`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from fe_lapjoint.march.events import CONTINUOUS, BoolArray
+from fe_lapjoint.march.ramp_interval import (
+    Interval,
+    Knots,
+    areas_of,
+    begin_interval,
+    move,
+    places_at,
+    state_at,
+    waves_of,
+)
+from fe_lapjoint.march.ramp_tables import RampTables
+from fe_lapjoint.march.system import ComplexArray
+from lapjoint.problem import FloatArray
+
+_HALVINGS = 6  # of an interval before it is searched: 64 steps of a window, about as many as without ramps
+_ROUNDINGS = 1e-15  # of the time: two knots that are the spacing apart may be so much nearer or further
+_EPS = float(np.finfo(float).eps)
+_CLEAR, _UNCLEAR, _RISING = 0, 1, 2  # no switch; perhaps one; one, on a gap function that rises all the way
+
+
+class Watch(NamedTuple):
+    """What a march knows of its ``P`` stops; all but `fresh` is changed in place."""
+
+    fresh: BoolArray
+    """Whether each stop may have switched where the march begins, shape ``(P,)``."""
+    shift: FloatArray
+    """How far above 0 each gap function was on entering the state, m, shape ``(P,)``; 0 once it has been below."""
+    before: FloatArray
+    """What rounding made of each gap function in the interval before, m, shape ``(P,)``."""
+    level: FloatArray
+    """What it must exceed for the stop to switch, m, shape ``(P,)``."""
+    held: BoolArray
+    """Whether each stop has switched where the unclear part begins, shape ``(P,)``."""
+    unclear: BoolArray
+    """Whether each stop may switch in the unclear part, shape ``(P,)``."""
+    ends: FloatArray
+    """Gap function, m, and its rate, m/s, at the beginning of that part, and at its end; shape ``(P, 4)``."""
+
+
+@njit(cache=True)
+def interval_of(knots: Knots, t: float) -> int:
+    """Between which knots a time is; at a knot, after it.
+
+    Parameters
+    ----------
+    knots : Knots
+        The forces.
+    t : float
+        The time, s.
+
+    Returns
+    -------
+    int
+        From 0 to K - 2: before the first knot and after the last one the nearest ramp goes on.
+    """
+    return min(max(int(np.searchsorted(knots.time, t, side="right")) - 1, 0), knots.time.size - 2)
+
+
+@njit(cache=True)
+def _next(tables: RampTables, knots: Knots, j: int, t: float, end: float) -> tuple[float, float, int]:
+    """Until when one closed form is followed, how long that is, and between which knots the next one begins."""
+    knot = knots.time[j + 1] if j < knots.time.size - 2 else np.inf
+    until = min(knot, end, t + tables.window)
+    width = until - t
+    usual = abs(width - tables.spacing) <= _ROUNDINGS * abs(t)
+    return until, tables.spacing if usual else width, j + 1 if until == knot else j
+
+
+@njit(cache=True)
+def over_knots(
+    tables: RampTables,
+    knots: Knots,
+    t: float,
+    since: float,
+    end: float,
+    most: int,
+    y: FloatArray,
+    it: Interval,
+    watch: Watch,
+) -> tuple[float, float, float, int]:
+    """March on until a stop may switch, to a time, or over a number of closed forms.
+
+    Parameters
+    ----------
+    tables, knots : RampTables, Knots
+        The contact state, and the forces.
+    t : float
+        Where a closed form begins, s.
+    since : float
+        Up to here no stop switches, s from there.
+    end : float
+        Until when at the latest, s.
+    most : int
+        Over how many closed forms at most.
+    y : FloatArray, shape (2 n,)
+        (q, q') at `t`, kg^1/2 m and kg^1/2 m/s; replaced by that where the last closed form begins.
+    it : Interval
+        Takes the last closed form that is begun.
+    watch : Watch
+        The stops.
+
+    Returns
+    -------
+    float, float, float, int
+        Where the last closed form begins, s; from when to when in it a stop may switch, s from there, both 0 if none
+        can; how many closed forms lie behind.
+    """
+    p, stops = tables.places.shape[0], watch.fresh.size
+    waves, inner = np.empty_like(tables.rates), np.empty_like(tables.rates)
+    z = np.empty((_HALVINGS + 2, p, 3))
+    j, passed = interval_of(knots, t), 0
+    while passed < most and t < end:
+        until, width, following = _next(tables, knots, j, t, end)
+        begin_interval(tables, knots, j, t, width, y, it)
+        places_at(tables, it, width, waves, z[1])
+        if stops and since < width:
+            if passed == 0:
+                places_at(tables, it, since, inner, z[0])
+            if since == 0:
+                _set_levels(tables, it, passed == 0, z[0], watch)
+            lo, hi = _look(tables, it, since, width, inner, z, watch)
+            if hi > 0:
+                for k in range(stops):
+                    watch.held[k] = watch.held[k] and passed == 0 and lo == 0
+                return t, lo, hi, passed
+        move(tables, it, width, waves, y)
+        t, since, j, passed = until, 0.0, following, passed + 1
+        z[0] = z[1]
+    return t, 0.0, 0.0, passed
+
+
+@njit(cache=True)
+def _gap(tables: RampTables, k: int, z: FloatArray) -> tuple[float, float]:
+    """A gap function, m, and its rate, m/s, from displacement and velocity of the places, ``(p, 3)``."""
+    u, sign = tables.place_of[k], tables.orientation[k]
+    return sign * z[u, 0] - tables.offset[k], sign * z[u, 1]
+
+
+@njit(cache=True)
+def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, watch: Watch) -> None:
+    """Write what each gap function must exceed in an interval that begins."""
+    for k in range(watch.fresh.size):
+        h, _ = _gap(tables, k, z)
+        now = it.rounding[tables.place_of[k]] + _EPS * abs(tables.offset[k])
+        rounding, watch.before[k] = max(now, watch.before[k]), now
+        watch.held[k] = first and watch.fresh[k] and h <= CONTINUOUS * rounding
+        if watch.held[k]:
+            watch.shift[k] = max(h, 0.0)
+        elif h <= 0 or (first and watch.fresh[k]):
+            watch.shift[k] = 0.0
+        watch.level[k] = rounding + watch.shift[k]
+
+
+@njit(cache=True)
+def _look(
+    tables: RampTables, it: Interval, since: float, width: float, waves: ComplexArray, z: FloatArray, watch: Watch
+) -> tuple[float, float]:
+    """From when to when in an interval a stop may switch, both 0 if none can.
+
+    `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end; the rest is room
+    for what lies between, the nearest last.
+    """
+    ends, halvings = np.empty(_HALVINGS + 2), np.zeros(_HALVINGS + 2, dtype=np.int64)
+    bounds = np.empty((3, z.shape[1]))
+    ends[0], ends[1], top = since, width, 1
+    begin = z[0].copy()
+    while top > 0:
+        lo, hi = ends[0], ends[top]
+        found = _judge(tables, it, lo, hi, begin, z[top], bounds, watch)
+        if found == _CLEAR:
+            begin[:] = z[top]
+            ends[0], top = hi, top - 1
+        elif found == _RISING or halvings[top] == _HALVINGS:
+            return lo, hi
+        else:
+            halvings[top] += 1
+            ends[top + 1], halvings[top + 1], top = lo + (hi - lo) / 2, halvings[top], top + 1
+            places_at(tables, it, ends[top], waves, z[top])
+    return 0.0, 0.0
+
+
+@njit(cache=True)
+def _judge(
+    tables: RampTables,
+    it: Interval,
+    lo: float,
+    hi: float,
+    begin: FloatArray,
+    end: FloatArray,
+    bounds: FloatArray,
+    watch: Watch,
+) -> int:
+    """Whether a part of an interval, with the motion of the places at its ends, ``(p, 3)``, is clear of switches."""
+    width, result, sure = hi - lo, _CLEAR, True
+    _bound(tables, it, lo, width, bounds)
+    for k in range(watch.fresh.size):
+        u, level = tables.place_of[k], watch.level[k]
+        (h, rate), (h_end, rate_end) = _gap(tables, k, begin), _gap(tables, k, end)
+        clear = h <= level and h_end <= level
+        clear = clear and (max(h, h_end) + bounds[0, u] <= level or h + rate * width + bounds[1, u] <= level)
+        watch.unclear[k] = not clear
+        if not clear:
+            watch.ends[k, 0], watch.ends[k, 1], watch.ends[k, 2], watch.ends[k, 3] = h, rate, h_end, rate_end
+            result, sure = _UNCLEAR, sure and h_end > level and rate > bounds[2, u]
+    return _RISING if result and sure else result
+
+
+@njit(cache=True)
+def _bound(tables: RampTables, it: Interval, since: float, width: float, bounds: FloatArray) -> None:
+    """Write how far each place may rise above a chord, m, leave its tangent, m, and its rate, m/s; ``(3, p)``."""
+    bounds[:] = 0.0
+    for b in range(tables.fading.size):
+        fade = math.exp(-tables.fading[b] * since) if since else 1.0
+        value, steep, bent = 2 * it.bounds[0, b], 2 * it.bounds[1, b], it.bounds[2, b] * width
+        chord = min(value, bent * (width / 8)) * fade
+        stray, turn = min(steep, bent / 2) * (width * fade), min(steep, bent) * fade
+        for u in range(bounds.shape[1]):
+            share = tables.shares[u, b]
+            bounds[0, u] += share * chord
+            bounds[1, u] += share * stray
+            bounds[2, u] += share * turn
+
+
+@njit(cache=True)
+def account(
+    tables: RampTables,
+    knots: Knots,
+    t: float,
+    end: float,
+    y: FloatArray,
+    it: Interval,
+    depth: bool,
+    closed: BoolArray,
+    areas: FloatArray,
+    deepest: FloatArray,
+) -> None:
+    """Integrals and peaks of the displacements of the stops over a march without switches.
+
+    Parameters
+    ----------
+    tables, knots : RampTables, Knots
+        The contact state, and the forces.
+    t, end : float
+        From when to when, s.
+    y : FloatArray, shape (2 n,)
+        (q, q') at `t`, kg^1/2 m and kg^1/2 m/s; replaced by that at the end.
+    it : Interval
+        Room for a closed form.
+    depth : bool
+        Whether to find the peaks.
+    closed : BoolArray, shape (P,)
+        Of which stops.
+    areas : FloatArray, shape (P,)
+        Takes the time integral of z at each stop, m s.
+    deepest : FloatArray, shape (P,)
+        Deepest penetration of each so far, m; raised.
+    """
+    p, stops = tables.places.shape[0], closed.size
+    sums, waves, z = np.zeros(p), np.empty_like(tables.rates), np.empty((2, p, 3))
+    j, begun = interval_of(knots, t), False
+    while t < end:
+        until, width, following = _next(tables, knots, j, t, end)
+        begin_interval(tables, knots, j, t, width, y, it)
+        areas_of(tables, it, width, sums)
+        if depth and not begun:
+            places_at(tables, it, 0.0, waves, z[0])
+        if depth:
+            places_at(tables, it, width, waves, z[1])
+        else:
+            waves_of(tables, width, waves)
+        for k in range(stops):
+            if depth and closed[k]:
+                deepest[k] = _deepest(tables, it, k, width, z, deepest[k])
+        move(tables, it, width, waves, y)
+        z[0] = z[1]
+        t, j, begun = until, following, True
+    for k in range(closed.size):
+        areas[k] = sums[tables.place_of[k]]
+
+
+_RELATIVE = 1e-12  # of the deepest: what is left to be found; a maximum is flat, so its place is known to 1e-6
+_DEEP = 48  # halvings, at most: more than leave the last digit of an interval
+_NEWTON = 30  # steps, at most
+
+
+@njit(cache=True)
+def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: FloatArray, found: float) -> float:
+    """The larger of what has been found, and the deepest penetration of a stop in an interval, m.
+
+    `limits`, shape ``(2, p, 3)``, holds the motion of the places at both ends.
+
+    A part is left out where a bound says that it holds nothing deeper, or where the penetration has no inflection: then
+    its maximum is at an end, or where its rate passes through 0.  The others are halved.
+    """
+    u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
+    waves, z = np.empty_like(tables.rates), np.empty((tables.places.shape[0], 3))
+    ends, points = np.empty(_DEEP + 2), np.empty((_DEEP + 2, 3))
+    for i in range(2):
+        ends[i] = width * i
+        points[i] = sign * limits[i, u]
+        points[i, 0] += offset
+        found = max(found, points[i, 0])
+    top = 1
+    while top > 0:
+        lo, hi, left, right = ends[0], ends[top], points[0], points[top]
+        enough = found + max(_RELATIVE * abs(found), it.rounding[u])
+        chord, inflection = 0.0, 0.0
+        for b in range(tables.fading.size):
+            fade = tables.shares[u, b] * math.exp(-tables.fading[b] * lo)
+            curved = it.bounds[2, b] * ((hi - lo) ** 2 / 8)
+            chord += min(2 * it.bounds[0, b], curved) * fade
+            inflection += min(2 * it.bounds[2, b], it.bounds[3, b] * ((hi - lo) / 2)) * fade
+        concave = max(left[2], right[2]) + inflection < 0
+        if max(left[0], right[0]) + chord <= enough or concave or top > _DEEP:
+            if concave and left[1] > 0 > right[1]:
+                found = max(found, _top(tables, it, k, lo, hi, left[1], right[1]))
+            points[0] = right
+            ends[0], top = hi, top - 1
+            continue
+        top += 1
+        ends[top] = lo + (hi - lo) / 2
+        places_at(tables, it, ends[top], waves, z)
+        points[top] = sign * z[u]
+        points[top, 0] += offset
+        found = max(found, points[top, 0])
+    return found
+
+
+@njit(cache=True)
+def _top(tables: RampTables, it: Interval, k: int, lo: float, hi: float, rate: float, rate_end: float) -> float:
+    """The maximum, m, of a penetration whose rate falls through 0, by Newton's method kept between the ends."""
+    u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
+    waves, z = np.empty_like(tables.rates), np.empty((tables.places.shape[0], 3))
+    s, value = lo + (hi - lo) * rate / (rate - rate_end), -np.inf
+    for _ in range(_NEWTON):
+        places_at(tables, it, s, waves, z)
+        value, rate, bend = sign * z[u, 0] + offset, sign * z[u, 1], sign * z[u, 2]
+        lo, hi = (s, hi) if rate > 0 else (lo, s)
+        step = -rate / bend
+        if abs(rate * step) <= _RELATIVE * abs(value) or hi - lo <= _EPS * hi:
+            break
+        s = s + step if lo < s + step < hi else (lo + hi) / 2
+    return value
+
+
+@njit(cache=True)
+def coordinates_at(
+    tables: RampTables,
+    knots: Knots,
+    t: float,
+    y: FloatArray,
+    it: Interval,
+    times: FloatArray,
+    order: int,
+    result: FloatArray,
+) -> None:
+    """Write a time derivative of the modal displacements at ``m`` times of a march without switches.
+
+    Parameters
+    ----------
+    tables, knots : RampTables, Knots
+        The contact state, and the forces.
+    t : float
+        Where the march begins, s.
+    y : FloatArray, shape (2 n,)
+        (q, q') then, kg^1/2 m and kg^1/2 m/s; replaced by that where the last closed form begins.
+    it : Interval
+        Room for a closed form.
+    times : FloatArray, shape (m,)
+        The times, s, ascending.
+    order : int
+        Which derivative, 0 to 2.
+    result : FloatArray, shape (m, n)
+        kg^1/2 m over s^order; written.
+    """
+    m, i, waves = times.size, 0, np.empty_like(tables.rates)
+    j = interval_of(knots, t)
+    while i < m:
+        until, width, following = _next(tables, knots, j, t, np.inf)
+        begin_interval(tables, knots, j, t, width, y, it)
+        while i < m and times[i] < until:
+            waves_of(tables, times[i] - t, waves)
+            state_at(tables, it, times[i] - t, waves, order, result[i])
+            i += 1
+        if i < m:
+            waves_of(tables, width, waves)
+            move(tables, it, width, waves, y)
+        t, j = until, following
