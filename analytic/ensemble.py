@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from analytic.march import Coordinates, Joint
-from analytic.march.compiled import DONE, MISSING_SWITCH, advance_many, new_motion
+from analytic.march.compiled import DONE, MISSING_SWITCH, new_motion, new_work
 from analytic.march.initial_state import carried_over
+from analytic.march.many import advance_many
 from analytic.march.march import MOST_SWITCHES, settle_status
 from analytic.march.tables import IntArray
 from lapjoint.answers.steady_state import SectionPoint
@@ -41,10 +42,13 @@ class JointEnsemble:
         """March some of them on. See `lapjoint.orbits.ensemble.Ensemble.march`."""
         joint, failed = self._joint, dict[int, str]()
         motion = new_motion(0, 0.0, np.zeros(0), np.zeros(0), max(joint.counts), len(joint.problem.stops))
+        work = new_work(joint.tables)
         rows, begin = np.asarray(which, dtype=np.int64), (0, 0)
         arrays = self._slots, self._q, self._v
         while begin[0] < rows.size:
-            status, at = advance_many(joint.tables, begin, rows, *arrays, self._period, periods, MOST_SWITCHES, motion)
+            status, at = advance_many(
+                joint.tables, begin, rows, *arrays, self._period, periods, MOST_SWITCHES, motion, work
+            )
             begin = (at, int(status == MISSING_SWITCH))
             if status == DONE:
                 break

@@ -8,6 +8,7 @@ many starts end, and statistics of long motions.
 
 from lapjoint.campaigns.basin_plan import BasinPlan
 from lapjoint.campaigns.basin_running import basins, solve_basins
+from lapjoint.campaigns.branching import branch
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.realisations import statistics
@@ -20,6 +21,7 @@ __all__ = [
     "Grid",
     "Plan",
     "basins",
+    "branch",
     "run",
     "solve",
     "solve_basins",

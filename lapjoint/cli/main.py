@@ -24,6 +24,7 @@ from typing import Any
 import click
 
 from lapjoint.cli.basins import basins
+from lapjoint.cli.branch import branch
 from lapjoint.cli.echo import echo
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
@@ -153,7 +154,7 @@ def main() -> None:
     """
 
 
-for command in (modes, simulate, steady, statistics, sweep, basins, plot, export, show):
+for command in (modes, simulate, steady, statistics, sweep, basins, branch, plot, export, show):
     main.add_command(command)
 
 

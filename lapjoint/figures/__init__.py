@@ -5,8 +5,10 @@ writes as PNG, SVG or PDF.  All share one style, `lapjoint.figures.style`, and t
 """
 
 from lapjoint.figures.basins import plot_basins
+from lapjoint.figures.branch_diagram import plot_branches
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
 from lapjoint.figures.convergence import plot_convergence
+from lapjoint.figures.exceedance import plot_exceedance
 from lapjoint.figures.impulse_curve import plot_curve
 from lapjoint.figures.impulse_curve_wide import plot_curve_wide
 from lapjoint.figures.mode_shapes import plot_mode_shapes, plot_state_shapes
@@ -20,11 +22,13 @@ __all__ = [
     "new_axes",
     "new_panels",
     "plot_basins",
+    "plot_branches",
     "plot_contact_impulses",
     "plot_contact_states",
     "plot_convergence",
     "plot_curve",
     "plot_curve_wide",
+    "plot_exceedance",
     "plot_joint",
     "plot_mode_shapes",
     "plot_motion",

@@ -155,27 +155,24 @@ ANALYTIC = (
         "an event dropped",
         "analytic.march.contacts",
         "Contacts shorter than ten microseconds are left out.",
-        old="return tuple(sorted(found, key",
-        new=(
-            "found = [contact for contact in found if contact.end - contact.start > 1e-5]\n"
-            "    return tuple(sorted(found, key"
-        ),
+        old="order = np.lexsort((stop, start))",
+        new="order = np.lexsort((stop, start))\n    order = order[(end - start)[order] > 1e-5]",
     ),
     Fault(
         "analytic-impulse-twice",
         "counted twice",
         "analytic.march.contacts",
         "Where another stop switches during a contact, the first part of its impulse counts twice.",
-        old="float(log.area[first : last + 1, k].sum())",
-        new="float(log.area[first : last + 1, k].sum() + log.area[first:last, k][:1].sum())",
+        old="so_far[k] += area[i, k]",
+        new="so_far[k] += area[i, k] * (1 + (i == since[k] and stop[i] != k and not last))",
     ),
     Fault(
         "analytic-peak-force",
         "a factor",
         "analytic.march.contacts",
         "Peak forces are 1 % too small.",
-        old="peak_force=stop.stiffness *",
-        new="peak_force=0.99 * stop.stiffness *",
+        old="stiffness[stop] * deepest",
+        new="0.99 * stiffness[stop] * deepest",
     ),
     Fault(
         "analytic-forced-velocity",
@@ -190,8 +187,8 @@ ANALYTIC = (
         "a term dropped",
         "analytic.march.field",
         "Moments and shears lack what the left-out modes carry.",
-        old="state)(x, dx)",
-        new="state)(x, dx) * (dx < 2)",
+        old="residual_at(part.state, x, dx)",
+        new="residual_at(part.state, x, dx) * (dx < 2)",
     ),
     Fault(
         "analytic-mean-impulse-twice",

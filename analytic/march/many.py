@@ -1,0 +1,83 @@
+"""The compiled march of many motions over whole periods, in one call."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analytic.march.carried import advance_periods
+from analytic.march.compiled import DONE, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
+from analytic.march.segment import NO_SWITCH
+from analytic.march.tables import IntArray, Tables
+from analytic.march.terms import put
+from lapjoint.compiling import njit_called
+from lapjoint.problem import FloatArray
+
+
+@njit_called()
+def advance_many(
+    tables: Tables,
+    begin: tuple[int, int],
+    which: IntArray,
+    slots: IntArray,
+    q: FloatArray,
+    v: FloatArray,
+    period: float,
+    count: int,
+    most: int,
+    motion: Motion,
+    work: Work,
+) -> tuple[int, int]:
+    """March many motions over whole periods, each as `analytic.march.carried.advance_periods` does, without deviations.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    begin : tuple of int
+        Which of the marches to begin with, as an index into `which`, and 1 if `motion` is on its way already, else 0.
+    which : ndarray, shape (k,)
+        The rows that are marched.
+    slots : ndarray, shape (S,)
+        The state of each motion, as its slot; changed in place.
+    q, v : ndarray, shape (S, N)
+        Its modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s; changed in place.
+    period : float
+        The period, s.
+    count : int
+        Periods that each is marched.
+    most : int
+        Most switches of each march.
+    motion : Motion
+        Scratch room for one march; where the march is that needs something of Python.
+    work : Work
+        Scratch arrays.
+
+    Returns
+    -------
+    int, int
+        Why it came back, see `DONE`, and at which march.
+    """
+    n = motion.q.size
+    penetration, slot = np.zeros((1, motion.total.size)), np.zeros(0, dtype=np.int64)
+    section, deviations, sizes = np.zeros((0, 2, n)), np.zeros((2 * n, 0)), np.zeros(0)
+    goes_on = begin[1] == 1
+    for i in range(begin[0], which.size):
+        row = which[i]
+        if not goes_on:
+            motion.counts[SLOT], motion.counts[PENDING] = slots[row], NO_SWITCH
+            motion.counts[SWITCHES], motion.counts[PERIODS] = 0, 0
+            motion.time[0], motion.time[1] = 0.0, 0.0
+            put(motion.q, q[row])
+            put(motion.v, v[row])
+            for k in range(motion.total.size):
+                motion.last_switch[k], motion.total[k] = 0.0, 0.0
+        goes_on = False
+        status, deviations = advance_periods(
+            tables, motion, work, period, count, penetration, slot, section, deviations, sizes, most
+        )
+        if status != DONE:
+            return status, i
+        slots[row] = motion.counts[SLOT]
+        put(q[row], motion.q)
+        put(v[row], motion.v)
+    return DONE, which.size
