@@ -341,6 +341,8 @@ def follow_ramps(
         if which == NO_SWITCH and whole:
             for k in range(terms):
                 term[k] = term0[k] * ramps.whole[slot, k]
+            for h in range(theta.size):  # the search has left them where it looked last
+                theta[h] = theta0[h]
             turn_exactly(none, tables.omega, 0, width, none, theta)
         beginning, ended = False, which != NO_SWITCH or until == end or j == last
         if any_closed:
