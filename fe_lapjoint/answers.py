@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
-from fe_lapjoint.march.march import march
+from fe_lapjoint.march.march import march, window_of
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
@@ -14,13 +15,17 @@ from fe_lapjoint.modes.mesh import mesh_nodes
 from fe_lapjoint.modes.shapes import ElementShapes
 from fe_lapjoint.period_map import PeriodMap
 from lapjoint.answers import History, Modes
-from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
     from fe_lapjoint.solver import Solver
+
+_WINDOWS = 16  # windows of a stretch at most, some tens to hundreds of contacts
+_KNOTS = 32768  # of a stretch, at most: of 64 of them, the motion at one is kept
+_ROUNDINGS = 1e-12  # of the duration: a stretch that ends so near to it is the last one
 
 
 def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> Modes:
@@ -89,6 +94,62 @@ def simulate(
     y = initial_coordinates(model.assembly, model.system(state))
     motion = march(model, state, y, 0.0, duration, progress=progress, peaks=peaks)
     return history_of(solver.name, model, [motion], duration)
+
+
+def stream(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
+    """The motion from the initial state, stretch by stretch.
+
+    Parameters
+    ----------
+    solver : Solver
+        The numerical options.
+    problem : Problem
+        What is solved.
+    duration : float
+        How long, s.
+    progress : callable or None
+        Called with the time marched and the duration, s.
+
+    Yields
+    ------
+    History
+        See `lapjoint.solver.Streams.stream`.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
+    if problem.excitation_frequency is not None:
+        stretches = period_map(solver, problem).streamed(duration)
+    else:
+        stretches = _marched(solver, problem, duration)
+    for stretch in stretches:
+        yield stretch
+        if progress is not None:
+            progress(stretch.end, duration)
+
+
+def _marched(solver: Solver, problem: Problem, duration: float) -> Iterator[History]:
+    """The stretches of a motion that nothing repeats."""
+    model = _model(solver, problem)
+    state = initial_state(model.assembly)
+    y, t = initial_coordinates(model.assembly, model.system(state)), 0.0
+    while t < duration:
+        end = _stretch_end(model, t, duration)
+        motion = march(model, state, y, t, end)
+        yield history_of(solver.name, model, [motion], duration)
+        state, y, t = motion.state, motion.y, end
+
+
+def _stretch_end(model: Model, t: float, duration: float) -> float:
+    """Where a stretch that begins at a time ends, s: at a knot, if there is one late enough in it."""
+    end = t + _WINDOWS * window_of(model, FREE)
+    if model.problem.forces.ramps is not None:
+        time = model.block_at(t)[0].time
+        within = time[(time > t) & (time <= end)][:_KNOTS]
+        end = float(within[-1]) if within.size else end
+    return duration if end >= duration * (1 - _ROUNDINGS) else end
 
 
 def period_map(solver: Solver, problem: Problem) -> PeriodMap:

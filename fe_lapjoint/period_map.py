@@ -7,14 +7,16 @@ Deviations are (q, q') in the modes of the joint without contact, whose mass is 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import islice
 
 import numpy as np
 
 from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
-from fe_lapjoint.march.march import march
+from fe_lapjoint.march.march import March, march
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.tangent import carried, traced
 from fe_lapjoint.modes.assembly import Assembly
@@ -28,6 +30,7 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
+_STRETCH = 16  # periods of the motion that are handed on at once
 _TOUCHING = 1e-12
 """Of gap and displacement: a stop nearer to its gap than this keeps its contact state; rounding may be as large."""
 
@@ -107,16 +110,45 @@ class PeriodMap:
         motion = self._recorded(self.initial(), period_pieces(self.period, duration), progress, peaks)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
 
+    def streamed(self, duration: float) -> Iterator[History]:
+        """The same motion, stretch by stretch; see `lapjoint.solver.Streams.stream`.
+
+        Parameters
+        ----------
+        duration : float
+            How long, s.
+
+        Yields
+        ------
+        History
+            Some periods each.
+        """
+        pieces = period_pieces(self.period, duration)
+        motions, start = self._marched(self.initial(), pieces, True), 0.0
+        for first in range(0, len(pieces), _STRETCH):
+            taken = list(islice(motions, _STRETCH))
+            number = first + len(taken)
+            end = duration if number == len(pieces) else number * self.period
+            yield _between(history_of(self.name, self.model, taken, self.period, first), start, end)
+            start = end
+
     def _recorded(
         self, start: SectionPoint, pieces: list[float], progress: Progress | None, peaks: bool = True
     ) -> History:
-        motions, point = [], start
-        for i, piece in enumerate(pieces):
-            motions.append(march(self.model, point.state, self.modal(point), 0.0, piece, peaks=peaks))
-            point = self._section_point(motions[-1].state, motions[-1].y)
+        motions = []
+        for motion in self._marched(start, pieces, peaks):
+            motions.append(motion)
             if progress is not None:
-                progress(float(i + 1), float(len(pieces)))
+                progress(float(len(motions)), float(len(pieces)))
         return history_of(self.name, self.model, motions, self.period)
+
+    def _marched(self, start: SectionPoint, pieces: list[float], peaks: bool) -> Iterator[March]:
+        """The pieces of a march, one after the other, each from its own time 0."""
+        point = start
+        for piece in pieces:
+            motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=peaks)
+            yield motion
+            point = self._section_point(motion.state, motion.y)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         """Deviation, as (q, q') in the modes without contact. See `lapjoint.orbits.PeriodMap.difference`."""
@@ -246,3 +278,11 @@ class PeriodMap:
         unclear = np.abs(depth) <= _TOUCHING * (model.gap + np.abs(assembly.stop_rows) @ free)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]
         return SectionPoint(ContactState(tuple(closed)), point.coordinates, point.nodes)
+
+
+def _between(motion: History, start: float, end: float) -> History:
+    """A motion whose ends are moved by a rounding, and with them those of the contacts that go on over them."""
+    contacts = tuple(
+        replace(c, start=start if c.open_start else c.start, end=end if c.open_end else c.end) for c in motion.contacts
+    )
+    return replace(motion, start=start, end=end, contacts=contacts)

@@ -6,6 +6,7 @@ The modules that answer them bring scikit-fem and scipy along; they are imported
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
-from lapjoint.one_thread import in_one_thread
+from lapjoint.one_thread import each_in_one_thread, in_one_thread
 from lapjoint.problem import Problem
 from lapjoint.solver import MODES, Progress
 
@@ -167,6 +168,36 @@ class Solver:
 
         motion = answers.simulate(self, problem, float(duration), progress)
         return self._with_errors(motion, float(duration)) if errors else motion
+
+    def stream(self, problem: Problem, duration: float, *, progress: Progress | None = None) -> Iterator[History]:
+        """The motion from the initial state, stretch by stretch, in memory that does not grow with its duration.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+        duration : float
+            How long, s.
+        progress : callable, optional
+            Called with the time marched and the duration, s, after each stretch.
+
+        Returns
+        -------
+        iterator of History
+            Each begins where the one before ends; the first at 0, the last ends at `duration`.  A contact that goes on
+            over an end is in both, marked as open there.  No errors are estimated.
+
+        Raises
+        ------
+        InputError
+            If `duration` is not positive and finite, or longer than a record.
+        SolverError
+            If the march cannot go on.
+        """
+        problem.check_duration(duration)
+        from fe_lapjoint import answers
+
+        return each_in_one_thread(answers.stream(self, problem, float(duration), progress))
 
     @in_one_thread
     def steady_state(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         time_series,
         write_series,
     )
-    from lapjoint.campaigns import FREQUENCY, Axis, statistics, sweep
+    from lapjoint.campaigns import FREQUENCY, Axis, branch, statistics, sweep
     from lapjoint.errors import InputError, SolverError
     from lapjoint.problem import (
         BaseMotion,
@@ -86,6 +86,7 @@ __all__ = [
     "Support",
     "Tube",
     "ViscousDamping",
+    "branch",
     "contact_states",
     "initial_from_functions",
     "make_solver",

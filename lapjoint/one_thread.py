@@ -7,8 +7,9 @@ sweeps gain from processes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache, wraps
+from itertools import islice
 from threading import Lock, local
 from typing import Any, ParamSpec, TypeVar
 
@@ -94,3 +95,24 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **kwargs)
 
     return limited
+
+
+def each_in_one_thread(items: Iterator[R]) -> Iterator[R]:
+    """The same items, each of which is made under the limit; between them the limit does not hold.
+
+    Parameters
+    ----------
+    items : iterator
+        Makes them one after the other.
+
+    Yields
+    ------
+    object
+        The items.
+    """
+    more = True
+    while more:
+        with _LIMIT:
+            made = list(islice(items, 1))
+        more = bool(made)
+        yield from made

@@ -5,17 +5,26 @@ that works.
 from __future__ import annotations
 
 import math
+import os
 import signal
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 import scipy.linalg  # noqa: F401  its own library for linear algebra is loaded before `one_thread` looks for some
+from compile_first import SHARES
 from threadpoolctl import threadpool_limits
 from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS, swinging
 
 from lapjoint import FREE, Beam, ContactState, History, Problem, Stop
 from lapjoint.answers import Contact
+
+
+def pytest_sessionstart() -> None:
+    """Two workers that begin at the same time do not compile the same functions."""
+    share = SHARES.get(os.environ.get("PYTEST_XDIST_WORKER", ""))
+    if share is not None:
+        share()
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -34,6 +43,15 @@ def ctrl_c() -> Iterator[None]:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@pytest.fixture(scope="session")
+def compiled() -> None:
+    """The analytic march is compiled, and kept for other processes: each would compile it anew for itself."""
+    import analytic
+    from lapjoint import sdnl104
+
+    analytic.Solver(n_modes=2).simulate(sdnl104(), 1e-4, errors=False)
 
 
 @pytest.fixture

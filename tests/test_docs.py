@@ -57,8 +57,34 @@ def test_every_fence_and_formula_is_closed() -> None:
         assert re.sub(r"```.*?```|`[^`]*`", "", text, flags=re.DOTALL).count("$") % 2 == 0
 
 
-TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
 CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+SHAKER = (DOCS / "from-a-shaker.md").read_text(encoding="utf-8")
+ROW = re.compile(r"[-+.\de]*\d[-+.\de]*\*?")
+
+
+def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Word for word, and the first number of each row to a quarter: the motion is chaotic, rounding makes another."""
+    monkeypatch.chdir(tmp_path)
+    makes_file, draws = re.findall(r"^```py\n(.*?)^```$", SHAKER, re.DOTALL | re.MULTILINE)
+    (problem,) = re.findall(r"^```toml\n(.*?)^```$", SHAKER, re.DOTALL | re.MULTILINE)
+    Path("rattle.toml").write_text(problem, encoding="utf-8")
+    exec(compile(makes_file, "docs", "exec"), {})
+    shown_rows = re.findall(r"^[-\d.]+;.*$", SHAKER, re.MULTILINE)
+    assert Path("shaker.csv").read_text(encoding="utf-8").splitlines()[2:4] == shown_rows
+    (block,) = CONSOLE.findall(SHAKER)
+    line, _, shown = block.removeprefix("$ lapjoint ").partition("\n")
+    result = CliRunner().invoke(main, shlex.split(line))
+    assert result.exit_code == 0, result.output
+    for expected, printed in zip(shown.splitlines(), result.stdout.splitlines(), strict=True):
+        assert ROW.sub("#", expected).split() == ROW.sub("#", printed).split()
+        numbers = [ROW.findall(text.partition("]")[2] or text)[:1] for text in (expected, printed)]
+        if all(numbers) and "*" not in "".join(numbers[0] + numbers[1]):
+            assert float(numbers[1][0]) == pytest.approx(float(numbers[0][0]), rel=0.25)
+    exec(compile(draws, "docs", "exec"), {})
+    assert Path("forces.pdf").stat().st_size > 1000
+
+
+TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
 
 
 def test_the_commands_of_the_tutorial_print_what_stands_below_them(

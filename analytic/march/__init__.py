@@ -2,8 +2,8 @@
 
 `loads` and `oscillator` hold the forces and the answer of one mode to them, `modal_state` a contact state in modal
 form, `tables` its flat view, `known_states` the states that a family of problems has met, and `joint` those of one
-problem.  `terms`, `gap_function`, `step_bound`, `segment`, `deepest`, `switching` and `compiled` are the
-compiled march, from the inside out.
+problem.  `terms`, `gap_function`, `step_bound`, `segment`, `deepest`, `switching`, `compiled` and `carried`
+are the compiled march, from the inside out.
 `coordinates` says where a motion is; `march`, `periods`, `tangent`, `growth` and `gap_view` are what Python calls;
 `field` and `contacts` make a History of it; `initial_state` gives states to start from.
 """

@@ -1,8 +1,9 @@
 """The compiled march: each contact state in closed form up to its first switch, then on in the next state.
 
-`advance` marches to a given time, `advance_periods` over whole periods, each as a march of its own.  Both come back
-when they need something of Python: a switch that the tables do not know yet, or room in the log.  What they have
-done so far is in a `Motion`, which they change in place, so they are called again with the same arguments.
+`advance` marches to a given time, `analytic.march.carried.advance_periods` over whole periods, each as a march of its
+own.  Both come back when they need something of Python: a switch that the tables do not know yet, or room in the log.
+What they have done so far is in a `Motion`, which they change in place, so they are called again with the same
+arguments.
 """
 
 from __future__ import annotations
@@ -11,9 +12,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from analytic.march.deepest import find_deepest
 from analytic.march.ramp_segment import carry_ramps, follow_ramps
 from analytic.march.ramps import RampTables
 from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
@@ -21,6 +20,7 @@ from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.terms import put, set_phases, start_terms, state_from_terms, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 DONE, MISSING_SWITCH, LOG_FULL, TOO_MANY, STUCK = 0, 1, 2, 3, 4
@@ -181,7 +181,6 @@ def new_motion(slot: int, start: float, q: FloatArray, v: FloatArray, modes: int
     return motion
 
 
-@njit(cache=True)
 def new_work(tables: Tables) -> Work:
     """Scratch arrays for marches on these tables.
 
@@ -197,16 +196,16 @@ def new_work(tables: Tables) -> Work:
     """
     modes, stops = tables.kind.shape[1], tables.sign.size
     return Work(
-        np.zeros(tables.omega.size, dtype=np.complex128),
-        np.zeros(2 * modes, dtype=np.complex128),
-        np.zeros((modes, 3)),
-        np.zeros(stops),
-        np.zeros(stops),
-        np.zeros(stops, dtype=np.bool_),
+        theta=np.zeros(tables.omega.size, dtype=complex),
+        term=np.zeros(2 * modes, dtype=complex),
+        poly=np.zeros((modes, 3)),
+        deepest=np.zeros(stops),
+        area=np.zeros(stops),
+        fresh=np.zeros(stops, dtype=np.bool_),
     )
 
 
-@njit(cache=True, inline="always")
+@njit_inner(inline="always")
 def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motion: Motion, work: Work) -> bool:
     """Let the pending stop switch, if there is one, and write the phases of this moment.
 
@@ -246,7 +245,7 @@ def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motio
     return True
 
 
-@njit(cache=True, inline="always")
+@njit_inner(inline="always")
 def leave(
     tables: Tables,
     frozen: Frozen | None,
@@ -296,13 +295,11 @@ def leave(
     if frozen is not None:
         freeze(tables, frozen, slot)
     start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
-    theta, term = (work.theta.copy(), work.term.copy()) if depth else (work.theta, work.term)
-    s, which, rate, _ = follow(tables, slot, end - t, work.fresh, work.theta, work.term, work.poly, work.area)
+    theta, term, poly, area = work.theta, work.term, work.poly, work.area
+    s, which, rate = follow(tables, slot, end - t, work.fresh, depth, theta, term, poly, area, work.deepest)
     if which == NO_PROGRESS:
         motion.time[0] = t + s
         return False
-    if depth:
-        find_deepest(tables, slot, s, theta, term, work.poly, work.deepest)
     wait = min(shortest, end - t) - s
     if which != NO_SWITCH and wait > 0:
         turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], wait, work.term, work.theta)
@@ -313,7 +310,7 @@ def leave(
     return count_switch(motion, work)
 
 
-@njit(cache=True, inline="always")
+@njit_inner(inline="always")
 def count_switch(motion: Motion, work: Work) -> bool:
     """Count the pending stop, and add the areas of the segment to the totals.
 
@@ -339,12 +336,13 @@ def count_switch(motion: Motion, work: Work) -> bool:
     return True
 
 
-@njit(cache=True)
+@njit_called()
 def advance(
     tables: Tables,
     frozen: Frozen | None,
     ramps: RampTables | None,
     motion: Motion,
+    work: Work,
     end: float,
     log: Log,
     depth: bool,
@@ -363,6 +361,8 @@ def advance(
         The sampled forces, if there are any.
     motion : Motion
         Where the march is; changed in place.
+    work : Work
+        Scratch arrays.
     end : float
         When the march ends, s.
     log : Log
@@ -379,7 +379,7 @@ def advance(
     int, int
         Why it came back, see `DONE`, and the number of segments logged.
     """
-    room, logged, work = log.slot.size, 0, new_work(tables)
+    room, logged = log.slot.size, 0
     while True:
         if not enter(tables, frozen, ramps, motion, work):
             return MISSING_SWITCH, logged
@@ -402,77 +402,3 @@ def advance(
             return DONE, logged
         if motion.counts[SWITCHES] > most:
             return TOO_MANY, logged
-
-
-@njit(cache=True)
-def next_period(motion: Motion, penetration: FloatArray) -> None:
-    """Begin a period as a march of its own, at the time 0.
-
-    Parameters
-    ----------
-    motion : Motion
-        Where the march is, at the end of a period; changed in place.
-    penetration : FloatArray, shape (P,)
-        Each stop's penetration over time, m s; that of the ended period is added in place.
-    """
-    for k in range(motion.total.size):
-        penetration[k] += motion.total[k]
-        motion.total[k] = 0.0
-        motion.last_switch[k] = 0.0
-    motion.time[0] = 0.0
-    motion.counts[PERIODS] += 1
-
-
-@njit(cache=True)
-def advance_periods(
-    tables: Tables,
-    motion: Motion,
-    period: float,
-    count: int,
-    penetration: FloatArray,
-    slots: IntArray,
-    sections: FloatArray,
-    most: int,
-) -> int:
-    """March over `count` periods in all, each from the time 0 as a march of its own.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    motion : Motion
-        Where the march is; changed in place.
-    period : float
-        The period, s.
-    count : int
-        Periods, those that `motion` has done before included.
-    penetration : ndarray, shape (P,)
-        Takes the sum over all periods of each stop's penetration over time, m s.
-    slots : ndarray, shape (count,) or (0,)
-        Takes the state at the end of each period, if it has room at all.
-    sections : ndarray, shape (count, 2, N) or (0, 2, N)
-        Takes q, kg^1/2 m, and v, kg^1/2 m/s, there.
-    most : int
-        Most switches in all.
-
-    Returns
-    -------
-    int
-        Why it came back; see `DONE`.
-    """
-    work = new_work(tables)
-    while motion.counts[PERIODS] < count:
-        if not enter(tables, None, None, motion, work):
-            return MISSING_SWITCH
-        if not leave(tables, None, None, motion, work, period, 0.0, False):
-            return STUCK
-        if motion.counts[PENDING] == NO_SWITCH:
-            done = motion.counts[PERIODS]
-            if slots.size > 0:
-                slots[done] = motion.counts[SLOT]
-                put(sections[done, 0], motion.q)
-                put(sections[done, 1], motion.v)
-            next_period(motion, penetration)
-        elif motion.counts[SWITCHES] > most:
-            return TOO_MANY
-    return DONE

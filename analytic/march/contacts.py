@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from analytic.march.compiled import Log
 from analytic.march.joint import Joint
 from analytic.march.tables import BoolArray, IntArray
 from lapjoint.answers import Contact
+from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
 
@@ -37,7 +37,7 @@ def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     return tuple(map(Contact, *(column[order].tolist() for column in columns)))
 
 
-@njit(cache=True)
+@njit_called()
 def find_contacts(
     closed: BoolArray, stop: IntArray, area: FloatArray, deepest: FloatArray
 ) -> tuple[IntArray, IntArray, BoolArray, FloatArray, FloatArray]:

@@ -15,13 +15,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions
 from analytic.march.step_bound import first_root_of_bound
 from analytic.march.tables import Tables
-from analytic.march.terms import drift_at_stops, turn_exactly
+from analytic.march.terms import turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 _SHARP = 1e-12  # of the deepest penetration so far, without unit: by so little a maximum may be missed
@@ -29,44 +29,7 @@ _SHORTEST = 1e-4  # rad: of the fastest mode's turn, the least step; the penetra
 _TINY = 1e-300  # keeps a bound of 0 from being divided by
 
 
-@njit(cache=True)
-def find_deepest(
-    tables: Tables,
-    slot: int,
-    duration: float,
-    theta: ComplexArray,
-    term: ComplexArray,
-    poly: FloatArray,
-    deepest: FloatArray,
-) -> None:
-    """Write the deepest penetration of each closed stop in a state.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    duration : float
-        How long the state lasts, s.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h) at its start, without unit.
-    term : ComplexArray, shape (T,)
-        The c_t, kg^1/2 m, at its start.
-    poly : FloatArray, shape (N, 3)
-        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s.
-    deepest : FloatArray, shape (P,)
-        Takes the deepest penetrations, m; 0 for an open stop.
-    """
-    drift = np.zeros((tables.forced.shape[1], 3))
-    drift_at_stops(tables, slot, poly, drift)
-    for k in range(deepest.size):
-        deepest[k] = 0.0
-        if tables.closed[slot, k]:
-            deepest[k] = deepest_of(tables, slot, k, duration, theta, term, drift, None, 0.0, False)
-
-
-@njit(cache=True)
+@njit_inner()
 def deepest_of(
     tables: Tables,
     slot: int,
@@ -120,7 +83,7 @@ def deepest_of(
         at_positions(forced, tables.omega, s, theta, drift, out)
         if rigid is not None:
             add_rigid(rigid, s, out)
-        z, z1, z2, b3 = add_terms(weight, term, root, 0, terms)
+        z, z1, z2, b3 = add_terms(weight, term, root, np.int64(0), terms)
         d, d1, d2 = sign * (out[u, 0] + z) - tables.gap[k], sign * (out[u, 1] + z1), sign * (out[u, 2] + z2)
         b3 += out[u, 3] + _TINY
         deepest = max(deepest, float(d))

@@ -7,12 +7,11 @@ s^2 of z at the positions of the stops, m, and `out`, shape ``(U, 4)``, takes z,
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
-
-from numba import njit
+from typing import NamedTuple, SupportsIndex
 
 from analytic.march.switching import SUM
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _SHORT = 2.0  # of drag times time, without unit: up to it the fading powers are summed as series
@@ -33,7 +32,7 @@ class Rigid(NamedTuple):
     """Twice the damping rate of the rigid-body modes, 1/s."""
 
 
-@njit(cache=True)
+@njit_called()
 def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, float]:
     """exp(-drag s), and its integrals from 0 to s, once to four times: s^n / n! where there is no drag.
 
@@ -68,7 +67,7 @@ def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, fl
     return 1.0 - drag * e1, e1, e2, e3, e4
 
 
-@njit(cache=True)
+@njit_inner()
 def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
     """Add what rigid-body modes contribute to the displacement at the stops beside the polynomial.
 
@@ -89,9 +88,9 @@ def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
         out[u, 3] += abs(rigid.jerk[u]) * e0
 
 
-@njit(cache=True, fastmath=SUM)
+@njit_called(fastmath=SUM)
 def add_terms(
-    weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: int, hi: int
+    weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: SupportsIndex, hi: int
 ) -> tuple[float, float, float, float]:
     """Sum terms at one position.
 
@@ -104,7 +103,7 @@ def add_terms(
     root : ComplexArray, shape (T,)
         lambda of each term, 1/s.
     lo, hi : int
-        The first term, and the one after the last.
+        The first term, and the one after the last.  numba would compile another function for a constant in the call.
 
     Returns
     -------
@@ -124,7 +123,7 @@ def add_terms(
     return z, z1, z2, b3
 
 
-@njit(cache=True)
+@njit_called()
 def at_positions(
     forced: ComplexArray, omega: FloatArray, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
 ) -> None:

@@ -18,15 +18,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from analytic.march.compiled import Log
 from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import BoolArray, Tables
-from analytic.march.tangent import flow, logged_saltation
+from analytic.march.tangent import flow, saltation
 from analytic.march.terms import drift_at_stops, put, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 
@@ -100,7 +100,7 @@ def gap_view(motion: March) -> list[GapSegment]:
     return segments
 
 
-@njit(cache=True)
+@njit_called()
 def _view(
     tables: Tables,
     log: Log,
@@ -143,10 +143,21 @@ def _view(
         if i + 1 < log.slot.size:
             flow(tables, slot, log.end[i] - log.start[i], now)
             if log.stop[i] >= 0:
-                now = logged_saltation(tables, log, i, now)
+                now = saltation(
+                    tables,
+                    slot,
+                    log.stop[i],
+                    log.end[i],
+                    log.rate[i],
+                    log.q_end[i],
+                    log.v_end[i],
+                    log.q[i + 1],
+                    log.v[i + 1],
+                    now,
+                )
 
 
-@njit(cache=True)
+@njit_inner()
 def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray, drift: FloatArray) -> None:
     """The constants of (32) of deviations `now`, columns ``(2 N, m)`` of (dq, dv), that start in the state `slot`.
 

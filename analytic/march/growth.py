@@ -3,36 +3,16 @@ deviation and its growth, for Lyapunov exponents."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
-from analytic.march.compiled import (
-    DONE,
-    MISSING_SWITCH,
-    PENDING,
-    PERIODS,
-    SLOT,
-    STUCK,
-    SWITCHES,
-    TOO_MANY,
-    Motion,
-    Work,
-    enter,
-    leave,
-    new_work,
-    next_period,
-)
+from analytic.march.carried import advance_periods, size_of
+from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, begun, ended, settle_status
 from analytic.march.periods import Periods
-from analytic.march.segment import NO_SWITCH
-from analytic.march.tables import IntArray, Tables
-from analytic.march.tangent import flow, saltation
-from analytic.march.terms import put
 from lapjoint.problem import FloatArray
 
 
@@ -46,95 +26,6 @@ class Growth(Periods):
     """Natural logarithm of the growth of the deviation in each period, without unit, shape ``(count,)``."""
     deviation: FloatArray
     """The deviation (dq, dv) at the end, kg^1/2 m and kg^1/2 m/s, scaled to a size of 1 kg^1/2 m, shape ``(2 N,)``."""
-
-
-@njit(cache=True)
-def size_of(deviation: FloatArray, period: float) -> float:
-    """The size of a deviation, |dq| + |dv| period / 2 pi.
-
-    Parameters
-    ----------
-    deviation : FloatArray, shape (2 N,)
-        dq, kg^1/2 m, and dv, kg^1/2 m/s.
-    period : float
-        The period of the excitation, s.
-
-    Returns
-    -------
-    float
-        kg^1/2 m.
-    """
-    n = deviation.size // 2
-    q, v = 0.0, 0.0
-    for i in range(n):
-        q += deviation[i] * deviation[i]
-        v += deviation[n + i] * deviation[n + i]
-    return math.sqrt(q) + math.sqrt(v) * period / (2 * math.pi)
-
-
-@njit(cache=True)
-def _carry_to(
-    tables: Tables, motion: Motion, work: Work, end: float, now: FloatArray, most: int
-) -> tuple[int, FloatArray]:
-    """March to the time `end`, s, with deviations `now`, columns ``(2 N, m)`` at the time of `motion`, in place.
-
-    Gives why it came back, see `analytic.march.compiled.DONE`, and the deviations then, before a pending switch.
-    """
-    while True:
-        slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
-        q_old, v_old = motion.q.copy(), motion.v.copy()
-        if not enter(tables, None, None, motion, work):
-            return MISSING_SWITCH, now
-        if stop >= 0:
-            now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
-        if not leave(tables, None, None, motion, work, end, 0.0, False):
-            return STUCK, now
-        flow(tables, motion.counts[SLOT], motion.time[0] - t, now)
-        if motion.counts[PENDING] == NO_SWITCH:
-            return DONE, now
-        if motion.counts[SWITCHES] > most:
-            return TOO_MANY, now
-
-
-@njit(cache=True)
-def _grow(
-    tables: Tables,
-    motion: Motion,
-    period: float,
-    now: FloatArray,
-    sizes: FloatArray,
-    penetration: FloatArray,
-    slots: IntArray,
-    sections: FloatArray,
-    most: int,
-) -> tuple[int, FloatArray]:
-    """As `analytic.march.compiled.advance_periods`, over as many periods as `sizes` has room for, with a deviation.
-
-    `now`, shape ``(2 N, 1)``, is the deviation at the time of `motion`, before a pending switch; `sizes`, shape
-    ``(count,)``, takes its size at the end of each period, after which it is scaled to 1; `penetration`, shape
-    ``(count, P)``, takes each stop's penetration over time in each.  Gives why it came back, see
-    `analytic.march.compiled.DONE`, and the deviation then.
-    """
-    work = new_work(tables)
-    while motion.counts[PERIODS] < sizes.size:
-        status, now = _carry_to(tables, motion, work, period, now, most)
-        if status == DONE:
-            done = motion.counts[PERIODS]
-            slots[done] = motion.counts[SLOT]
-            put(sections[done, 0], motion.q)
-            put(sections[done, 1], motion.v)
-            sizes[done] = size_of(now[:, 0], period)
-            now /= sizes[done]
-            next_period(motion, penetration[done])
-        else:
-            return status, now
-    return DONE, now
-
-
-@njit(cache=True)
-def _carry(tables: Tables, motion: Motion, end: float, now: FloatArray, most: int) -> tuple[int, FloatArray]:
-    """As `_carry_to`, with scratch arrays of its own."""
-    return _carry_to(tables, motion, new_work(tables), end, now, most)
 
 
 def march_linearised(
@@ -167,9 +58,10 @@ def march_linearised(
     SolverError
         If `MOST_SWITCHES` switches do not suffice, or the march makes no progress.
     """
-    motion, now, status = begun(joint, begin, 0.0), deviations.copy(), MISSING_SWITCH
+    motion, work, now, status = begun(joint, begin, 0.0), new_work(joint.tables), deviations.copy(), MISSING_SWITCH
+    total, none = np.zeros((1, motion.total.size)), (np.zeros(0, dtype=np.int64), np.zeros((0, 2, motion.q.size)))
     while status != DONE:
-        status, now = _carry(joint.tables, motion, end, now, MOST_SWITCHES)
+        status, now = advance_periods(joint.tables, motion, work, end, 1, total, *none, now, np.zeros(0), MOST_SWITCHES)
         settle_status(joint, motion, status, MOST_SWITCHES)
     return ended(joint, motion), now
 
@@ -211,12 +103,14 @@ def measure_growth(
     SolverError
         If more than `max_switches` switches occur, or the march makes no progress.
     """
-    motion = begun(joint, begin, 0.0)
+    motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
     penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)
     coordinates, sizes, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
-    now = (deviation / size_of(deviation, period)).reshape(-1, 1)
+    now = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
     while status != DONE:
-        status, now = _grow(joint.tables, motion, period, now, sizes, penetration, slots, coordinates, max_switches)
+        status, now = advance_periods(
+            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, sizes, max_switches
+        )
         settle_status(joint, motion, status, max_switches)
     march = joint, ended(joint, motion), penetration.sum(axis=0), int(motion.counts[SWITCHES]), slots, coordinates
     return Growth(*march, penetration, np.log(sizes), now[:, 0].copy())

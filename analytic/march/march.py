@@ -21,6 +21,7 @@ from analytic.march.compiled import (
     advance,
     new_log,
     new_motion,
+    new_work,
     no_log,
 )
 from analytic.march.coordinates import Coordinates
@@ -152,6 +153,7 @@ class Marching:
         modes, stops = self._motion.q.size, self._motion.total.size
         self._log = new_log(room, modes, stops) if room else no_log(modes, stops)
         self._ramps = RampState(joint, start) if joint.problem.forces.sampled else None
+        self._work = new_work(joint.tables)
         self._depth, self._max_switches = depth, max_switches
 
     @property
@@ -197,7 +199,16 @@ class Marching:
             if self._ramps is not None:
                 until, ramps = min(goal, self._ramps.move_to(self.time)), self._ramps.tables
             status, logged = advance(
-                self._joint.tables, None, ramps, motion, until, self._log, self._depth, 0.0, self._max_switches
+                self._joint.tables,
+                None,
+                ramps,
+                motion,
+                self._work,
+                until,
+                self._log,
+                self._depth,
+                0.0,
+                self._max_switches,
             )
             if status != DONE:
                 settle_status(self._joint, motion, status, self._max_switches)

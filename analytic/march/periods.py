@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, advance_periods
+from analytic.march.carried import advance_periods
+from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, begun, ended, settle_status
@@ -88,12 +89,15 @@ def march_periods(
     SolverError
         If more than `max_switches` switches occur, or the march makes no progress.
     """
-    motion = begun(joint, begin, 0.0)
+    motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
     rows, size = count if record else 0, motion.q.size
-    penetration, slots = np.zeros(motion.total.size), np.zeros(rows, dtype=np.int64)
+    penetration, slots = np.zeros((1, motion.total.size)), np.zeros(rows, dtype=np.int64)
     coordinates, status = np.zeros((rows, 2, size)), MISSING_SWITCH
+    now, sizes = np.zeros((2 * size, 0)), np.zeros(0)
     while status != DONE:
-        status = advance_periods(joint.tables, motion, period, count, penetration, slots, coordinates, max_switches)
+        status, now = advance_periods(
+            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, sizes, max_switches
+        )
         settle_status(joint, motion, status, max_switches)
     end = ended(joint, motion)
-    return Periods(joint, end, penetration, int(motion.counts[SWITCHES]), slots, coordinates)
+    return Periods(joint, end, penetration[0], int(motion.counts[SWITCHES]), slots, coordinates)

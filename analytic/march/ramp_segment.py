@@ -11,7 +11,6 @@ of s.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, fading_powers
@@ -21,12 +20,13 @@ from analytic.march.segment import NO_SWITCH, add_areas, bound_tails, search
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.terms import set_phases, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _ROUNDINGS = 1e-15  # of the time: two knots that are the spacing apart may be so much nearer or further
 
 
-@njit(cache=True)
+@njit_inner()
 def interval_at(ramps: RampTables, first: int, t: float) -> int:
     """Between which knots a time is; at a knot, after it.
 
@@ -50,7 +50,7 @@ def interval_at(ramps: RampTables, first: int, t: float) -> int:
     return j
 
 
-@njit(cache=True)
+@njit_inner()
 def start_on_ramps(
     tables: Tables,
     ramps: RampTables,
@@ -120,7 +120,7 @@ def start_on_ramps(
         body[b, 3] = slope - ramps.drag[slot] * body[b, 2]
 
 
-@njit(cache=True)
+@njit_inner()
 def over_knot(
     tables: Tables,
     ramps: RampTables,
@@ -159,7 +159,7 @@ def over_knot(
                 body[b, 3] += change * tables.force[slot, 1 + theta.size + r, ramps.rigid[slot, b]]
 
 
-@njit(cache=True)
+@njit_called()
 def move_body(drag: float, s: float, body: FloatArray) -> None:
     """Move the rigid-body modes on by a time without a knot.
 
@@ -180,7 +180,7 @@ def move_body(drag: float, s: float, body: FloatArray) -> None:
         body[b, 2], body[b, 3] = a + jerk * e1, jerk * e0
 
 
-@njit(cache=True)
+@njit_inner()
 def state_on_ramps(
     tables: Tables,
     ramps: RampTables,
@@ -237,7 +237,7 @@ def state_on_ramps(
             q[ramps.rigid[slot, b]] += body[b, order]
 
 
-@njit(cache=True)
+@njit_inner()
 def _polynomial(
     tables: Tables,
     ramps: RampTables,
@@ -264,7 +264,7 @@ def _polynomial(
                 jerk[u] += weight * body[b, 3]
 
 
-@njit(cache=True)
+@njit_inner()
 def follow_ramps(
     tables: Tables,
     ramps: RampTables,
@@ -335,12 +335,14 @@ def follow_ramps(
             term0[k] = term[k]
         for h in range(theta.size):
             theta0[h] = theta[h]
-        s, which, rate, _ = search(
+        s, which, rate = search(
             tables, slot, width, drift, rigid, tail, fresh, beginning, ramps.shift, theta, term, whole
         )
         if which == NO_SWITCH and whole:
             for k in range(terms):
                 term[k] = term0[k] * ramps.whole[slot, k]
+            for h in range(theta.size):  # the search has left them where it looked last
+                theta[h] = theta0[h]
             turn_exactly(none, tables.omega, 0, width, none, theta)
         beginning, ended = False, which != NO_SWITCH or until == end or j == last
         if any_closed:
@@ -375,7 +377,7 @@ def follow_ramps(
     return base, which, rate
 
 
-@njit(cache=True)
+@njit_inner()
 def carry_ramps(
     tables: Tables, ramps: RampTables, slot: int, stop: int, t: float, harmonics: int, q: FloatArray, v: FloatArray
 ) -> None:
@@ -405,7 +407,7 @@ def carry_ramps(
             v[i] += g * onto[1 + harmonics + r, i]
 
 
-@njit(cache=True)
+@njit_called()
 def coordinates_on_ramps(
     tables: Tables,
     ramps: RampTables,

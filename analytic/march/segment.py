@@ -30,14 +30,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions, fading_powers
 from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
 from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 NO_SWITCH = -1  # in place of a stop: none switches before the end
@@ -53,17 +54,19 @@ does not leave 0 at once has to pass so much before it can switch again."""
 _TINY = 1e-300  # keeps a bound of 0 from being divided by
 
 
-@njit(cache=True)
+@njit_inner(inline="always")
 def follow(
     tables: Tables,
     slot: int,
     horizon: float,
     fresh: BoolArray,
+    depth: bool,
     theta: ComplexArray,
     term: ComplexArray,
     poly: FloatArray,
     area: FloatArray,
-) -> tuple[float, int, float, int]:
+    deepest: FloatArray,
+) -> tuple[float, int, float]:
     """Follow one state from given terms and phases up to its first switch, or for `horizon` seconds.
 
     Parameters
@@ -77,6 +80,8 @@ def follow(
     fresh : ndarray, shape (P,)
         Whether each stop switched a moment ago: one that does not leave 0 at once has to pass a threshold of rounding
         size before it can switch again.
+    depth : bool
+        Whether to find the deepest penetrations.
     theta : ndarray, complex, shape (H,)
         exp(i theta_h) at the start; turned to the end.
     term : ndarray, complex, shape (T,)
@@ -85,28 +90,34 @@ def follow(
         The coefficients a_i, kg^1/2 m over powers of s.
     area : ndarray, shape (P,)
         Takes the penetration's integral over the time of each closed stop, m s.
+    deepest : ndarray, shape (P,)
+        Takes the deepest penetration of each, m, if `depth`; 0 for an open stop.
 
     Returns
     -------
-    float, int, float, int
-        The time, s, the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), its h', m/s, and the number of
-        steps.
+    float, int, float
+        The time, s, the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), and its h', m/s.
     """
     positions, terms = tables.forced.shape[1], tables.terms[slot]
     drift, tail = np.zeros((positions, 3)), np.zeros((positions, terms + 1))
     start_theta, start_term, shift = theta.copy(), term[:terms].copy(), np.zeros(tables.sign.size)
     drift_at_stops(tables, slot, poly, drift)
     bound_tails(tables.weight[slot], term, terms, tail)
-    s, which, rate, looks = search(tables, slot, horizon, drift, None, tail, fresh, True, shift, theta, term, False)
+    s, which, rate = search(tables, slot, horizon, drift, None, tail, fresh, True, shift, theta, term, False)
     for k in range(area.size):
         area[k] = 0.0
     add_areas(tables, slot, s, start_theta, start_term, theta, term, drift, None, area)
     for k in range(area.size):
         area[k] = max(area[k], 0.0)
-    return s, which, rate, looks
+        if depth:
+            deepest[k] = 0.0
+            if tables.closed[slot, k] and which != NO_PROGRESS:
+                first, terms0 = start_theta.copy(), start_term.copy()
+                deepest[k] = deepest_of(tables, slot, k, s, first, terms0, drift, None, 0.0, False)
+    return s, which, rate
 
 
-@njit(cache=True)
+@njit_inner()
 def search(
     tables: Tables,
     slot: int,
@@ -120,7 +131,7 @@ def search(
     theta: ComplexArray,
     term: ComplexArray,
     at_end: bool,
-) -> tuple[float, int, float, int]:
+) -> tuple[float, int, float]:
     """Look for the first switch along one closed form; `follow` says what it gives, and what is not said here.
 
     Parameters
@@ -152,8 +163,8 @@ def search(
 
     Returns
     -------
-    float, int, float, int
-        The time, s, the stop, its h', m/s, and the number of steps.
+    float, int, float
+        The time, s, the stop, and its h', m/s.
     """
     stops, positions = tables.sign.size, tables.forced.shape[1]
     terms, fastest = tables.terms[slot], tables.fastest[slot]
@@ -221,7 +232,7 @@ def search(
                 at_positions(forced, omega, s, theta, drift, out)
                 if rigid is not None:
                     add_rigid(rigid, s, out)
-                rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, 0, terms)[1])
+                rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, np.int64(0), terms)[1])
                 break
         else:
             j = tabulated(tau, step)
@@ -231,10 +242,10 @@ def search(
         if looks >= _MAX_STEPS:
             which = NO_PROGRESS
             break
-    return s, which, rate, looks
+    return s, which, rate
 
 
-@njit(cache=True, fastmath=SUM)
+@njit_inner(fastmath=SUM)
 def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatArray) -> None:
     """Write what the terms from each on may sum to at each position.
 
@@ -255,7 +266,7 @@ def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatA
             tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
 
 
-@njit(cache=True, inline="always")
+@njit_inner()
 def _first_look(
     tables: Tables,
     slot: int,
@@ -282,7 +293,7 @@ def _first_look(
             shift[k] += threshold
 
 
-@njit(cache=True, inline="always")
+@njit_inner()
 def add_areas(
     tables: Tables,
     slot: int,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from lapjoint.compiling import njit_called, njit_inner
 
 RESOLUTION = 1e-10
 """Of the unit of time, `analytic.march.tables.Tables.unit`: a switch that is certified to lie within this time is
@@ -19,7 +19,7 @@ _LEAST = 1e-15  # of the cubic's own times, without unit: where the search for a
 _TINY = 1e-300  # s: keeps that from being 0
 
 
-@njit(cache=True)
+@njit_called()
 def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) -> float:
     """A time just below the first tau where h + h1 tau + h2 tau^2/2 + b3 tau^3/6 rises through 0.
 
@@ -83,7 +83,7 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
     return min(_root_from_below(h, h1, h2, b3, lo, hi), most)
 
 
-@njit(cache=True)
+@njit_called()
 def crosses(h: float, h1: float, h2: float, b3: float, tau: float, sharp: float) -> bool:
     """Whether a gap function is above 0 shortly after a time, whatever its third derivative within the bound.
 
@@ -104,7 +104,7 @@ def crosses(h: float, h1: float, h2: float, b3: float, tau: float, sharp: float)
     return h + x * (h1 + x * (h2 / 2 - x * b3 / 6)) > 0
 
 
-@njit(cache=True)
+@njit_inner()
 def _root_of_rise(h: float, h1: float, h2: float, b3: float) -> float:
     """A time just below the root of a cubic that rises from 0 to there, or 0 if that is not shown at once.
 
@@ -127,7 +127,7 @@ def _root_of_rise(h: float, h1: float, h2: float, b3: float) -> float:
     return x if rises and h + x * (h1 + x * (h2 / 2 + x * b3 / 6)) < 0 else 0.0
 
 
-@njit(cache=True)
+@njit_inner()
 def _root_from_below(h: float, h1: float, h2: float, b3: float, lo: float, hi: float) -> float:
     """A time at most a thousandth below the root of a cubic that rises from `lo` to `hi`."""
     x = 0.5 * (lo + hi)

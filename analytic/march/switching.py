@@ -13,10 +13,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from numba import njit
-
 from analytic.march.tables import IntArray, Tables
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 SUM = {"reassoc", "contract", "nsz"}
@@ -34,7 +33,7 @@ class Frozen(NamedTuple):
     """The slots in the order in which to sum over states, shape ``(states met,)``."""
 
 
-@njit(cache=True, fastmath=SUM)
+@njit_inner(fastmath=SUM)
 def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> None:
     """Carry displacement (36) and velocity (41) over to the state after a stop has switched, in place.
 
@@ -68,7 +67,7 @@ def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatAr
         q[i], v[i] = x, y
 
 
-@njit(cache=True)
+@njit_inner()
 def switch_frozen(tables: Tables, frozen: Frozen, slot: int, target: int, q: FloatArray, v: FloatArray) -> None:
     """Carry displacement (36), of which R keeps what is left over, and velocity (44) over to another state, in place.
 
@@ -103,7 +102,7 @@ def switch_frozen(tables: Tables, frozen: Frozen, slot: int, target: int, q: Flo
         rest[target, i] -= q[i]
 
 
-@njit(cache=True)
+@njit_inner()
 def freeze(tables: Tables, frozen: Frozen, slot: int) -> None:
     """Write the values of R at the stops where the march looks for the part of z that moves with no mode.
 

@@ -14,52 +14,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
-from analytic.march.compiled import Log
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.switching import SUM
 from analytic.march.tables import Tables
 from analytic.march.terms import set_phases
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 
-@njit(cache=True)
-def logged_saltation(tables: Tables, log: Log, i: int, now: FloatArray) -> FloatArray:
-    """Carry deviations over the switch that ends a segment of a log.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    log : Log
-        The segments of the motion.
-    i : int
-        Which segment, not the last.
-    now : FloatArray, shape (2 N_old, m)
-        Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
-
-    Returns
-    -------
-    FloatArray, shape (2 N_new, m)
-        The deviations just after it.
-    """
-    return saltation(
-        tables,
-        log.slot[i],
-        log.stop[i],
-        log.end[i],
-        log.rate[i],
-        log.q_end[i],
-        log.v_end[i],
-        log.q[i + 1],
-        log.v[i + 1],
-        now,
-    )
-
-
-@njit(cache=True)
+@njit_inner()
 def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
     """Carry deviations over some time within a state, in place.
 
@@ -98,7 +63,7 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
             now[n + i, j] = C1 * x + S1 * y
 
 
-@njit(cache=True, inline="always")
+@njit_inner(inline="always")
 def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
     """d(q, v)/dt in one state, shape ``(2 N,)``; `theta`, ``(H,)``, holds exp(i theta_h)."""
     n = tables.modes[slot]
@@ -119,7 +84,7 @@ def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: Flo
     return rates
 
 
-@njit(cache=True, fastmath=SUM)
+@njit_inner(fastmath=SUM)
 def saltation(
     tables: Tables,
     old: int,
@@ -180,7 +145,7 @@ def saltation(
     return result
 
 
-@njit(cache=True, fastmath=SUM)
+@njit_inner(fastmath=SUM)
 def _project(S: FloatArray, n_new: int, n_old: int, now: FloatArray, result: FloatArray) -> None:
     """Add S dq and S dv of deviations `now`, ``(2 n_old, m)``, to `result`, ``(2 n_new, m)``; `S` has that much.
 

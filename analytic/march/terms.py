@@ -23,11 +23,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import PARTS, Tables
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SERIES = 0.25
@@ -38,7 +38,7 @@ _OF_COSH = _RECIPROCALS[0::2] * np.append(1.0, _RECIPROCALS[1:-1:2])  # 1 / (2 n
 _OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
 
 
-@njit(cache=True)
+@njit_inner()
 def put(target: np.ndarray, values: np.ndarray) -> None:
     """Write values into an array of the same shape; an assignment to a slice takes far longer to compile.
 
@@ -51,7 +51,7 @@ def put(target: np.ndarray, values: np.ndarray) -> None:
         target[i] = values[i]
 
 
-@njit(cache=True, inline="always")
+@njit_inner(inline="always")
 def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
     """Write the phases of the harmonics at a time.
 
@@ -69,7 +69,7 @@ def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
         theta[h] = complex(math.cos(angle), math.sin(angle))
 
 
-@njit(cache=True, inline="always")
+@njit_inner()
 def start_terms(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, term: ComplexArray, poly: FloatArray
 ) -> None:
@@ -115,7 +115,7 @@ def start_terms(
             poly[i, 1] += y
 
 
-@njit(cache=True)
+@njit_called()
 def start_all_terms(
     tables: Tables,
     slot: int,
@@ -150,7 +150,7 @@ def start_all_terms(
         start_terms(tables, slot, theta[i], q[i], v[i], term[i], poly[i])
 
 
-@njit(cache=True, inline="always")
+@njit_inner()
 def state_from_terms(
     tables: Tables,
     slot: int,
@@ -194,7 +194,7 @@ def state_from_terms(
         v[i] += (tables.root[slot, t] * term[t]).real
 
 
-@njit(cache=True)
+@njit_inner()
 def tabulated(tau: float, step: FloatArray) -> int:
     """Index of the longest tabulated step of `step`, s, shape ``(J,)``, up to `tau`, s, which is no shorter than all.
 
@@ -207,7 +207,7 @@ def tabulated(tau: float, step: FloatArray) -> int:
     return min(j, step.size - 1)
 
 
-@njit(cache=True)
+@njit_inner()
 def turn_by(
     turn: ComplexArray, harmonic_turn: ComplexArray, terms: int, term: ComplexArray, theta: ComplexArray
 ) -> None:
@@ -232,7 +232,7 @@ def turn_by(
         theta[h] *= harmonic_turn[h]
 
 
-@njit(cache=True)
+@njit_called()
 def turn_briefly(
     root: ComplexArray,
     omega: FloatArray,
@@ -282,7 +282,7 @@ def turn_briefly(
         theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
 
-@njit(cache=True)
+@njit_called()
 def turn_exactly(
     root: ComplexArray, omega: FloatArray, terms: int, tau: float, term: ComplexArray, theta: ComplexArray
 ) -> None:
@@ -311,7 +311,7 @@ def turn_exactly(
         theta[h] *= complex(math.cos(omega[h] * tau), math.sin(omega[h] * tau))
 
 
-@njit(cache=True, inline="always")
+@njit_inner()
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
     """Write the part of z at the positions of the stops that is a polynomial in time.
 

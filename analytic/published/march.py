@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import DONE, LOG_FULL, PENDING, Log, advance, new_log
+from analytic.march.compiled import DONE, LOG_FULL, PENDING, Log, advance, new_log, new_work
 from analytic.march.march import MOST_SWITCHES, March, copied, ended, joined, settle_status
 from analytic.march.segment import NO_SWITCH
 from analytic.published.joint import FrozenMotion, PublishedJoint
@@ -59,10 +59,10 @@ def march_published(
     """
     restarted(motion)
     log, full, first = new_log(_ROOM, motion.moving.q.size, motion.moving.total.size), [], motion.rest.copy()
-    status = LOG_FULL
+    status, work = LOG_FULL, new_work(joint.tables)
     while status != DONE:
-        frozen = joint.frozen(motion)
-        status, logged = advance(joint.tables, frozen, None, motion.moving, end, log, True, shortest, MOST_SWITCHES)
+        tables, frozen, moving = joint.tables, joint.frozen(motion), motion.moving
+        status, logged = advance(tables, frozen, None, moving, work, end, log, True, shortest, MOST_SWITCHES)
         full.append(copied(log, logged))
         settle_status(joint, motion.moving, status, MOST_SWITCHES)
         if progress is not None:

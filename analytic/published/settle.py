@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from numba import njit
-
-from analytic.march.compiled import DONE, PERIODS, SLOT, Log, Motion, advance
+from analytic.march.compiled import DONE, PERIODS, SLOT, Log, Motion, Work, advance
 from analytic.march.switching import Frozen, freeze
 from analytic.march.tables import IntArray, Tables
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SETTLED, UNSETTLED = 10, 11
 """Why `settle` came back, besides the reasons of `analytic.march.compiled`."""
 
 
-@njit(cache=True)
+@njit_called()
 def settle(
     tables: Tables,
     frozen: Frozen,
     motion: Motion,
+    work: Work,
+    depth: bool,
     period: float,
     log: Log,
     rows: FloatArray,
@@ -37,6 +38,10 @@ def settle(
         The frozen shape.
     motion : Motion
         Where the march is, with its time counted from the start of the cycle; changed in place.
+    work : Work
+        Scratch arrays.
+    depth : bool
+        Whether to find the deepest penetrations; a constant here would compile the march anew.
     period : float
         Length of a cycle, s.
     log : Log
@@ -62,7 +67,7 @@ def settle(
     """
     stops = motion.total.size
     while motion.counts[PERIODS] < rows.shape[0]:
-        status, _ = advance(tables, frozen, None, motion, period, log, False, shortest, most)
+        status, _ = advance(tables, frozen, None, motion, work, period, log, depth, shortest, most)
         if status != DONE:
             return status, 0
         n, slot = motion.counts[PERIODS], motion.counts[SLOT]
@@ -84,13 +89,13 @@ def settle(
     return UNSETTLED, 0
 
 
-@njit(cache=True)
+@njit_inner()
 def _same(one: FloatArray, other: FloatArray, stops: int, tolerance: float) -> bool:
     """Whether the largest differences of penetration times and of displacements are within `tolerance`, relatively."""
     return _close(one[:stops], other[:stops], tolerance) and _close(one[stops:], other[stops:], tolerance)
 
 
-@njit(cache=True)
+@njit_inner()
 def _close(one: FloatArray, other: FloatArray, tolerance: float) -> bool:
     """Whether the largest difference of two arrays is within `tolerance` of the largest value of the first."""
     size, apart = 0.0, 0.0

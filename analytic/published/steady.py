@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import PERIODS, SWITCHES, new_log
+from analytic.march.compiled import PERIODS, SWITCHES, new_log, new_work
 from analytic.march.march import MOST_SWITCHES, settle_status
 from analytic.published.field import history_of
 from analytic.published.initial_state import packed, started
@@ -97,12 +97,14 @@ def settling(
     rows = np.zeros((most + _CYCLES_AVERAGED, P + joint.tables.constant.shape[1]))
     agree, log = np.zeros(search.max_period_multiple, dtype=np.int64), new_log(0, 1, P)
     restarted(motion)
-    limit, last, moving = min(_CHUNK, most), False, motion.moving
+    limit, last, moving, work = min(_CHUNK, most), False, motion.moving, new_work(joint.tables)
     while True:
         status, multiple = settle(
             joint.tables,
             joint.frozen(motion),
             moving,
+            work,
+            False,
             period,
             log,
             rows[:limit],

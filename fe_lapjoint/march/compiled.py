@@ -9,16 +9,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from fe_lapjoint.march.system import ComplexArray, IndexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SWINGS = 4.0
 """A term of rate r swings within a width w if |r| w is larger: then 2 |c| is less than w^2 |c r^2| / 8."""
 
 
-@njit(cache=True)
+@njit_called()
 def start_terms(
     y: FloatArray,
     start: float,
@@ -91,7 +91,7 @@ def start_terms(
     return free, amplitudes, moduli, terms, sizes
 
 
-@njit(cache=True)
+@njit_called()
 def moved_on(
     amplitudes: ComplexArray, rates: ComplexArray, forced: tuple[FloatArray, FloatArray], s: float
 ) -> FloatArray:
@@ -126,7 +126,7 @@ def moved_on(
     return y
 
 
-@njit(cache=True)
+@njit_called()
 def at_place(terms: ComplexArray, rates: ComplexArray, place: int, s: float) -> tuple[float, float]:
     """Displacement and velocity of a place by its terms.
 
@@ -154,7 +154,7 @@ def at_place(terms: ComplexArray, rates: ComplexArray, place: int, s: float) -> 
     return z, rate
 
 
-@njit(cache=True)
+@njit_called()
 def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArray) -> tuple[float, float]:
     """As `at_place`, where the exponentials are known.
 
@@ -182,7 +182,7 @@ def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArr
     return z, rate
 
 
-@njit(cache=True)
+@njit_called()
 def above_troughs(
     terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: FloatArray, width: float
 ) -> FloatArray:
@@ -220,7 +220,7 @@ def above_troughs(
     return above
 
 
-@njit(cache=True)
+@njit_called()
 def integrals(terms: ComplexArray, rates: ComplexArray, T: float) -> FloatArray:
     """Time integrals of the displacement of the places by their terms.
 
@@ -249,7 +249,7 @@ def integrals(terms: ComplexArray, rates: ComplexArray, T: float) -> FloatArray:
     return areas
 
 
-@njit(cache=True)
+@njit_inner()
 def _wave(rate: complex, s: float) -> complex:
     """exp(rate s)."""
     size, angle = math.exp(rate.real * s), rate.imag * s

@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
 
@@ -77,7 +77,7 @@ class Envelope:
         return float(stray), float(turn)
 
 
-@njit(cache=True)
+@njit_called()
 def _from_chord(
     shares: FloatArray, fading: FloatArray, value: FloatArray, curvature: FloatArray, since: FloatArray, width: float
 ) -> FloatArray:
@@ -91,7 +91,7 @@ def _from_chord(
     return result
 
 
-@njit(cache=True)
+@njit_called()
 def _from_tangent(
     shares: FloatArray, fading: FloatArray, slope: FloatArray, curvature: FloatArray, since: float, width: float
 ) -> tuple[float, float]:

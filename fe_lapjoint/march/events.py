@@ -19,8 +19,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
@@ -238,7 +238,7 @@ def first_in(
     return first
 
 
-@njit(cache=True)
+@njit_called()
 def _first_look(
     h: FloatArray, rounding: FloatArray, fresh: BoolArray, curvature: FloatArray, width: float
 ) -> tuple[BoolArray, FloatArray, BoolArray, IndexArray]:

@@ -11,6 +11,7 @@ from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import Coordinates
 from lapjoint.answers import Contact, History
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
 
@@ -28,9 +29,12 @@ class ElementField:
         starts = np.array([piece.start for piece in self.pieces])
         which = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
         result = np.empty((x.size, t.size))
+        shapes: dict[ContactState, FloatArray] = {}
         for i in np.unique(which):
             here, piece = which == i, self.pieces[i]
-            modes = rows @ self.model.system(piece.state).vectors
+            modes = shapes.get(piece.state)
+            if modes is None:
+                modes = shapes[piece.state] = rows @ self.model.system(piece.state).vectors
             result[:, here] = modes @ piece.coordinates(t[here], dt)
         return result
 
@@ -48,7 +52,7 @@ class Later:
         return self.coordinates(t - self.offset, dt)
 
 
-def history_of(name: str, model: Model, motions: Sequence[March], period: float) -> History:
+def history_of(name: str, model: Model, motions: Sequence[March], period: float, first: int = 0) -> History:
     """Marches that follow each other, a period apart, each from its own time 0, as one History.
 
     Parameters
@@ -61,13 +65,15 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float)
         The marches, each recorded.
     period : float
         From the start of one march to that of the next, s.
+    first : int
+        How many marches lie before the first.
 
     Returns
     -------
     History
         The whole motion.
     """
-    pieces = [_later(piece, i * period) for i, motion in enumerate(motions) for piece in motion.pieces]
+    pieces = [_later(piece, i * period) for i, motion in enumerate(motions, first) for piece in motion.pieces]
     switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
     states = [pieces[0].state, *(pieces[i + 1].state for i in switches)]
     return History(
@@ -77,7 +83,7 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float)
         end=pieces[-1].end,
         switch_times=np.array([pieces[i].end for i in switches]),
         states=tuple(states),
-        contacts=_joined(motions, period),
+        contacts=_joined(motions, period, first),
         field=ElementField(model, tuple(pieces)),
         highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
@@ -90,11 +96,11 @@ def _later(piece: Piece, offset: float) -> Piece:
     return replace(piece, start=start, end=end, coordinates=Later(piece.coordinates, offset), flow=None)
 
 
-def _joined(motions: Sequence[March], period: float) -> tuple[Contact, ...]:
+def _joined(motions: Sequence[March], period: float, first: int) -> tuple[Contact, ...]:
     """All contacts, by start time; those that a march ends and the next one begins with are one."""
     done: list[Contact] = []
     going: dict[int, Contact] = {}
-    for i, motion in enumerate(motions):
+    for i, motion in enumerate(motions, first):
         for contact in motion.contacts:
             contact = replace(contact, start=contact.start + i * period, end=contact.end + i * period)
             before = going.pop(contact.stop, None) if contact.open_start else None

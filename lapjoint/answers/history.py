@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 
@@ -69,29 +68,6 @@ class Field(Protocol):
         -------
         FloatArray, shape (n, m)
             The derivative, m^(1 - dx) s^-dt.
-        """
-
-
-@runtime_checkable
-class SeveralDerivatives(Protocol):
-    """A field that gives several derivatives at the same places and times for less than one after the other."""
-
-    def derivatives(self, x: FloatArray, t: FloatArray, orders: Sequence[tuple[int, int]]) -> list[FloatArray]:
-        """Derivatives of z, each as `Field` gives it.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-        orders : sequence of (int, int)
-            Orders of the x- and the t-derivative of each.
-
-        Returns
-        -------
-        list of FloatArray, shape (n, m)
-            One for each of `orders`.
         """
 
 
@@ -300,27 +276,6 @@ class History:
         if np.any((t_ < self.start) | (t_ > self.end)):
             raise ValueError(f"t must lie within the history, {self.start:g} to {self.end:g} s")
         return self.field(x_, t_, dx, dt)
-
-    def derivatives(self, x: FloatArray, t: FloatArray, orders: Sequence[tuple[int, int]]) -> list[FloatArray]:
-        """Several derivatives of z at the same places and times.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-        orders : sequence of (int, int)
-            Orders of the x- and the t-derivative of each.
-
-        Returns
-        -------
-        list of FloatArray, shape (n, m)
-            One for each of `orders`, m^(1 - dx) s^-dt.
-        """
-        if isinstance(self.field, SeveralDerivatives):
-            return self.field.derivatives(x, t, orders)
-        return [self.field(x, t, dx, dt) for dx, dt in orders]
 
     def state_at(self, t: float) -> ContactState:
         """The contact state at a time; at a switch the later one.

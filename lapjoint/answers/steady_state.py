@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +15,9 @@ import numpy.typing as npt
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.history import NO_ERRORS, History
 from lapjoint.problem import FloatArray, Problem
+
+if TYPE_CHECKING:
+    from lapjoint.summaries.of_orbit import OrbitSummary
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -132,6 +137,18 @@ class Acceptance:
 
 
 @dataclass(frozen=True)
+class Comparison:
+    """The same motion by a finer self of the solver, and how errors follow from the difference."""
+
+    history: History
+    """The finer motion over one period."""
+    bounds: Callable[[FloatArray, float], FloatArray]
+    """Takes differences of numbers, and the largest of those that share an error with them; gives errors."""
+    floor: float
+    """Error that refinement does not show, over the largest of the numbers."""
+
+
+@dataclass(frozen=True)
 class SteadyState:
     """The motion that remains, and the certificate of how that was established."""
 
@@ -162,6 +179,40 @@ class SteadyState:
     none was made.  Where the motion does not repeat, the standard error of the mean."""
     error_source: str = NO_ERRORS
     """How the errors were estimated, or why there are none."""
+    comparison: Comparison | None = field(default=None, repr=False, compare=False)
+    """What the errors of a periodic motion are made of; None where none can be stated, or none was asked for."""
+    march_on: Callable[[int], History] | None = field(default=None, repr=False, compare=False)
+    """Gives a motion that does not repeat, from `section_point` on, over more excitation periods; not pickled."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "march_on": None}
+
+    def summary(self, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None) -> OrbitSummary:
+        """Peaks, root mean squares and contact times, with their numerical errors.
+
+        Parameters
+        ----------
+        at : sequence of float, optional
+            Places, m; by default those of the stops and of the ends that no support fixes.
+        quantities : sequence of str, optional
+            Of `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration,
+            moment and, where the beam has a section, stress.
+
+        Returns
+        -------
+        OrbitSummary
+            The numbers, and their errors where those of the impulses were estimated.
+
+        Raises
+        ------
+        InputError
+            If a place is off the beam, or a quantity is unknown or needs what the problem has not.
+        SolverError
+            If a motion that does not repeat cannot be marched on.
+        """
+        from lapjoint.summaries.of_orbit import summarise
+
+        return summarise(self, at=at, quantities=quantities)
 
     def _repr_html_(self) -> str:
         from lapjoint.figures.notebook import html_of_steady_state

@@ -6,9 +6,10 @@ statistics of long motions.
 >>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
 """
 
+from lapjoint.campaigns.branching import branch
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.realisations import statistics
 from lapjoint.campaigns.running import run, solve, stored, sweep
 
-__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "run", "solve", "statistics", "stored", "sweep"]
+__all__ = ["FREQUENCY", "Axis", "Grid", "Plan", "branch", "run", "solve", "statistics", "stored", "sweep"]

@@ -23,8 +23,8 @@ class Point(Protocol):
         """Why there is no answer; empty where there is one."""
 
 
-class Campaign(Protocol):
-    """Work that is done cell by cell."""
+class Kept(Protocol):
+    """Work of which a journal keeps what is done."""
 
     @property
     def noun(self) -> str:
@@ -35,24 +35,8 @@ class Campaign(Protocol):
         """What several cells are called in messages: points, ..."""
 
     @property
-    def solver(self) -> str:
-        """Entry-point name of the solver."""
-
-    @property
-    def options(self) -> Mapping[str, Any]:
-        """Numerical options of the solver."""
-
-    @property
     def size(self) -> int:
         """Number of cells."""
-
-    @property
-    def longest_batch(self) -> int:
-        """Largest number of cells that a worker is given at once."""
-
-    @property
-    def chained(self) -> bool:
-        """Whether a cell starts where another has ended."""
 
     @property
     def identity(self) -> dict[str, Any]:
@@ -61,6 +45,26 @@ class Campaign(Protocol):
     @property
     def fingerprint(self) -> str:
         """A digest of the identity."""
+
+
+class Campaign(Kept, Protocol):
+    """Work that is done cell by cell."""
+
+    @property
+    def solver(self) -> str:
+        """Entry-point name of the solver."""
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """Numerical options of the solver."""
+
+    @property
+    def longest_batch(self) -> int:
+        """Largest number of cells that a worker is given at once."""
+
+    @property
+    def chained(self) -> bool:
+        """Whether a cell starts where another has ended."""
 
     def chains(self) -> Iterator[tuple[int, ...]]:
         """The cells of each chain, in the sequence in which they are solved, where they are chained."""

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.campaigns.plan import Plan
@@ -22,6 +24,7 @@ from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_C
 from lapjoint.errors import InputError
 from lapjoint.input_files import read_file
 from lapjoint.netcdf_files import is_whole, write_netcdf
+from lapjoint.summaries.of_orbit import OF_STOPS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,6 +50,7 @@ _SCALARS: tuple[tuple[str, str, str, str], ...] = (
     ("standard_error", "f8", "s-1", "standard error of the largest Lyapunov exponent"),
     ("duration", "f8", "s", "duration of the motion whose contacts are kept"),
 )
+_ERROR = "estimate of the numerical error of: {}"
 _GROWTH = ("growth", "f8", "1", "largest factor by which a deviation grew on the way to the motion")
 _CONTACTS: tuple[tuple[str, str, str, str], ...] = (
     ("contact_stop", "i4", "", "index of the stop, from 0"),
@@ -82,6 +86,7 @@ def dataset_of(plan: Plan, points: Mapping[int, Point]) -> xr.Dataset:
         **_impulse(plan, grid, ordered),
         **_certificate(plan, grid, ordered),
         **_contacts(plan, grid, ordered),
+        **_summary(plan, grid, ordered),
     }
     if plan.has_starts:
         variables["distinct"] = _distinct(plan, grid, ordered)
@@ -169,6 +174,36 @@ def _contacts(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[st
     found["contact_stop"][2]["comment"] = "index along the dimension stop"
     masks = np.array([CUT_AT_START, CUT_AT_END], dtype="i1")
     found["contact_cut"][2].update(flag_masks=masks, flag_meanings="cut_at_start cut_at_end")
+    return found
+
+
+def _summary(plan: Plan, grid: tuple[str, ...], points: list[Point]) -> dict[str, Variable]:
+    """The further numbers that were asked for: of quantities, the largest along the beam and where it is."""
+    found: dict[str, Variable] = {}
+    stops = len(plan.grid.problem.stops)
+    for name in plan.summary:
+        if name in OF_STOPS:
+            units, text = OF_STOPS[name]
+            dimensions, kinds, width = (
+                (*grid, "stop"),
+                [("", text, units), ("_error", _ERROR.format(text), units)],
+                stops,
+            )
+        else:
+            quantity, _, kind = name.rpartition("_")
+            one = QUANTITIES[quantity]
+            what = "largest magnitude" if kind == "peak" else "root mean square"
+            text = f"{what} of the {one.text}, where it is largest along the beam"
+            where = f"position of {name} from the root"
+            dimensions, width = grid, 1
+            kinds = [("", text, one.units), ("_error", _ERROR.format(text), one.units), ("_x", where, "m")]
+        nothing = [math.nan] * (len(kinds) * width)
+        columns = np.array([point.summary.get(name, nothing) for point in points], dtype=float)
+        shape = (*plan.shape, stops) if name in OF_STOPS else plan.shape
+        for i, (ending, text, units) in enumerate(kinds):
+            if plan.errors or ending != "_error":
+                values = columns[:, i * width : (i + 1) * width].reshape(shape)
+                found[f"{name}{ending}"] = dimensions, values, {"units": units, "long_name": text}
     return found
 
 
@@ -260,20 +295,20 @@ def read_curve(path: str | Path) -> xr.Dataset:
     return read_result(path, Plan.noun)
 
 
-def read_result(path: str | Path, noun: str) -> xr.Dataset:
+def read_result(path: str | Path, *nouns: str) -> xr.Dataset:
     """Read the dataset of a sweep, or of other work that is done cell by cell, from a NetCDF file into memory.
 
     Parameters
     ----------
     path : str or Path
         The file.
-    noun : str
-        What the work is called.
+    *nouns : str
+        What the work may be called.
 
     Returns
     -------
     xarray.Dataset
-        The dataset.
+        The dataset; its attribute ``result_of`` says what the work is called, where it is no sweep.
 
     Raises
     ------
@@ -285,10 +320,10 @@ def read_result(path: str | Path, noun: str) -> xr.Dataset:
 
     raw = read_file(path)
     if not is_whole(raw):
-        raise InputError(f"{path}: {_reason_for(raw, noun)}")
+        raise InputError(f"{path}: {_reason_for(raw, ' or a '.join(nouns))}")
     found = xr.load_dataset(io.BytesIO(raw), engine="h5netcdf")
-    if "fingerprint" not in found.attrs or found.attrs.get("result_of", Plan.noun) != noun:
-        raise InputError(f"{path}: is not the result of a {noun}")
+    if "fingerprint" not in found.attrs or found.attrs.get("result_of", Plan.noun) not in nouns:
+        raise InputError(f"{path}: is not the result of a {' or a '.join(nouns)}")
     reason = refusal(found.attrs.get("format_version", 1))
     if reason:
         raise InputError(f"{path}: {reason}")

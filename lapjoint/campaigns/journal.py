@@ -20,9 +20,9 @@ from functools import cached_property
 from hashlib import sha256
 from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from lapjoint.campaigns.campaign import Campaign, Point
+from lapjoint.campaigns.campaign import Campaign, Kept, Point
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.errors import DamageWarning, InputError
 from lapjoint.output_files import unwritable
@@ -54,7 +54,7 @@ class Journal:
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Kept
         The work.
     out : str or Path
         The file that the sweep writes when it is done.
@@ -74,7 +74,7 @@ class Journal:
         If lines of the journal are damaged; they are dropped, and the points that they held are not in `points`.
     """
 
-    def __init__(self, plan: Campaign, out: str | Path, *, force: bool = False) -> None:
+    def __init__(self, plan: Kept, out: str | Path, *, force: bool = False) -> None:
         self.plan = plan
         self.path = journal_path(out)
         self.points: dict[int, Any] = {}
@@ -105,12 +105,19 @@ class Journal:
         line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
         if section is not None:
             line["section"] = section
+        self._keep(line)
+
+    def _keep(self, line: dict[str, Any]) -> None:
+        """Write a line, and take what it holds."""
         self._write(_sealed(line, self._owner))
         self._take(line)
 
+    def _holds_nothing(self) -> bool:
+        return not self.points
+
     def close(self) -> None:
         """Release the journal to other processes; an empty one is removed."""
-        if not self.points and not self._file.closed:
+        if self._holds_nothing() and not self._file.closed:
             self.path.unlink(missing_ok=True)
         self._file.close()
 
@@ -122,9 +129,16 @@ class Journal:
     def kept(self) -> str:
         """A message for a sweep that stops here: it reads the file, because an interrupt can come at any moment."""
         self._load(force=False)
-        if not self.points:
-            return f"none of {self._of_all} was done"
-        return f"{len(self.points)} of {self._of_all} are kept in {self.path}; the same command resumes"
+        if self._holds_nothing():
+            return self._nothing_done()
+        return f"{self._done()} kept in {self.path}; the same command resumes"
+
+    def _done(self) -> str:
+        """What the journal holds, as the subject of a sentence with its verb."""
+        return f"{len(self.points)} of {self._of_all} are"
+
+    def _nothing_done(self) -> str:
+        return f"none of {self._of_all} was done"
 
     @property
     def _of_all(self) -> str:
@@ -136,7 +150,7 @@ class Journal:
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
-            kept = f"{len(self.points)} of {self._of_all} are whole, and the others are computed again"
+            kept = f"{self._done()} whole, and the others are computed again"
             warnings.warn(f"{self.path}: {what}; {kept}", DamageWarning, stacklevel=2)
         if not self._file.seek(0, os.SEEK_END):
             self._write(self._header)
@@ -194,7 +208,8 @@ class Journal:
 
     def _take(self, line: dict[str, Any]) -> None:
         cells = line["cells"]
-        self.points.update({cell: self.plan.point(fields) for cell, fields in zip(cells, line["points"], strict=True)})
+        point = cast(Campaign, self.plan).point  # other work takes its lines itself
+        self.points.update({cell: point(fields) for cell, fields in zip(cells, line["points"], strict=True)})
         self.sections[cells[-1]] = line.get("section")
 
     def _write(self, line: bytes) -> None:

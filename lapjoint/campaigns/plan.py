@@ -26,6 +26,7 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.problem.files import to_toml
 from lapjoint.solver import Solver, make_solver
+from lapjoint.summaries.of_orbit import check_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,6 +63,8 @@ class Plan:
         Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
     errors : bool
         Whether to estimate the numerical errors of the impulses; it takes less than as long again.
+    summary : tuple of str
+        Further numbers of each motion, of `lapjoint.summaries.of_orbit.SUMMARIES`.
 
     Raises
     ------
@@ -82,8 +85,12 @@ class Plan:
     seed: int = 0
     sensitivity: bool = False
     errors: bool = False
+    summary: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "summary", check_names(self.summary))
+        if any(name.startswith("stress_") for name in self.summary):
+            self.grid.problem.beam.require_section("summary of the stress")
         if self.start not in get_args(Start):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
         check_integer("starts", self.starts, 1, MOST_STARTS)
@@ -193,7 +200,7 @@ class Plan:
             message = str(error)
             where = self.describe(cell)
             raise InputError(message if message.startswith(where) else f"{where}: {message}") from None
-        return point_of(found), plain_section(found.section_point) if self.chained else None
+        return point_of(found, self.summary), plain_section(found.section_point) if self.chained else None
 
     def point(self, fields: Mapping[str, Any]) -> Point:
         """A point from its attributes. See `lapjoint.campaigns.campaign.Campaign.point`."""
@@ -234,6 +241,7 @@ class Plan:
             "seed": self.seed,
             "sensitivity": self.sensitivity,
             "errors": self.errors,
+            **({"summary": list(self.summary)} if self.summary else {}),  # as before where there is none
             "versions": versions(),
         }
 

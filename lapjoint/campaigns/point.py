@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -50,17 +51,22 @@ class Point:
     """Largest factor by which a deviation grew on the way to the motion; NaN if it was not measured."""
     impulse_errors: tuple[float, ...] = ()
     """Estimate of each impulse's numerical error, N s; infinite where none can be stated, empty if none was made."""
+    summary: dict[str, list[float]] = field(default_factory=dict)
+    """Numbers of the motion that were asked for, by name: of a quantity the largest along the beam, its error and where
+    it is, m; of the stops one each, then their errors.  Errors are NaN where none were estimated."""
     message: str = ""
     """Reason for which the solver gave up; empty where it did not."""
 
 
-def point_of(found: SteadyState) -> Point:
+def point_of(found: SteadyState, summary: Sequence[str] = ()) -> Point:
     """The numbers of a steady state that a sweep keeps.
 
     Parameters
     ----------
     found : SteadyState
         The steady state.
+    summary : sequence of str
+        Further numbers to keep, of `lapjoint.summaries.of_orbit.SUMMARIES`.
 
     Returns
     -------
@@ -93,8 +99,26 @@ def point_of(found: SteadyState) -> Point:
             for c in history.contacts
         ),
         growth=math.nan if growth is None else float(growth),
+        summary=_summary_of(found, summary) if summary else {},
         impulse_errors=() if found.impulse_errors is None else tuple(map(float, found.impulse_errors)),
     )
+
+
+def _summary_of(found: SteadyState, names: Sequence[str]) -> dict[str, list[float]]:
+    """Numbers of a steady state as `Point.summary` holds them."""
+    from lapjoint.summaries.of_orbit import OF_STOPS, quantities_of
+
+    summary = found.summary(quantities=quantities_of(names) or ["displacement"])
+    result = {}
+    for name in names:
+        values = summary.values[name]
+        errors = np.full_like(values, math.nan) if summary.errors is None else summary.errors[name]
+        if name in OF_STOPS:
+            result[name] = [*values.tolist(), *errors.tolist()]
+        else:
+            i = int(np.argmax(values))
+            result[name] = [float(values[i]), float(errors[i]), float(summary.selection.x[i])]
+    return result
 
 
 def plain_section(point: SectionPoint) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +34,7 @@ def sweep(
     seed: int = 0,
     sensitivity: bool = False,
     errors: bool = False,
+    summary: Sequence[str] = (),
     workers: Workers = 1,
     scheduler: str | None = None,
     out: str | Path | None = None,
@@ -63,6 +64,9 @@ def sweep(
         Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
     errors : bool
         Whether to estimate the numerical errors of the impulses; it takes less than as long again.
+    summary : sequence of str
+        Further numbers of each motion, of `lapjoint.summaries.of_orbit.SUMMARIES`, as ``stress_peak``, ``force_rms`` or
+        ``contact_time``: variables of the dataset.
     workers : int or map-like callable
         Number of processes, -1 for all processors; or a function that maps a function over an iterable, as
         ``multiprocessing.Pool.imap_unordered`` does.  A script that asks for processes must do so below
@@ -92,7 +96,8 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
-    plan = Plan(Grid(problem, tuple(axes)), solver, dict(options or {}), start, starts, seed, sensitivity, errors)
+    grid, numerics = Grid(problem, tuple(axes)), dict(options or {})
+    plan = Plan(grid, solver, numerics, start, starts, seed, sensitivity, errors, tuple(summary))
     return run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
 
 

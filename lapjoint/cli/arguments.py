@@ -15,7 +15,7 @@ from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import large_allowed
+from lapjoint.cli.options import PLACES, large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
 from lapjoint.problem.override import override, toml_value
@@ -217,7 +217,7 @@ def series_from(
 ) -> dict[str, Any]:
     """What `time_series` is to take, refused before any work is done where it could not be written after it."""
     if path is None:
-        refuse("no series is written without --series FILE", at=at, quantity=quantity, rate=rate)
+        refuse("no series is written without --series FILE", quantity=quantity, rate=rate)
         return {}
     wanted: dict[str, Any] = {
         "at": None if at is None else places_from(at),
@@ -262,12 +262,28 @@ def _followed(option: str, path: str) -> Path:
         raise OutputError(f"{option} {path}: cannot be written: {error}") from None
 
 
-def check_drawing(problem: Problem, figure: str | None, draw: str | None) -> None:
-    """Refuse, before any work is done, a drawing without a file, or a section of what has no period."""
+def drawing_from(
+    problem: Problem, figure: str | None, draw: str | None, at: str | None, elsewhere: bool
+) -> dict[str, Any]:
+    """The places that a figure is to take, with all that could not be drawn refused before any work is done.
+
+    `elsewhere` says whether the places mean something without a figure too.
+    """
     if draw and not figure:
         raise InputError(f"--draw {draw}: nothing is drawn without --figure FILE")
     if draw == "poincare":
         problem.require_excitation_frequency("--draw poincare")
+    name = draw or "motion"
+    if at is None or not figure or name not in PLACES:
+        if not elsewhere:
+            refuse("there is neither a series nor a figure that shows places", at=at)
+        return {}
+    places = [problem.require_position(x) for x in places_from(at)]
+    if not PLACES[name]:
+        return {"x": places}
+    if len(places) > PLACES[name]:
+        raise InputError(f"--at {at}: figure {name} shows one place; give one")
+    return {"x": places[0]}
 
 
 def check_directory(path: str) -> None:

@@ -23,6 +23,7 @@ from typing import Any
 
 import click
 
+from lapjoint.cli.branch import branch
 from lapjoint.cli.echo import echo
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
@@ -152,7 +153,7 @@ def main() -> None:
     """
 
 
-for command in (modes, simulate, steady, statistics, sweep, plot, export, show):
+for command in (modes, simulate, steady, statistics, sweep, branch, plot, export, show):
     main.add_command(command)
 
 

@@ -17,6 +17,8 @@ DRAWINGS = {
     "spectrum": "plot_spectrum",
 }
 """Functions of `lapjoint.figures` by their names on the command line."""
+PLACES = {"motion": 0, "phase": 1, "poincare": 1, "spectrum": 1}
+"""Number of places that those figures show that choose some; 0: any."""
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -106,7 +108,12 @@ series_options = together(
         "absolute_velocity, absolute_acceleration, moment, shear, stress, force (of each stop).  "
         "[default: displacement and force]",
     ),
-    click.option("--at", metavar="x=X,X,..", help="Places of --series, m.  [default: the stops and the free ends]"),
+    click.option(
+        "--at",
+        metavar="x=X,X,..",
+        help="Places of --series, of a figure, and of what steady prints, m.  [default: the stops and the free ends; "
+        "of a spectrum, where it moves most]",
+    ),
     click.option("--series", "series_path", metavar="FILE", help="Write time series to FILE: .nc or .csv."),
 )
 """--series, and what it holds."""

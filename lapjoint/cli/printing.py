@@ -6,13 +6,17 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from lapjoint import History, Problem, SteadyState
 from lapjoint.answers import Modes
 from lapjoint.answers.contact_state import state_label
+from lapjoint.answers.series import written
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
 from lapjoint.figures.text import apart, cut_to, plain
 from lapjoint.output_files import write_file
+from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,8 +85,8 @@ def print_history(history: History) -> None:
         print_source(history.error_source)
 
 
-def print_steady_state(found: SteadyState) -> None:
-    """Print what was found and how."""
+def print_steady_state(found: SteadyState, at: list[float] | None = None) -> None:
+    """Print what was found and how, and peaks at places, m, or at those by default."""
     echo(plain(found.problem.title) or "Untitled problem")
     echo(f"{found.solver}: {found.outcome.value}")
     if found.period_multiple:
@@ -101,8 +105,42 @@ def print_steady_state(found: SteadyState) -> None:
         echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
     errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
-    if found.problem.stops:
+    _print_summary(found, at)
+    if found.problem.stops or found.impulse_errors is not None:
         print_source(found.error_source)
+
+
+def _print_summary(found: SteadyState, at: list[float] | None) -> None:
+    """Print peaks and root mean squares at places, and what the stops do."""
+    summary = found.summary(at=at)
+    what, values, errors = summary.selection, summary.values, summary.errors
+    over = "" if found.period_multiple else f" over {WANDERING} periods"
+
+    def with_error(name: str, i: int) -> str:
+        error = "" if errors is None else f" +- {error_text(float(errors[name][i])):<8}"
+        return f"{values[name][i]:12.5g}{error}"
+
+    gap = "" if errors is None else " " * 12
+    echo(f"\n{'Largest magnitude, and RMS' + over:<38}{'peak':>12}{gap}{'RMS':>12}")
+    for one in what.quantities:
+        label = f"{one.name.replace('_', ' ')} [{written(one.units)}]"
+        largest = int(np.argmax(values[f"{one.name}_peak"]))
+        for i in dict.fromkeys([*what.asked.tolist(), largest]):
+            star = "" if i in what.asked else "*"
+            numbers = with_error(f"{one.name}_peak", i) + with_error(f"{one.name}_rms", i)
+            echo(f"{label:<29}{f'{what.x[i]:.4g} m{star}':<9}{numbers}".rstrip())
+            label = ""
+    echo("* where its magnitude is largest along the beam")
+    if found.problem.stops:
+        names, _ = stop_column(found.problem)
+        for title, first, second in (
+            ("Force [N]", "force_peak", "force_rms"),
+            ("Contacts a second, and share of time", "contact_rate", "contact_time"),
+        ):
+            heads = ("peak", "RMS") if first == "force_peak" else ("contacts", "share")
+            echo(f"\n{title:<38}{heads[0]:>12}{gap}{heads[1]:>12}")
+            for i, stop in enumerate(names):
+                echo(f"{stop:<38}{with_error(first, i)}{with_error(second, i)}".rstrip())
 
 
 def print_source(source: str) -> None:
@@ -146,8 +184,8 @@ def stop_column(problem: Problem) -> tuple[list[str], int]:
     return names, max([8, *(len(name) for name in names)]) + 2
 
 
-def steady_state_summary(found: SteadyState) -> dict[str, Any]:
-    """A steady state as JSON holds it."""
+def steady_state_summary(found: SteadyState, at: list[float] | None = None) -> dict[str, Any]:
+    """A steady state as JSON holds it, with peaks at places, m, or at those by default."""
     accepted = found.acceptance
     return {
         "solver": found.solver,
@@ -167,7 +205,33 @@ def steady_state_summary(found: SteadyState) -> dict[str, Any]:
         if found.impulse_errors is None
         else dict(zip(found.problem.stop_names, found.impulse_errors.tolist(), strict=True)),
         "error_source": found.error_source,
+        "summary": summary_of(found, at),
     }
+
+
+def summary_of(found: SteadyState, at: list[float] | None) -> dict[str, Any]:
+    """Peaks, RMS and contacts of a steady state as JSON holds them."""
+    summary = found.summary(at=at)
+    what, content = summary.selection, dict[str, Any]()
+    for one in what.quantities:
+        for kind in ("peak", "rms"):
+            name = f"{one.name}_{kind}"
+            rows = list(dict.fromkeys([*what.asked.tolist(), int(np.argmax(summary.values[name]))]))
+            content[name] = {
+                "units": written(one.units),
+                "x_m": what.x[rows].tolist(),
+                "values": summary.values[name][rows].tolist(),
+                "errors": None if summary.errors is None else summary.errors[name][rows].tolist(),
+            }
+    for name, (units, _) in OF_STOPS.items():
+        content[name] = {
+            "units": written(units),
+            "values": dict(zip(found.problem.stop_names, summary.values[name].tolist(), strict=True)),
+            "errors": None
+            if summary.errors is None
+            else dict(zip(found.problem.stop_names, summary.errors[name].tolist(), strict=True)),
+        }
+    return content
 
 
 def write_json(path: str, content: Any) -> None:

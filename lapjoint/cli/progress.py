@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -94,3 +95,19 @@ def duration_text(seconds: float) -> str:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
     return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"
+
+
+class _Lines(logging.Handler):
+    """Prints what is logged on standard error, whatever that is then."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one message."""
+        echo(f"lapjoint: {record.getMessage()}", err=True)
+
+
+def tell_of_compiling() -> None:
+    """Say on standard error when compiling begins, from now on; see `lapjoint.compiling`."""
+    logger = logging.getLogger("lapjoint.compiling")
+    if not any(isinstance(handler, _Lines) for handler in logger.handlers):
+        logger.addHandler(_Lines())
+    logger.setLevel(logging.INFO)

@@ -92,12 +92,12 @@ def simulate(
     arguments.check_file("--figure", figure, *FIGURES)
     arguments.check_duration(duration)
     this = arguments.problem_from(problem, overrides)
-    arguments.check_drawing(this, figure, draw)
+    places = arguments.drawing_from(this, figure, draw, at, series_path is not None)
     lasting = arguments.duration_of(this, duration)
     wanted = arguments.series_from(this, series_path, at, quantity, rate, lasting)
     history = find_motion(this, arguments.solver_from(**solver), lasting, errors)
     printing.print_history(history)
-    write_results(history, contacts_path, series_path, wanted, figure, draw)
+    write_results(history, contacts_path, series_path, wanted, figure, draw, places)
 
 
 @click.command()
@@ -131,13 +131,14 @@ def steady(
     arguments.check_file("--figure", figure, *FIGURES)
     arguments.check_file("--json", json_path)
     this = arguments.problem_from(problem, overrides)
-    arguments.check_drawing(this, figure, draw)
+    places = arguments.drawing_from(this, figure, draw, at, True)
     wanted = arguments.series_from(this, series_path, at, quantity, rate, None)
+    shown = None if at is None else [this.require_position(x) for x in arguments.places_from(at)]
     found = find_steady_state(this, arguments.solver_from(**solver), errors)
-    printing.print_steady_state(found)
-    write_results(found.history, contacts_path, series_path, wanted, figure, draw)
+    printing.print_steady_state(found, shown)
+    write_results(found.history, contacts_path, series_path, wanted, figure, draw, places)
     if json_path:
-        printing.write_json(json_path, printing.steady_state_summary(found))
+        printing.write_json(json_path, printing.steady_state_summary(found, shown))
     click.get_current_context().exit(1 if found.outcome is Outcome.UNDECIDED else 0)
 
 
@@ -148,8 +149,9 @@ def write_results(
     wanted: dict[str, Any],
     figure: str | None,
     draw: str | None,
+    places: dict[str, Any],
 ) -> None:
-    """Write the files asked for; `wanted` is what `time_series` takes."""
+    """Write the files asked for; `wanted` is what `time_series` takes, `places` what the figure does."""
     if contacts_path:
         from lapjoint.answers.contact_files import write_contacts
 
@@ -161,4 +163,4 @@ def write_results(
     if figure:
         from lapjoint import figures
 
-        figures.save(getattr(figures, DRAWINGS[draw or "motion"])(history), figure)
+        figures.save(getattr(figures, DRAWINGS[draw or "motion"])(history, **places), figure)

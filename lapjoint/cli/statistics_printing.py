@@ -24,7 +24,7 @@ _SHARES = (0.5, 0.9, 0.99)
 _OF_STOPS = {
     "contact_rate": "Contacts a second",
     "contact_time": "Share of time in contact",
-    "impulse_rate": "Impulse a second [N s/s], top positive",
+    "impulse_rate": "Impulse a second [N], top positive",
     "force_rms": "Root mean square of the force [N]",
     "force_maximum": "Largest force [N]",
 }
@@ -91,9 +91,8 @@ def _print_places(found: xr.Dataset) -> None:
                 rows.append((int(values.argmax()), "*"))
             for i, star in rows:
                 x = f"{found.x.values[i]:.4g}{star}"
-                echo(
-                    f"{label:<{_NAME}}{x:>8}{_interval(values[i], ends[i])}{_short(found[f'{name}_{last}'].values[i])}"
-                )
+                more = _short(found[f"{name}_{last}"].values[i]) if f"{name}_{last}" in found else ""
+                echo(f"{label:<{_NAME}}{x:>8}{_interval(values[i], ends[i])}{more}")
                 label = ""
     echo("* where it is largest along the beam")
 

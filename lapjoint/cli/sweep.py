@@ -44,6 +44,12 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
 @click.option(
     "--errors", is_flag=True, help="Estimate the numerical errors of the impulses too; takes less than as long again."
 )
+@click.option(
+    "--summary",
+    metavar="NAME,NAME,..",
+    help="Further variables of each motion: <quantity>_peak or <quantity>_rms, the largest along the beam, as "
+    "stress_peak; force_peak, force_rms, contact_time and contact_rate of each stop.",
+)
 @campaign_options
 def sweep(
     problem: str,
@@ -62,6 +68,7 @@ def sweep(
     seed: int,
     sensitivity: bool,
     errors: bool,
+    summary: str | None,
     workers: int,
     scheduler: str | None,
     force: bool,
@@ -78,7 +85,8 @@ def sweep(
     axes = arguments.axes_from(first, last, step, fields)
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
-    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors)
+    further = () if summary is None else tuple(name.strip() for name in summary.split(","))
+    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors, further)
     there = stored(plan, out, force=force)
     if there is None:
         with shown_points("sweep") as progress:
@@ -96,13 +104,20 @@ def sweep(
 @click.option("-o", "--out", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
 def plot(curve: str, figure: str | None, wide: bool) -> None:
-    """Draw what a sweep found, from its file CURVE: impulse of each stop over the excitation frequency."""
-    from lapjoint.campaigns.dataset import read_curve
+    """Draw what a sweep or `lapjoint branch` found, from its file CURVE: impulse of each stop over what was changed."""
+    from lapjoint.campaigns.branch_plan import BranchPlan
+    from lapjoint.campaigns.dataset import read_result
+    from lapjoint.campaigns.plan import Plan
     from lapjoint.cli import arguments
-    from lapjoint.figures import plot_curve, plot_curve_wide, save
+    from lapjoint.figures import plot_branches, plot_curve, plot_curve_wide, save
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
     arguments.check_file("--out", path, *FIGURES)
-    dataset = read_curve(curve)
-    save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
+    dataset = read_result(curve, Plan.noun, BranchPlan.noun)
+    if dataset.attrs.get("result_of") == BranchPlan.noun:
+        if wide:
+            arguments.refuse("a diagram of branches is one column wide", wide=wide)
+        save(plot_branches(dataset), path)
+    else:
+        save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
     echo(f"Wrote {path}")

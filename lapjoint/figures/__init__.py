@@ -4,8 +4,10 @@ Each function takes an answer object, and axes to draw on if the caller has them
 writes as PNG, SVG or PDF.  All share one style, `lapjoint.figures.style`, and take SI units to the units on their axes.
 """
 
+from lapjoint.figures.branch_diagram import plot_branches
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
 from lapjoint.figures.convergence import plot_convergence
+from lapjoint.figures.exceedance import plot_exceedance
 from lapjoint.figures.impulse_curve import plot_curve
 from lapjoint.figures.impulse_curve_wide import plot_curve_wide
 from lapjoint.figures.mode_shapes import plot_mode_shapes, plot_state_shapes
@@ -18,11 +20,13 @@ from lapjoint.figures.style import new_axes, new_panels, save
 __all__ = [
     "new_axes",
     "new_panels",
+    "plot_branches",
     "plot_contact_impulses",
     "plot_contact_states",
     "plot_convergence",
     "plot_curve",
     "plot_curve_wide",
+    "plot_exceedance",
     "plot_joint",
     "plot_mode_shapes",
     "plot_motion",

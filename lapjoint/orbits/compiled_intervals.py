@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 IndexArray = npt.NDArray[np.intp]
@@ -63,7 +63,7 @@ class Stops(NamedTuple):
     """Whose switches follow those of each stop after the orbit: its own, or its twin's, shape ``(P,)``."""
 
 
-@njit(cache=True)
+@njit_called()
 def slopes_at_switches(
     motion: Motion, stops: Stops, which: IndexArray, stop: IndexArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -92,7 +92,7 @@ def slopes_at_switches(
     return rate, curvature
 
 
-@njit(cache=True)
+@njit_inner()
 def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, float]:
     """First two derivatives of z at a place, `tau` after the start of a segment, m/s and m/s2."""
     first = motion.polynomial[s, u, 1] + 2 * tau * motion.polynomial[s, u, 2]
@@ -105,7 +105,7 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
     return first, second
 
 
-@njit(cache=True)
+@njit_called()
 def unrolled(
     times: FloatArray, stops: IndexArray, stop: int, beyond: int, length: float
 ) -> tuple[FloatArray, IndexArray]:
@@ -148,7 +148,7 @@ def unrolled(
     return when, index
 
 
-@njit(cache=True)
+@njit_called()
 def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: float) -> FloatArray:
     """Time from each switch to the nearest other one of the same stop, before or after.
 
@@ -182,7 +182,7 @@ def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: f
     return result
 
 
-@njit(cache=True)
+@njit_called()
 def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatArray]:
     """Ends of intervals of equal width in each segment, with the first and the last one halved some times.
 
@@ -224,7 +224,7 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
     return segment, tau
 
 
-@njit(cache=True)
+@njit_inner()
 def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Distances of an orbit from its stops, in the intervals between points.
 
@@ -275,7 +275,7 @@ def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray
     return nearer, miss
 
 
-@njit(cache=True)
+@njit_called()
 def refined(
     motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray
 ) -> tuple[IndexArray, FloatArray, FloatArray]:
@@ -315,7 +315,7 @@ def refined(
     return segment, tau, nearer
 
 
-@njit(cache=True)
+@njit_inner()
 def _parts(segment: IndexArray, nearer: FloatArray, miss: FloatArray, least: FloatArray) -> IndexArray:
     """Into how many parts each interval is to be divided, shape ``(I,)``.
 
@@ -330,7 +330,7 @@ def _parts(segment: IndexArray, nearer: FloatArray, miss: FloatArray, least: Flo
     return parts
 
 
-@njit(cache=True)
+@njit_inner()
 def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int) -> tuple[IndexArray, FloatArray]:
     """Points of intervals that are divided into equal parts, `more` points in all."""
     where, when = np.empty(segment.size + more, dtype=np.intp), np.empty(segment.size + more)
@@ -345,7 +345,7 @@ def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int)
     return where, when
 
 
-@njit(cache=True)
+@njit_called()
 def among_switches(
     start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, beyond: IndexArray, length: float
 ) -> tuple[IndexArray, FloatArray, IndexArray, FloatArray]:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.compiling import njit_called
 from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
 
 _SUM = {"reassoc", "contract", "nsz"}  # lets sums be vectorised; the order of a sum changes its rounding only
 
 
-@njit(cache=True)
+@njit_called()
 def terms_at_points(
     segment: IndexArray, tau: FloatArray, rates: ComplexArray, weights: ComplexArray, count: int
 ) -> tuple[FloatArray, FloatArray]:
@@ -56,7 +56,7 @@ def terms_at_points(
     return terms, misses
 
 
-@njit(cache=True, fastmath=_SUM)
+@njit_called(fastmath=_SUM)
 def largest_motion(
     segment: IndexArray,
     tau: FloatArray,
@@ -121,7 +121,7 @@ def largest_motion(
                         result[p, j, c] = bound[c]
 
 
-@njit(cache=True, error_model="numpy")
+@njit_called(error_model="numpy")
 def sound_columns(
     largest: FloatArray,
     at_switches: FloatArray,

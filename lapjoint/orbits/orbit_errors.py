@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.history import Contact, History
-from lapjoint.answers.steady_state import impulses_per_period
+from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.contact_errors import Differences, differences, without_contact_errors
 from lapjoint.orbits.half_periods import HalfPeriods
@@ -56,6 +56,8 @@ class OrbitErrors:
     """The motion, with the errors of its contacts."""
     source: str
     """How they were estimated, or why they are infinite."""
+    comparison: Comparison | None = None
+    """What they were made of, for other numbers of the motion; None where they are infinite."""
 
 
 def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) -> OrbitErrors:
@@ -90,7 +92,8 @@ def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) 
     impulses = _impulse_errors(orbit, history, finer_history, other.refinement, floor)
     source = f"compared with {name}"
     history = _with_contact_errors(history, finer_history, other.refinement, floor)
-    return OrbitErrors(impulses, replace(history, error_source=source), source)
+    comparison = Comparison(finer_history, other.refinement.bounds, floor)
+    return OrbitErrors(impulses, replace(history, error_source=source), source, comparison)
 
 
 def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:

@@ -79,7 +79,13 @@ def _with_errors(steady: SteadyState, motion: Orbit | Wandering, finer: Callable
         source = "unknown: the solver has no finer self to compare with"
         return replace(steady, history=replace(steady.history, error_source=source), error_source=source)
     found = orbit_errors(motion, steady.history, finer)
-    return replace(steady, history=found.history, impulse_errors=found.impulses, error_source=found.source)
+    return replace(
+        steady,
+        history=found.history,
+        impulse_errors=found.impulses,
+        error_source=found.source,
+        comparison=found.comparison,
+    )
 
 
 def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort) -> SteadyState:
@@ -100,6 +106,7 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
         history=period_map.history(motion.point, min(effort.max_period_multiple, MULTIPLES_AT_A_LOOK)),
         impulses=motion.impulses,
         acceptance=found.acceptance,
+        march_on=lambda periods: period_map.history(motion.point, periods),
     )
 
 

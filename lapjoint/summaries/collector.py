@@ -122,7 +122,6 @@ class Collector:
             sums.samples[unit] += part.size
             sums.total[unit] += values.sum(axis=-1)
             sums.squares[unit] += np.einsum("qxm,qxm->qx", values, values)
-            sums.force_total[unit] += force.sum(axis=-1)
             sums.force_squares[unit] += np.einsum("sm,sm->s", force, force)
             _keep_largest(values, part, largest, when)
         around = [*self._records(unit, largest, when), *self._hard_contacts(history, unit, lo, hi)]

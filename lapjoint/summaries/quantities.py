@@ -80,7 +80,7 @@ class Selection:
         FloatArray, shape (S, m)
             The forces, N, positive upwards.
         """
-        found = dict(zip(self.orders, history.derivatives(self.x, t, self.orders), strict=True))
+        found = {(dx, dt): history.field(self.x, t, dx, dt) for dx, dt in self.orders}
         result = np.empty((len(self.quantities), self.x.size, t.size))
         for row, one, factor in zip(result, self.quantities, self.factors, strict=True):
             np.multiply(found[one.dx, one.dt], factor, out=row)

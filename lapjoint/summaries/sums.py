@@ -34,10 +34,8 @@ class Sums:
     """Sum of their squares, shape ``(U, Q, X)``."""
     peak: FloatArray
     """Largest magnitude, shape ``(U, Q, X)``."""
-    force_total: FloatArray
-    """Sum of the samples of the forces of the stops on the beam, N, shape ``(U, S)``."""
     force_squares: FloatArray
-    """Sum of their squares, N2, shape ``(U, S)``."""
+    """Sum of the squares of the samples of the forces of the stops, N2, shape ``(U, S)``."""
     force_peak: FloatArray
     """Largest magnitude of the forces, N, shape ``(U, S)``: that of the contacts."""
     contacts: CountArray
@@ -76,7 +74,6 @@ class Sums:
             np.zeros(shape),
             np.zeros(shape),
             np.zeros(shape),
-            np.zeros(of_stops),
             np.zeros(of_stops),
             np.zeros(of_stops),
             np.zeros(of_stops, dtype=np.int64),

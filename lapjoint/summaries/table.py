@@ -1,10 +1,11 @@
 """The dataset of statistics: values and intervals, from the sums of units.
 
-Its variables are, of each quantity, over the places ``x``: ``*_mean``, ``*_rms``, ``*_peak`` (the largest of all) and
-``*_maximum`` (the mean of the largest in a unit); of each stop, over ``stop``: the same of its force, ``contact_rate``,
-``contact_time`` (the share of time in contact) and ``impulse_rate``; and of the distributions, over ``stop`` and bins,
-``*_count`` and ``*_exceedance``, how often a second the lower edge of a bin is reached or exceeded.  A value
-that has an interval has another variable beside it, ``*_interval``, over ``bound`` too.
+Its variables are, of each quantity, over the places ``x``: ``*_mean`` (but of velocities and accelerations, whose means
+are zero in a motion that is stationary), ``*_rms``, ``*_peak`` (the largest of all) and ``*_maximum`` (the mean of the
+largest in a unit); of each stop, over ``stop``: the same of its force, but for the mean, which is the ``impulse_rate``;
+``contact_rate``, and ``contact_time``, the share of time in contact; and of the distributions, over ``stop`` and bins,
+``*_count`` and ``*_exceedance``, how often a second the lower edge of a bin is reached or exceeded.  A value that has
+an interval has another variable beside it, ``*_interval``, over ``bound`` too.
 """
 
 from __future__ import annotations
@@ -149,9 +150,9 @@ def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
     number, here = sums.samples[:, None], ("x",)
     for q, one in enumerate(what.selection.quantities):
         mean, squares, peak = sums.total[:, q] / number, sums.squares[:, q] / number, sums.peak[:, q]
-        found |= _valued(
-            f"{one.name}_mean", here, mean.mean(axis=0), intervals.of_mean(mean), one.units, f"mean of the {one.text}"
-        )
+        if one.dt == 0:
+            text = f"mean of the {one.text}"
+            found |= _valued(f"{one.name}_mean", here, mean.mean(axis=0), intervals.of_mean(mean), one.units, text)
         found |= _valued(
             f"{one.name}_rms",
             here,
@@ -179,11 +180,9 @@ def _maxima(name: str, dimension: str, peak: FloatArray, units: str, text: str) 
 
 def _of_stops(sums: Sums) -> dict[str, Variable]:
     number, here, T = sums.samples[:, None], ("stop",), sums.duration
-    force = sums.force_total / number
     squares = sums.force_squares / number
-    text = "force of the stop on the beam, positive upwards"
-    found = _valued("force_mean", here, force.mean(axis=0), intervals.of_mean(force), "N", f"mean of the {text}")
-    found |= _valued(
+    text = "force of the stop"
+    found = _valued(
         "force_rms",
         here,
         np.sqrt(squares.mean(axis=0)),

@@ -11,6 +11,7 @@ import pytest
 import analytic
 import fe_lapjoint
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
+from lapjoint.answers import SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.seeds import on_branch, seed_from
@@ -20,7 +21,7 @@ from tests.helpers.toy import Bar, bar
 AMPLITUDE = "base_motion.amplitude"
 FREQUENCY = "base_motion.angular_frequency"
 GAP, OMEGA, DAMPING = 1e-3, 5.0, 0.8
-TOP_AND_BOTTOM = (
+TWO_STOPS = (
     Stop(x=1.0, side="top", gap=GAP, stiffness=50.0),
     Stop(x=0.6, side="top", gap=GAP, stiffness=50.0),
 )
@@ -31,7 +32,7 @@ def cantilever() -> Problem:
     return Problem(
         beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
         supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
-        stops=TOP_AND_BOTTOM,
+        stops=TWO_STOPS,
         damping=ViscousDamping(coefficient=DAMPING),
         base_motion=BaseMotion(amplitude=1e-4, angular_frequency=OMEGA),
     )
@@ -66,18 +67,60 @@ def branch_of(
     return family, found
 
 
-@pytest.mark.parametrize(
-    "solver", [analytic.Solver(n_modes=16), fe_lapjoint.Solver(elements=12)], ids=["analytic", "fe"]
-)
-def test_the_first_graze_is_that_of_the_closed_form_within_its_error(solver: Any) -> None:
-    exact = min(GAP / response(stop.x) for stop in TOP_AND_BOTTOM)
-    _, found = branch_of(solver, cantilever(), AMPLITUDE, 0.8 * exact, 1.1 * exact, start=0.8 * exact)
-    graze = next(one for one in found.branch.bifurcations if one.kind == "grazing")
-    assert graze.stop == 0
-    assert graze.after == "persists"
-    assert graze.error <= 1e-5 * exact
-    assert graze.value == pytest.approx(exact, rel=0, abs=graze.error)
-    assert found.branch.ends == ("boundary", "boundary")
+SOLVERS = {"analytic": analytic.Solver(n_modes=16), "fe": fe_lapjoint.Solver(elements=12)}
+CLOSED_FORM = min(GAP / response(stop.x) for stop in TWO_STOPS)
+
+
+@pytest.fixture(scope="module")
+def by_amplitude() -> dict[str, tuple[Family, Traced]]:
+    """The branch of the cantilever from its first graze on, over the amplitude of its base, by both solvers."""
+    low, high = 0.8 * CLOSED_FORM, 1.1 * CLOSED_FORM
+    return {name: branch_of(solver, cantilever(), AMPLITUDE, low, high, start=low) for name, solver in SOLVERS.items()}
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_the_first_graze_is_that_of_the_closed_form_within_its_error(
+    name: str, by_amplitude: dict[str, tuple[Family, Traced]]
+) -> None:
+    branch = by_amplitude[name][1].branch
+    graze = branch.bifurcations[0]
+    assert (graze.kind, graze.stop, graze.after) == ("grazing", 0, "persists")
+    assert graze.error <= 1e-5 * CLOSED_FORM
+    assert graze.value == pytest.approx(CLOSED_FORM, rel=0, abs=graze.error)
+    assert branch.ends == ("boundary", "boundary")
+
+
+def test_both_solvers_find_the_same_folds_within_their_errors(by_amplitude: dict[str, tuple[Family, Traced]]) -> None:
+    own, other = (
+        [one for one in found.branch.bifurcations if one.kind == "fold"] for _, found in by_amplitude.values()
+    )
+    assert len(own) == len(other) == 2
+    for a, b in zip(own, other, strict=True):
+        assert max(a.error, b.error) <= 1e-5 * a.value
+        assert abs(a.value - b.value) <= a.error + b.error
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_march_on_either_side_of_a_fold_does_what_the_branch_says(
+    name: str, by_amplitude: dict[str, tuple[Family, Traced]]
+) -> None:
+    family, found = by_amplitude[name]
+    points = found.branch.points
+    up, down = (one for one in found.branch.bifurcations if one.kind == "fold")
+    soft, hard = points[up.index - 1].motion.section_point, points[-1].motion.section_point
+    for value, start, pressed in (
+        (0.999 * up.value, soft, False),
+        (1.001 * up.value, soft, True),
+        (1.001 * down.value, hard, True),
+        (0.999 * down.value, hard, False),
+    ):
+        assert (settled(family, value, start) > 1e-3) == pressed
+
+
+def settled(family: Family, value: float, start: SectionPoint) -> float:
+    """Impulse of the first stop in a period, N s, after a march from a section point."""
+    map_ = family.at(value).map
+    return float(map_.march(map_.march(map_.adopted(start), 2000).end, 2).impulses[0])
 
 
 def test_a_march_on_either_side_of_a_flip_does_what_the_branch_says() -> None:

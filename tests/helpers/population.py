@@ -12,7 +12,7 @@ index are cantilevers with one stop at the tip, those of odd index joints with o
 Frequencies, gaps, stiffnesses of stops in cantilevers' range and of springs, and ratios that span more than a decade
 are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives them stops of up to 1e6,
 `harmonic_joint` a base, and some of them a load, of several harmonics, of odd multiples only in every third;
-`recorded_joint` records of the base and of loads in place of the sine.
+`recorded_joint` records of the base and of loads in place of the sine, `randomly_driven_joint` a random motion.
 """
 
 from __future__ import annotations
@@ -38,7 +38,15 @@ from lapjoint import (
     Stop,
     Support,
 )
-from lapjoint.problem import BaseHarmonic, FloatArray, LoadHarmonic, RecordBaseMotion, RecordLoad, ViscousDamping
+from lapjoint.problem import (
+    BaseHarmonic,
+    FloatArray,
+    LoadHarmonic,
+    RandomBaseMotion,
+    RecordBaseMotion,
+    RecordLoad,
+    ViscousDamping,
+)
 
 BASE = 1e-3  # m, amplitude of the base
 BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
@@ -180,6 +188,18 @@ def recorded_joint(seed: int, index: int) -> tuple[Problem, float]:
     problem = problem.replace(title=title, base_motion=record, point_loads=tuple(loads))
     assert problem.forces.ramps is not None
     return problem, min(duration, float(t[-1]))
+
+
+def randomly_driven_joint(seed: int, index: int) -> tuple[Problem, float]:
+    """The same problem under a random acceleration of the base around the sine's frequency; and some periods, s."""
+    problem, rng = joint(seed, index), np.random.default_rng((seed, index, 4))
+    sine = problem.base_motion
+    assert isinstance(sine, BaseMotion)
+    frequency, size = sine.angular_frequency / (2 * math.pi), BASE * sine.angular_frequency**2
+    low, high = frequency * rng.uniform(0.2, 0.8), frequency * rng.uniform(1.5, 4.0)
+    density = size**2 / (high - low)
+    base = RandomBaseMotion(psd=[[low, density], [high, density]], seed=int(rng.integers(0, 10**6)))
+    return problem.replace(title=f"{problem.title}, random", base_motion=base), RECORDED_PERIODS / frequency
 
 
 def random_cantilever(rng: np.random.Generator) -> Problem:

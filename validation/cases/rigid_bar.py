@@ -16,6 +16,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, table
 from validation.references.rigid_bar import BarMotion, RigidBar
+from validation.references.rigid_bar_orbits import mirrors_itself, multipliers, period_multiple, periodic
 from validation.verdict import Check, Estimate, Kind
 
 SOFT, RATIO = 2.5e5, 4.0
@@ -181,8 +182,8 @@ class Witnessed:
 def witnessed(text: str) -> Witnessed:
     """Motion and steady state of a rigid bar."""
     bar = RigidBar.from_toml(text.format(stiffness="inf"))
-    multiple = bar.period_multiple()
-    return Witnessed(bar, bar.march(DURATION), bar.periodic(multiple), multiple)
+    multiple = period_multiple(bar)
+    return Witnessed(bar, bar.march(DURATION), periodic(bar, multiple), multiple)
 
 
 def quantities(it: Witnessed) -> list[tuple[Quantity, float]]:
@@ -204,11 +205,11 @@ def quantities(it: Witnessed) -> list[tuple[Quantity, float]]:
             for t, value in zip(TIMES, values, strict=True)
         ]
     found.append((Quantity("steady: excitation periods", "1", "count"), float(it.multiple)))
-    found.append((Quantity("steady: symmetric", "1", "count"), float(it.periodic.mirrors_itself)))
+    found.append((Quantity("steady: symmetric", "1", "count"), float(mirrors_itself(it.periodic))))
     found.append((Quantity("steady: contacts", "1", "count"), float(it.periodic.closings)))
     for k, impulse in enumerate(it.periodic.impulses() / it.multiple):
         found.append((Quantity(f"steady: impulse of stop {k + 1} per excitation period", "N s", "steady"), impulse))
-    leading = it.periodic.multipliers[0]
+    leading = multipliers(it.periodic)[0]
     found.append((Quantity("steady: modulus of the leading multiplier", "1", "multiplier"), float(abs(leading))))
     if it.bar.damping_is_modal:  # else all multipliers have one modulus, and which leads is chance
         found.append((Quantity("steady: leading multiplier, real part", "1", "multiplier"), float(leading.real)))

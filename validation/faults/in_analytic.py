@@ -164,7 +164,7 @@ ANALYTIC = (
         "analytic.march.contacts",
         "Where another stop switches during a contact, the first part of its impulse counts twice.",
         old="so_far[k] += area[i, k]",
-        new="so_far[k] += area[i, k] * (2 if i == since[k] and stop[i] != k else 1)",
+        new="so_far[k] += area[i, k] * (1 + (i == since[k] and stop[i] != k and not last))",
     ),
     Fault(
         "analytic-peak-force",
@@ -187,8 +187,8 @@ ANALYTIC = (
         "a term dropped",
         "analytic.march.field",
         "Moments and shears lack what the left-out modes carry.",
-        old="left_out = self.joint.residual_at(part.state, x, dx)",
-        new="left_out = self.joint.residual_at(part.state, x, dx) * (dx < 2)",
+        old="residual_at(part.state, x, dx)",
+        new="residual_at(part.state, x, dx) * (dx < 2)",
     ),
     Fault(
         "analytic-mean-impulse-twice",

@@ -35,9 +35,6 @@ _SAMPLES = 60  # of the gap functions in a period of the fastest mode or load; a
 _PERIODS = 2  # such periods that are looked at together
 _CLOSE = 1e-15  # s: switches are located as closely as double precision allows
 _PANELS, _GAUSS = 4, np.polynomial.legendre.leggauss(12)  # of a contact's quadrature
-_DIFFERENCE = 1e-6  # of the motion, by which it is moved to differentiate: the cube root of rounding
-_REPEATS = 1e-3  # of the motion: what a settled march returns to within a multiple of its period, at the latest
-_STEPS, _CLOSES = 20, 1e-12  # of Newton's method, and how closely the motion closes, over its size
 
 
 @dataclass(frozen=True)
@@ -336,82 +333,6 @@ class RigidBar:
             a = b
         return end, -1
 
-    def periodic(self, periods: int = 1, settle: int = 30) -> BarMotion:
-        """The motion over `periods` excitation periods that closes, by Newton's method after `settle` periods.
-
-        Parameters
-        ----------
-        periods : int
-            Excitation periods.
-        settle : int
-            Excitation periods marched before.
-
-        Returns
-        -------
-        BarMotion
-            One period of the motion.
-        """
-        begun = self.march(settle * periods * self.period)
-        y = np.concatenate([begun.u, begun.v])
-        for _ in range(_STEPS):
-            motion, matrix = self.linearised(y, periods)
-            step = np.linalg.solve(np.eye(y.size) - matrix, motion.y - y)
-            y = y + step
-            if self._size(step) <= _CLOSES * self._size(y):
-                return self.march(periods * self.period, *np.split(y, 2))
-        raise ArithmeticError("Newton's method does not close the motion")
-
-    def period_multiple(self, settle: int = 60, most: int = 6) -> int:
-        """Excitation periods after which the motion repeats that is reached after `settle` periods; 0 if none do.
-
-        Parameters
-        ----------
-        settle : int
-            Excitation periods marched before.
-        most : int
-            Most excitation periods after which it may repeat.
-
-        Returns
-        -------
-        int
-            How many.
-        """
-        u, v = self.initial
-        points = []
-        for n in range(settle + most + 1):
-            if n >= settle:
-                points.append(np.concatenate([u, v]))
-            # The loads are those of a whole number of periods earlier.
-            motion = self.march(self.period, u, v)
-            u, v = motion.u, motion.v
-        for n in range(1, most + 1):
-            if self._size(points[n] - points[0]) <= _REPEATS * self._size(points[0]):
-                return n
-        return 0
-
-    def linearised(self, y: Array, periods: int = 1) -> tuple[BarMotion, Array]:
-        """A march over some periods from (u, v), and the derivative of its end by its start, by differences.
-
-        Parameters
-        ----------
-        y : Array
-            (u, v) at the start, shape ``(2 n,)``.
-        periods : int
-            Excitation periods.
-
-        Returns
-        -------
-        BarMotion, Array of shape (2 n, 2 n)
-            The march, and the derivative.
-        """
-        scale = np.repeat([1.0, 2 * math.pi / self.period], y.size // 2) * self._size(y) * _DIFFERENCE
-
-        def end(start: Array) -> Array:
-            return self.march(periods * self.period, *np.split(start, 2)).y
-
-        columns = [(end(y + e) - end(y - e)) / (2 * e.sum()) for e in np.diag(scale)]
-        return self.march(periods * self.period, *np.split(y, 2)), np.stack(columns, axis=1)
-
     def moment(self, x: float, t: float, flow: Flow) -> float:
         """Bending moment EI z'' at x and t, N m, by the balance of all that acts on the part beyond x.
 
@@ -457,10 +378,6 @@ class RigidBar:
                 total -= support.get("torsional", 0.0) * float(self.slope @ u)
         return total
 
-    def _size(self, y: Array) -> float:
-        u, v = np.split(y, 2)
-        return float(np.linalg.norm(u) + np.linalg.norm(v) * self.period / (2 * math.pi))
-
 
 @dataclass(frozen=True, eq=False)
 class BarMotion:
@@ -477,14 +394,6 @@ class BarMotion:
     def y(self) -> Array:
         """(u, v) at the end."""
         return np.concatenate([self.u, self.v])
-
-    @cached_property
-    def multipliers(self) -> Array:
-        """Floquet multipliers over the whole motion, largest modulus first, complex."""
-        first = self.flows[0]
-        y = np.concatenate([first.motion(np.array([0.0]), d)[:, 0] for d in (0, 1)])
-        found = np.linalg.eigvals(self.bar.linearised(y, round(self.flows[-1].end / self.bar.period))[1])
-        return np.asarray(found[np.argsort(-np.abs(found))])
 
     def evaluate(self, x: float, t: Array, derivative: int = 0) -> Array:
         """z(x, t), m, or a derivative by time, at times of shape ``(m,)``.
@@ -519,14 +428,6 @@ class BarMotion:
     def closings(self) -> int:
         """How often a stop closes."""
         return sum(bool(flow.closed - before.closed) for before, flow in pairwise(self.flows))
-
-    @property
-    def mirrors_itself(self) -> bool:
-        """Whether z(t + T / 2) = -z(t), for a motion over its period T."""
-        half = self.flows[-1].end / 2
-        t = np.linspace(0.0, half, 40)[1:-1]
-        one, other = (np.array([self.evaluate(x, s) for x in (0.0, self.bar.length)]) for s in (t, t + half))
-        return bool(np.abs(one + other).max() < _REPEATS * np.abs(one).max())
 
     def impulses(self) -> Array:
         """Impulse of each stop, N s, shape ``(stops,)``."""

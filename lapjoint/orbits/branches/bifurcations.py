@@ -28,6 +28,11 @@ _LOCATED = 1e-9
 """Change of the number over its scale, and of the motion over its size, at which a bifurcation is located."""
 
 
+_VANISHES = 1e-4
+"""Value of a test function up to which it vanishes: a pair of multipliers that turns real, outside the circle or on the
+other side of -1, changes what is counted, too, but is no bifurcation."""
+
+
 @dataclass(frozen=True)
 class Located:
     """A bifurcation of a smooth part of a curve."""
@@ -56,7 +61,7 @@ def between(family: Family, first: Place, last: Place) -> Iterator[Located]:
     for kind, (count, distance) in tests_of(first).items():
         if count(first) != count(last):
             found = located(family, first, last, count, distance)
-            if found is not None:
+            if found is not None and abs(distance(found)) <= _VANISHES:
                 yield Located(kind, found)
 
 

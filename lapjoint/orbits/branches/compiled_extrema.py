@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from lapjoint.compiling import njit_called
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
 
@@ -18,7 +18,7 @@ _EXACT = 1e-13
 """Width of an interval over the length of its segment at which its extremum is found: the value there is exact."""
 
 
-@njit(cache=True)
+@njit_called()
 def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray, FloatArray, FloatArray, np.ndarray]:
     """Extrema of gap functions.
 
@@ -71,7 +71,7 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
     return np.array(stop)[1:], np.array(time)[1:], np.array(value)[1:], np.array(maximum)[1:]
 
 
-@njit(cache=True)
+@njit_called()
 def _stationary(motion: Motion, s: int, u: int, a: float, b: float) -> float:
     """Where the rate at a place vanishes between two times at which its signs differ, s."""
     fa, fb = _derivative(motion, s, u, a, 1), _derivative(motion, s, u, b, 1)
@@ -95,7 +95,7 @@ def _stationary(motion: Motion, s: int, u: int, a: float, b: float) -> float:
     return 0.5 * (a + b)
 
 
-@njit(cache=True)
+@njit_called()
 def _derivative(motion: Motion, s: int, u: int, tau: float, order: int) -> float:
     """z at a place, `tau` after the start of a segment, m, or its rate, m/s."""
     one, two, three = motion.polynomial[s, u, 0], motion.polynomial[s, u, 1], motion.polynomial[s, u, 2]

@@ -31,7 +31,7 @@ _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
 _JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
 """Widths, over the scale of the number, of parts that are left out where a curve cannot be followed."""
-_FEW = 8
+_FEW = 40
 """Number of places after such a part within which another one is due to the same cause."""
 _JUMP_FAR = 0.05
 """Largest distance, over the size of the motion, of the motions on both sides of such a part."""
@@ -75,6 +75,8 @@ class Jump:
     """The number after it."""
     index: int
     """Number of places of the run before it."""
+    width: int = 0
+    """Which of the widths was left out that are tried in turn."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +163,8 @@ class _Follower:
             self._end = "boundary"
         elif _comes_to_shorter(self._here, new):
             self._end = "bifurcation"
+        elif self._turned_back(new):
+            self._leave_out_more()
         else:
             self._places.append(new)
             self._step = min(self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, 2.0)), _LONGEST)
@@ -187,15 +191,38 @@ class _Follower:
         if passed is not None and passed[1] is not None:
             self._pass(*passed)
             return
-        lately = sum(len(self._places) - jump.index < _FEW for jump in self._jumps)
-        jumped = _jumped(self._family, self._here, lately)
-        if jumped is not None:
-            self._jumps.append(Jump(self._here.value, jumped.value, len(self._places)))
-            self._places.append(jumped)
-            self._step = _AFRESH
-        elif passed is not None:
+        lately = [jump.width for jump in self._jumps if len(self._places) - jump.index < _FEW]
+        if self._jump(max(lately, default=-1) + 1):
+            return
+        if passed is not None:
             self._pass(*passed)
         else:
+            self._end = "lost"
+
+    def _jump(self, width: int) -> bool:
+        """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it."""
+        found = _jumped(self._family, self._here, width)
+        if found is None:
+            return False
+        beyond, width = found
+        self._jumps.append(Jump(self._here.value, beyond.value, len(self._places), width))
+        self._places.append(beyond)
+        self._step = _AFRESH
+        return True
+
+    def _turned_back(self, new: Place) -> bool:
+        """Whether the curve comes back, soon after a part that was left out, to where that begins: it folds there."""
+        if not self._jumps or len(self._places) - self._jumps[-1].index >= _FEW:
+            return False
+        last = self._jumps[-1]
+        return (new.value - last.last) * (last.last - last.first) < 0
+
+    def _leave_out_more(self) -> None:
+        """Leave out a wider part instead of the last one."""
+        last = self._jumps.pop()
+        del self._places[last.index :]
+        self._grazes = [graze for graze in self._grazes if graze.index < last.index]
+        if not self._jump(last.width + 1):
             self._end = "lost"
 
 
@@ -251,14 +278,14 @@ def _across(family: Family, here: Place, extremum: Extremum, index: int) -> tupl
     return Graze(extremum.stop, value, kind, graze, index), beyond.place.along(chord)
 
 
-def _jumped(family: Family, here: Place, lately: int) -> Place | None:
+def _jumped(family: Family, here: Place, least: int) -> tuple[Place, int] | None:
     """The motion some way on that is much like this one, where the curve between them cannot be followed.
 
-    If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it.  Where
-    there have been such parts `lately`, wider ones are left out.
+    If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it.  The widths
+    that are left out are tried in turn, from the one with number `least`; the number goes with the motion.
     """
     sign = math.copysign(1.0, here.tangent[-1])
-    for share in _JUMPS[lately:]:
+    for width, share in list(enumerate(_JUMPS))[least:]:
         value = here.value + sign * share * family.scale(here.value)
         if not family.low <= value <= family.high:
             return None
@@ -273,7 +300,7 @@ def _jumped(family: Family, here: Place, lately: int) -> Place | None:
                 continue
             chord = found.chord(family, here)
             if float(np.linalg.norm(chord)) <= _JUMP_FAR and found.orbit.stable == here.orbit.stable:
-                return found.along(np.append(np.zeros(chord.size - 1), sign))
+                return found.along(np.append(np.zeros(chord.size - 1), sign)), width
     return None
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lapjoint.answers.branch import Bifurcation, Branch, BranchPoint
+from lapjoint.answers.branches import Bifurcation, Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint, impulses_per_period
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import Located, between

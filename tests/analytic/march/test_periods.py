@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.march import Coordinates, Joint, march, march_linearised, march_periods, measure_growth
-from analytic.march.growth import size_of
+from analytic.march.carried import size_of
 from analytic.march.initial_state import started
 from lapjoint import Problem, StepLoad, ViscousDamping, paper_joint
 from lapjoint.errors import SolverError
@@ -61,11 +61,11 @@ def test_a_deviation_grows_at_once_as_one_by_one(name: str) -> None:
     begin = started(joint)
     deviation = np.random.default_rng(5).standard_normal(18)
     now, sizes, penetration = begin, np.zeros(count), np.zeros(4)
-    along: FloatArray = (deviation / size_of(deviation, period)).reshape(-1, 1)
+    along: FloatArray = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
     for i in range(count):
         motion = march(joint, now, 0.0, period)
         _, along = march_linearised(joint, now, period, along)
-        sizes[i] = size_of(along[:, 0], period)
+        sizes[i] = size_of(along, period)
         along = along / sizes[i]
         now = motion.end
         penetration += motion.penetration

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from lapjoint.compiling import MESSAGE
+
 START = (sys.executable, "-c", "import sys; from lapjoint.cli.start import main; main()")
 SIMULATE = ("simulate", "preset:sdnl104", "--duration", "0.002", "--modes", "3")
 INTERRUPT_IN = """
@@ -71,6 +73,12 @@ arguments.problem_from = interrupted
 }
 
 
+def messages(said: str) -> list[str]:
+    """What a command said on standard error but for its progress."""
+    progress = ("simulate: ", "export: ", f"lapjoint: {MESSAGE}")
+    return [line for line in said.splitlines() if line and not line.startswith(progress)]
+
+
 def environment(cache: Path) -> dict[str, str]:
     """An environment in which everything is compiled anew."""
     return {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
@@ -81,8 +89,7 @@ def test_ctrl_c_is_not_lost(way: str) -> None:
     script = INTERRUPT_IN.format(way=WAYS[way])
     command = [sys.executable, "-c", script, *SIMULATE]
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, preexec_fn=listening)
-    lines = [line for line in done.stderr.splitlines() if line and not line.startswith("simulate: ")]
-    assert (done.returncode, lines) == (130, ["lapjoint: interrupted"])
+    assert (done.returncode, messages(done.stderr)) == (130, ["lapjoint: interrupted"])
 
 
 def listening() -> None:
@@ -103,7 +110,7 @@ def interrupted_after(seconds: float, cache: Path) -> tuple[int, list[str]]:
     time.sleep(seconds)
     command.send_signal(signal.SIGINT)
     said = command.communicate(timeout=100)[1]
-    return command.returncode, [line for line in said.splitlines() if line and not line.startswith("simulate: ")]
+    return command.returncode, messages(said)
 
 
 @pytest.mark.parametrize("seconds", [0.8, 2.4])
@@ -135,13 +142,13 @@ WRITERS: list[tuple[str, tuple[str, ...]]] = [
 
 @pytest.mark.parametrize(("name", "command"), WRITERS, ids=[" ".join(row[1][:1]) + " " + row[0] for row in WRITERS])
 def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(
-    name: str, command: tuple[str, ...], tmp_path: Path
+    name: str, command: tuple[str, ...], tmp_path: Path, compiled: None
 ) -> None:
     (tmp_path / name).write_text("before")
     done = subprocess.run(
         [*START, *command], cwd=tmp_path, capture_output=True, text=True, timeout=100, preexec_fn=lambda: limited(10)
     )
-    lines = [line for line in done.stderr.splitlines() if not line.startswith(("simulate: ", "export: "))]
+    lines = messages(done.stderr)
     assert done.returncode == 3, done.stderr
     assert len(lines) == 1
     assert "cannot be written" in lines[0]

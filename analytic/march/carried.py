@@ -1,0 +1,142 @@
+"""The compiled march over whole periods, for transients: alone, or with deviations that travel along."""
+
+from __future__ import annotations
+
+import math
+
+from analytic.march.compiled import (
+    DONE,
+    MISSING_SWITCH,
+    PENDING,
+    PERIODS,
+    SLOT,
+    STUCK,
+    SWITCHES,
+    TOO_MANY,
+    Motion,
+    Work,
+    enter,
+    leave,
+)
+from analytic.march.segment import NO_SWITCH
+from analytic.march.tables import IntArray, Tables
+from analytic.march.tangent import flow, saltation
+from analytic.march.terms import put
+from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.problem import FloatArray
+
+
+@njit_called()
+def size_of(deviation: FloatArray, period: float) -> float:
+    """The size of a deviation, |dq| + |dv| period / 2 pi.
+
+    Parameters
+    ----------
+    deviation : FloatArray, shape (2 N, 1)
+        dq, kg^1/2 m, and dv, kg^1/2 m/s.
+    period : float
+        The period of the excitation, s.
+
+    Returns
+    -------
+    float
+        kg^1/2 m.
+    """
+    n = deviation.shape[0] // 2
+    q, v = 0.0, 0.0
+    for i in range(n):
+        q += deviation[i, 0] * deviation[i, 0]
+        v += deviation[n + i, 0] * deviation[n + i, 0]
+    return math.sqrt(q) + math.sqrt(v) * period / (2 * math.pi)
+
+
+@njit_called()
+def advance_periods(
+    tables: Tables,
+    motion: Motion,
+    work: Work,
+    period: float,
+    count: int,
+    penetration: FloatArray,
+    slots: IntArray,
+    sections: FloatArray,
+    now: FloatArray,
+    sizes: FloatArray,
+    most: int,
+) -> tuple[int, FloatArray]:
+    """March over `count` periods in all, each from the time 0 as a march of its own, and carry deviations along.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    motion : Motion
+        Where the march is, with its time counted from the start of the period; changed in place.
+    work : Work
+        Scratch arrays.
+    period : float
+        The period, s.
+    count : int
+        Number of periods.
+    penetration : ndarray, shape (rows, P)
+        Each stop's penetration over time in each period, m s; what does not fit is added to the last row.
+    slots : ndarray, shape (count,) or (0,)
+        Takes the state at the end of each period, if it has room at all.
+    sections : ndarray, shape (count, 2, N) or (0, 2, N)
+        Takes q, kg^1/2 m, and v, kg^1/2 m/s, there.
+    now : FloatArray, shape (2 N, m)
+        Deviations (dq, dv) at the time of `motion`, before a pending switch, kg^1/2 m and kg^1/2 m/s, as columns, if
+        there are any; changed in place.
+    sizes : FloatArray, shape (count,) or (0,)
+        If it has room, it takes the size of the one deviation at the end of each period, kg^1/2 m, after which that is
+        scaled to 1.
+    most : int
+        Most switches in all.
+
+    Returns
+    -------
+    status : int
+        Why it came back; see `analytic.march.compiled.DONE`.
+    now : FloatArray, shape (2 N, m)
+        The deviations then, of the ``N`` modes of the state then.
+    """
+    carried = now.shape[1] > 0
+    q_old, v_old = motion.q.copy(), motion.v.copy()
+    while motion.counts[PERIODS] < count:
+        slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
+        if carried:
+            put(q_old, motion.q)
+            put(v_old, motion.v)
+        if not enter(tables, None, None, motion, work):
+            return MISSING_SWITCH, now
+        if carried and stop >= 0:
+            now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
+        if not leave(tables, None, None, motion, work, period, 0.0, False):
+            return STUCK, now
+        if carried:
+            flow(tables, motion.counts[SLOT], motion.time[0] - t, now)
+        if motion.counts[PENDING] == NO_SWITCH:
+            done = motion.counts[PERIODS]
+            if slots.size > 0:
+                slots[done] = motion.counts[SLOT]
+                put(sections[done, 0], motion.q)
+                put(sections[done, 1], motion.v)
+            if sizes.size > 0:
+                sizes[done] = size_of(now, period)
+                for i in range(now.shape[0]):
+                    now[i, 0] /= sizes[done]
+            _next_period(motion, penetration[min(done, penetration.shape[0] - 1)])
+        elif motion.counts[SWITCHES] > most:
+            return TOO_MANY, now
+    return DONE, now
+
+
+@njit_inner()
+def _next_period(motion: Motion, penetration: FloatArray) -> None:
+    """Begin a period at the time 0; the penetrations over time of the ended one, m s, are added to ``(P,)``."""
+    for k in range(motion.total.size):
+        penetration[k] += motion.total[k]
+        motion.total[k] = 0.0
+        motion.last_switch[k] = 0.0
+    motion.time[0] = 0.0
+    motion.counts[PERIODS] += 1

@@ -1,0 +1,226 @@
+"""The dataset of branches, in memory and as NetCDF.
+
+Points lie along the dimension ``point``, branch after branch, each in the sequence of its curve; bifurcations along the
+dimension ``bifurcation`` in the same way.  docs/branches.md lists the variables.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+
+from lapjoint.answers.branches import BifurcationKind
+from lapjoint.answers.steady_state import Outcome
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.dataset import read_result
+from lapjoint.campaigns.format_version import FORMAT_VERSION
+from lapjoint.campaigns.point import OUTCOME_CODES, Point
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+KINDS = get_args(BifurcationKind)
+"""Names of bifurcations, in the sequence of their codes from 0."""
+Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
+"""Dimensions, values and attributes, as xarray takes them."""
+
+
+def branch_dataset(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> xr.Dataset:
+    """The dataset of branches.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        What was looked for.
+    branches : sequence of dict
+        The branches, as `lapjoint.campaigns.branch_parts.solve_branch` gives them.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset.
+    """
+    import xarray as xr
+
+    stops = plan.problem.stops
+    names = np.array(plan.problem.stop_names, dtype=object)
+    coordinates: dict[str, Variable] = {"stop_name": (("stop",), names, {"long_name": "name of the stop"})}
+    signs = np.array([stop.sign for stop in stops], dtype="i1")
+    meanings = {"flag_values": np.array([-1, 1], dtype="i1"), "flag_meanings": "bottom top"}
+    variables: dict[str, Variable] = {
+        "stop_side": (("stop",), signs, {"long_name": "side of the stop", **meanings}),
+        **_points(plan, branches),
+        **_bifurcations(plan, branches),
+        **_branches(branches),
+    }
+    return xr.Dataset(variables, coords=coordinates, attrs=_attributes(plan))
+
+
+def read_branches(path: str | Path) -> xr.Dataset:
+    """Read a dataset of branches from a NetCDF file into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it holds no branches, it is damaged, or an older or newer version of lapjoint wrote
+        it in another format.
+    """
+    return read_result(path, BranchPlan.noun)
+
+
+def _points(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
+    rows = [Point(**one) for branch in branches for one in branch["points"]]
+    axis, stops = plan.axis, len(plan.problem.stops)
+    values = np.array([value for branch in branches for value in branch["values"]])
+    sentences = [outcome.value for outcome in Outcome]
+    outcome = {
+        "flag_values": np.array(list(OUTCOME_CODES.values()), dtype="i1"),
+        "flag_meanings": " ".join(OUTCOME_CODES).lower(),
+        "comment": " ".join(sentences),
+    }
+    yes_no = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
+
+    def peaks(row: Point) -> list[float]:
+        return [max((c[4] for c in row.contacts if c[0] == k), default=0.0) for k in range(stops)]
+
+    def scalar(name: str, kind: str, units: str, text: str) -> Variable:
+        column = np.array([getattr(row, name) for row in rows], dtype=kind)
+        return ("point",), column, {"units": units, "long_name": text}
+
+    leading = "the Floquet multiplier of largest modulus; of a conjugate pair, the one with positive imaginary part"
+    stable = [abs(complex(row.multiplier_real, row.multiplier_imag)) < 1 for row in rows]
+    text = "impulse of the stop over one excitation period; positive at the top, negative at the bottom"
+    return {
+        axis.name: (("point",), values, {"units": axis.units, "long_name": axis.path, "path": axis.path}),
+        "branch": (
+            ("point",),
+            np.repeat(np.arange(len(branches), dtype="i4"), [len(branch["points"]) for branch in branches]),
+            {"units": "1", "long_name": "number of the branch, from 0; the points of each lie in sequence along it"},
+        ),
+        "impulse": (("point", "stop"), _table([row.impulses for row in rows], stops), _with_units("N s", text)),
+        "peak_force": (
+            ("point", "stop"),
+            _table([peaks(row) for row in rows], stops),
+            _with_units("N", "largest force of the stop"),
+        ),
+        "outcome": (
+            ("point",),
+            np.array([OUTCOME_CODES[row.outcome] for row in rows], dtype="i1"),
+            {"long_name": "what the motion is", **outcome},
+        ),
+        "stable": (
+            ("point",),
+            np.array(stable, dtype="i1"),
+            {"long_name": "whether all Floquet multipliers lie within the unit circle", **yes_no},
+        ),
+        "symmetric": (
+            ("point",),
+            np.array([row.symmetric for row in rows], dtype="i1"),
+            {"long_name": "whether half the motion's period mirrors it", **yes_no},
+        ),
+        "period_multiple": scalar("period_multiple", "i4", "1", "excitation periods after which the motion repeats"),
+        "residual": scalar("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
+        "multiplier_real": scalar("multiplier_real", "f8", "1", f"real part of {leading}"),
+        "multiplier_imag": scalar("multiplier_imag", "f8", "1", f"imaginary part of {leading}"),
+        "contact_count": (
+            ("point",),
+            np.array([len(row.contacts) for row in rows], dtype="i4"),
+            _with_units("1", "number of contacts in a period of the motion"),
+        ),
+    }
+
+
+def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
+    rows = [one for branch in branches for one in branch["bifurcations"]]
+    owner = [i for i, branch in enumerate(branches) for _ in branch["bifurcations"]]
+    starts = np.cumsum([0, *(len(branch["points"]) for branch in branches)])
+    stops = len(plan.problem.stops)
+    kinds = {
+        "flag_values": np.arange(len(KINDS), dtype="i1"),
+        "flag_meanings": " ".join(kind.replace(" ", "_") for kind in KINDS),
+    }
+
+    def column(name: str, kind: Any, text: str, **attributes: Any) -> Variable:
+        return ("bifurcation",), np.array([row[name] for row in rows], dtype=kind), {"long_name": text, **attributes}
+
+    error = "estimate of the numerical error of bifurcation_value; infinite where none can be stated"
+    return {
+        "bifurcation_kind": (
+            ("bifurcation",),
+            np.array([KINDS.index(row["kind"]) for row in rows], dtype="i1"),
+            {"long_name": "what the bifurcation is", **kinds},
+        ),
+        "bifurcation_value": column("value", "f8", f"{plan.axis.path} at the bifurcation", units=plan.axis.units),
+        "bifurcation_error": column("error", "f8", error, units=plan.axis.units),
+        "bifurcation_branch": (
+            ("bifurcation",),
+            np.array(owner, dtype="i4"),
+            {"units": "1", "long_name": "number of its branch"},
+        ),
+        "bifurcation_point": (
+            ("bifurcation",),
+            np.array([starts[i] + row["index"] for i, row in zip(owner, rows, strict=True)], dtype="i4"),
+            {"units": "1", "long_name": "index of the point that follows it, or lies at it"},
+        ),
+        "bifurcation_stop": column("stop", "i4", "stop that is grazed, from 0; -1 where none is", units="1"),
+        "bifurcation_after": column("after", object, "what the branch does at a graze: persists, folds or ends"),
+        "bifurcation_impulse": (
+            ("bifurcation", "stop"),
+            _table([row["impulses"] or (np.nan,) * stops for row in rows], stops),
+            _with_units("N s", "impulse of the stop over one excitation period"),
+        ),
+    }
+
+
+def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
+    return {
+        f"branch_{which}_end": (
+            ("branch_number",),
+            np.array([branch["ends"][i] for branch in branches], dtype=object),
+            {"long_name": f"why the branch ends at its {which} point"},
+        )
+        for i, which in enumerate(("first", "last"))
+    }
+
+
+def _table(rows: Sequence[Sequence[float]], width: int) -> Any:
+    return np.array([tuple(row) for row in rows], dtype=float).reshape(len(rows), width)
+
+
+def _with_units(units: str, text: str) -> dict[str, Any]:
+    return {"units": units, "long_name": text}
+
+
+def _attributes(plan: BranchPlan) -> dict[str, Any]:
+    identity = plan.identity
+    return {
+        "Conventions": "CF-1.11",
+        "format_version": FORMAT_VERSION,
+        "result_of": plan.noun,
+        "title": f"Branches of: {plan.problem.title or 'a joint'}",
+        "problem": identity["problem"],
+        "path": identity["path"],
+        "range": identity["range"],
+        "solver": plan.solver,
+        "options": json.dumps(identity["options"]),
+        "max_period_multiple": plan.max_period_multiple,
+        "starts": plan.starts,
+        "seed": plan.seed,
+        "errors": int(plan.errors),
+        **{f"version_{name}": number for name, number in identity["versions"].items()},
+        "fingerprint": plan.fingerprint,
+    }

@@ -1,0 +1,187 @@
+"""The parts of a search for branches, each solved by one process: a start, or a branch from a motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+from lapjoint.answers.branches import Branch
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.point import plain_section, point_of, section_from
+from lapjoint.campaigns.random_start import random_initial
+from lapjoint.errors import SolverError
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.seeds import on_branch, seed_from
+from lapjoint.orbits.branches.tracing import Seed, trace
+from lapjoint.solver import Solver
+
+
+def family_of(plan: BranchPlan) -> Family:
+    """The period maps of a plan.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+
+    Returns
+    -------
+    Family
+        Made once in each process.
+
+    Raises
+    ------
+    InputError
+        If the solver has no period map, or there is no valid problem at an end of the range.
+    """
+    return _family(_Known(plan))
+
+
+class _Known:
+    """A plan as a key: two plans with the same fingerprint are one."""
+
+    def __init__(self, plan: BranchPlan) -> None:
+        self.plan = plan
+
+    def __hash__(self) -> int:
+        return hash(self.plan.fingerprint)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Known) and other.plan.fingerprint == self.plan.fingerprint
+
+
+@lru_cache(maxsize=2)
+def _family(key: _Known) -> Family:
+    plan = key.plan
+    return Family(plan.check(), plan.problem_at, plan.path, *plan.axis.values)
+
+
+@in_one_thread
+def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
+    """The motion that a start leads to.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    number : int
+        Number of the start.
+
+    Returns
+    -------
+    dict of str to Any
+        ``seeds``, none or one, as `plain_seed` gives it.
+    """
+    family, value = family_of(plan), plan.value_of(number)
+    problem, solver = plan.problem_at(value), family.solver
+    if number >= 2:
+        assert isinstance(solver, Solver)
+        problem = problem.replace(initial=random_initial(problem, solver, (plan.seed, number)))
+    seed = seed_from(family, value, solver.period_map(problem).initial(), plan.max_period_multiple)
+    return {"seeds": [] if seed is None else [plain_seed(seed)]}
+
+
+@in_one_thread
+def solve_branch(plan: BranchPlan, plain: Mapping[str, Any]) -> dict[str, Any]:
+    """The branch of a motion.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    plain : mapping
+        The motion, as `plain_seed` gives it.
+
+    Returns
+    -------
+    dict of str to Any
+        ``seeds`` of the branches that spring from it; ``count``, half periods; ``values``, ``points`` and ``sections``
+        of its motions; ``bifurcations``; and ``ends``.  Without points if there is none; then ``message`` says why.
+    """
+    try:
+        found = trace(family_of(plan), seed_of(plain), most_multiple=plan.max_period_multiple, errors=plan.errors)
+    except SolverError as error:
+        return {"seeds": [], "points": [], "message": str(error)}
+    if found is None:
+        return {"seeds": [], "points": [], "message": "Newton's method does not find the motion again"}
+    return {"seeds": [plain_seed(seed) for seed in found.seeds], "count": plain["count"], **_plain(found.branch)}
+
+
+def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, Any]) -> bool:
+    """Whether a motion lies on a branch.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    plain : mapping
+        The motion, as `plain_seed` gives it.
+    branch : mapping
+        The branch, as `solve_branch` gives it.
+
+    Returns
+    -------
+    bool
+        Whether it does, or its mirror image does.
+    """
+    if not branch["points"]:
+        return False
+    points = [section_from(section) for section in branch["sections"]]
+    return on_branch(family_of(plan), seed_of(plain), branch["values"], points, branch["count"])
+
+
+def plain_seed(seed: Seed) -> dict[str, Any]:
+    """A motion from which a branch is followed, as values that JSON can hold.
+
+    Parameters
+    ----------
+    seed : Seed
+        The motion.
+
+    Returns
+    -------
+    dict of str to Any
+        The values.
+    """
+    plain: dict[str, Any] = {"value": float(seed.value), "section": plain_section(seed.point), "count": seed.count}
+    if seed.away_from is not None:
+        plain["away"] = [float(seed.away_from[0]), plain_section(seed.away_from[1])]
+    return plain
+
+
+def seed_of(plain: Mapping[str, Any]) -> Seed:
+    """The motion that `plain_seed` made values of.
+
+    Parameters
+    ----------
+    plain : mapping
+        The values.
+
+    Returns
+    -------
+    Seed
+        The motion, with the same bits.
+    """
+    away = plain.get("away")
+    away_from = None if away is None else (away[0], section_from(away[1]))
+    return Seed(plain["value"], section_from(plain["section"]), plain["count"], away_from)
+
+
+def _plain(branch: Branch) -> dict[str, Any]:
+    return {
+        "values": [float(point.value) for point in branch.points],
+        "points": [vars(point_of(point.motion)) for point in branch.points],
+        "sections": [plain_section(point.motion.section_point) for point in branch.points],
+        "bifurcations": [
+            {
+                **vars(one),
+                "value": float(one.value),
+                "error": float(one.error) if math.isfinite(one.error) else math.inf,
+            }
+            for one in branch.bifurcations
+        ],
+        "ends": list(branch.ends),
+    }

@@ -1,0 +1,170 @@
+"""The plan of a search for branches: the problem, the number that changes, the solver, and the starts."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from hashlib import sha256
+from typing import Any, ClassVar
+
+import numpy as np
+
+from lapjoint.campaigns.grid import Axis, Grid
+from lapjoint.campaigns.plan import MOST_STARTS, check_integer, versions
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.problem.files import to_toml
+from lapjoint.solver import Solver, make_solver
+
+MOST_MULTIPLE = 64
+"""Largest period multiple of branches."""
+
+
+@dataclass(frozen=True)
+class BranchPlan:
+    """Everything that branches depend on.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem that has all that the number does not change.
+    path : str
+        Path of the number, as `lapjoint.Axis` takes it.
+    first, last : float
+        The range of the number, in its SI unit, in either direction.
+    solver : str
+        Entry-point name of the solver.
+    options : mapping
+        Numerical options of the solver.
+    max_period_multiple : int
+        Largest period multiple of branches.
+    starts : int
+        Number of random starts; the problem's own initial state at both ends of the range is one always.
+    seed : int
+        Seed of the random starts.
+    errors : bool
+        Whether to estimate the errors of the bifurcations.
+
+    Raises
+    ------
+    InputError
+        If a parameter is not allowed.
+    """
+
+    noun: ClassVar[str] = "search for branches"
+    """What it is called in messages."""
+    cells_noun: ClassVar[str] = "parts"
+    problem: Problem
+    path: str
+    first: float
+    last: float
+    solver: str = "analytic"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    max_period_multiple: int = 1
+    starts: int = 0
+    seed: int = 0
+    errors: bool = True
+
+    def __post_init__(self) -> None:
+        check_integer("max_period_multiple", self.max_period_multiple, 1, MOST_MULTIPLE)
+        check_integer("starts", self.starts, 0, MOST_STARTS)
+        check_integer("seed", self.seed, 0, 2**63 - 1)
+        for name, value in (("from", self.first), ("to", self.last)):
+            if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+                raise InputError(f"{name} = {value!r}: must be a finite number")
+        if self.first == self.last:
+            raise InputError(f"to = {self.last:g}: must differ from {self.first:g}, where the range begins")
+
+    @cached_property
+    def axis(self) -> Axis:
+        """The number, and the ends of its range, ascending."""
+        return Axis(self.path, tuple(sorted((float(self.first), float(self.last)))))
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The problems at the ends of the range, and between them."""
+        return Grid(self.problem, (self.axis,))
+
+    @property
+    def size(self) -> int:
+        """Number of starts, those from the ends of the range included."""
+        return self.starts + 2
+
+    def problem_at(self, value: float) -> Problem:
+        """The problem with a value of the number.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        Problem
+            The problem.
+        """
+        return self.grid.with_values((value,))
+
+    def value_of(self, start: int) -> float:
+        """The value of the number at a start: the ends of the range first, then random ones, evenly spread.
+
+        Parameters
+        ----------
+        start : int
+            Number of the start.
+
+        Returns
+        -------
+        float
+            In the SI unit of the number.
+        """
+        if start < 2:
+            return float((self.first, self.last)[start])
+        low, high = self.axis.values
+        return float(np.random.default_rng((self.seed, start)).uniform(low, high))
+
+    def check(self) -> Solver:
+        """Check everything that can be checked before any work, and make the solver.
+
+        Returns
+        -------
+        Solver
+            The solver, with its options.
+
+        Raises
+        ------
+        InputError
+            If the solver does not take its options, or there is no valid problem at an end of the range.
+        """
+        solver = make_solver(self.solver, **self.options)
+        self.grid.check()
+        return solver
+
+    @cached_property
+    def identity(self) -> dict[str, Any]:
+        """What distinguishes this from any other search, as values that JSON can hold; floats are written exactly."""
+        return {
+            "content": "branches",
+            "problem": to_toml(self.problem, samples=False),
+            **{f"samples of {path}": record.digest for path, record in self.problem.records.items()},
+            "path": self.axis.path,
+            "range": [float(self.first), float(self.last)],
+            "solver": self.solver,
+            "options": dict(self.options),
+            "max_period_multiple": self.max_period_multiple,
+            "starts": self.starts,
+            "seed": self.seed,
+            "errors": self.errors,
+            "versions": versions(),
+        }
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A digest of the identity, in hexadecimal digits."""
+        try:
+            text = json.dumps(self.identity)
+        except TypeError as error:
+            raise InputError(f"options = {dict(self.options)!r}: cannot be written to a file: {error}") from None
+        return sha256(text.encode()).hexdigest()

@@ -1,0 +1,276 @@
+"""Runs a search for branches: starts first, then the branches of the motions that they lead to, and so on.
+
+Branches are followed in rounds of a few.  After each round, motions that lie on a branch that is known are left out;
+so neither the number of workers nor an interruption changes what is found, or in what sequence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import as_completed
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lapjoint.campaigns.branch_journal import BranchJournal
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.workers import check_workers
+from lapjoint.errors import InputError, Interrupted, OutputError, SolverError
+from lapjoint.problem import Problem
+from lapjoint.processes import interrupts_held, process_pool
+from lapjoint.solver import Progress
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_ROUND = 4
+"""Number of branches that are followed before those that came out the same are told apart."""
+Part = tuple[str, Callable[[BranchPlan, Any], dict[str, Any]], Any]
+"""A part of the work: its name, the function that does it, and what it takes besides the plan."""
+
+
+def branch(
+    problem: Problem,
+    path: str,
+    first: float,
+    last: float,
+    *,
+    solver: str = "analytic",
+    options: Mapping[str, Any] | None = None,
+    max_period_multiple: int = 1,
+    starts: int = 0,
+    seed: int = 0,
+    errors: bool = True,
+    workers: int = 1,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Follow the periodic motions of a problem, stable or not, while one of its numbers changes.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem that has all that the number does not change.
+    path : str
+        Path of the number, as `Axis` takes it: ``stops.*.gap``, or `FREQUENCY`, which sets the frequency of all
+        periodic excitation.
+    first, last : float
+        The range of the number, in its SI unit.
+    solver : str
+        Entry-point name of the solver; it must give its period map.
+    options : mapping, optional
+        Numerical options of the solver.
+    max_period_multiple : int
+        Largest period multiple: branches that spring from flips are followed up to it.
+    starts : int
+        Number of random starts besides the problem's own initial state at both ends of the range: they find branches
+        that do not spring from those.
+    seed : int
+        Seed of the random starts.
+    errors : bool
+        Whether to estimate the errors of the bifurcations, by finer selves of the solver.
+    workers : int
+        Number of processes, -1 for all processors.
+    out : str or Path, optional
+        File of the dataset, as NetCDF.  Until the search is finished, a journal beside it keeps the branches that are
+        done, and the same call resumes.
+    force : bool
+        Whether something else in `out` may be thrown away.
+    progress : callable, optional
+        Called with the number of parts of the work done, and the number known of.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset; docs/branches.md lists its variables.
+
+    Raises
+    ------
+    InputError
+        If a parameter is not valid, `out` holds something else, or another process works on it.
+    OutputError
+        If the disk is full.
+    Interrupted
+        After Ctrl-C.
+    """
+    plan = BranchPlan(
+        problem, path, first, last, solver, dict(options or {}), max_period_multiple, starts, seed, errors
+    )
+    found = None if out is None else stored_branches(plan, out, force=force)
+    if found is not None:
+        return found
+    return find_branches(plan, workers=workers, out=out, force=force, progress=progress)
+
+
+def stored_branches(plan: BranchPlan, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
+    """The finished dataset of a plan, if its file is there.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    out : str or Path
+        File of the dataset.
+    force : bool
+        Whether the file may be something else, to be thrown away.
+
+    Returns
+    -------
+    xarray.Dataset or None
+        The dataset; None if there is no such file, or it is something else that may be thrown away.
+
+    Raises
+    ------
+    InputError
+        If the file is something else, and may not be thrown away.
+    """
+    from lapjoint.campaigns.dataset import read_result
+
+    if not Path(out).exists():
+        return None
+    try:
+        found = read_result(out, plan.noun)
+    except InputError:
+        if force:
+            return None
+        raise
+    if found.attrs.get("fingerprint") == plan.fingerprint:
+        return found
+    if force:
+        return None
+    raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
+
+
+def find_branches(
+    plan: BranchPlan,
+    *,
+    workers: int = 1,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Run a plan, and replace what is in `out`.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    workers : int
+        Number of processes, -1 for all processors.
+    out : str or Path, optional
+        File of the dataset.
+    force : bool
+        Whether the journal of something else may be thrown away.
+    progress : callable, optional
+        Called with the number of parts of the work done, and the number known of.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset.
+
+    Raises
+    ------
+    InputError
+        If the plan is not valid, the journal belongs to something else, or another process works on it.
+    OutputError
+        If the disk is full; the message says what is kept.
+    SolverError
+        If the workers are lost; the message says what is kept.
+    Interrupted
+        After Ctrl-C; the message says what is kept.
+    """
+    from lapjoint.campaigns.branch_dataset import branch_dataset
+    from lapjoint.campaigns.dataset import write_curve
+
+    count = check_workers(workers)
+    if not isinstance(count, int):
+        raise InputError(f"workers = {workers!r}: must be a number of processes")
+    plan.check()
+    if out is None:
+        return branch_dataset(plan, _Search(plan, None, count, progress).run())
+    journal = BranchJournal(plan, out, force=force)
+    try:
+        dataset = branch_dataset(plan, _Search(plan, journal, count, progress).run())
+        write_curve(dataset, out)
+        journal.remove()
+    except (OutputError, SolverError) as error:
+        raise type(error)(f"{error}; {journal.kept()}") from None
+    except KeyboardInterrupt:
+        raise Interrupted(f"interrupted: {journal.kept()}") from None
+    finally:
+        journal.close()
+    return dataset
+
+
+class _Search:
+    """A search under way."""
+
+    def __init__(
+        self, plan: BranchPlan, journal: BranchJournal | None, workers: int, progress: Progress | None
+    ) -> None:
+        self._plan, self._journal, self._workers, self._progress = plan, journal, workers, progress
+        self._parts: dict[str, dict[str, Any]] = {} if journal is None else journal.parts
+        self._known_of = plan.size
+
+    def run(self) -> list[dict[str, Any]]:
+        """All branches, as `solve_branch` gives them, in the sequence in which they were accepted."""
+        from lapjoint.campaigns.branch_parts import solve_branch, solve_start
+
+        starts: list[Part] = [(f"start {i}", solve_start, i) for i in range(self._plan.size)]
+        waiting = [seed for found in self._done(starts) for seed in found["seeds"]]
+        branches: list[dict[str, Any]] = []
+        followed = 0
+        while waiting:
+            now: list[dict[str, Any]] = []
+            while waiting and len(now) < _ROUND:
+                seed = waiting.pop(0)
+                if not self._is_known(seed, branches):
+                    now.append(seed)
+            parts: list[Part] = [(f"branch {followed + i}", solve_branch, seed) for i, seed in enumerate(now)]
+            followed += len(now)
+            self._known_of += len(now)
+            for seed, found in zip(now, self._done(parts), strict=True):
+                if found["points"] and not self._is_known(seed, branches):
+                    branches.append(found)
+                    waiting += found["seeds"]
+        return branches
+
+    def _is_known(self, seed: Mapping[str, Any], branches: list[dict[str, Any]]) -> bool:
+        from lapjoint.campaigns.branch_parts import is_known
+
+        return any(is_known(self._plan, seed, one) for one in branches)
+
+    def _done(self, parts: list[Part]) -> list[dict[str, Any]]:
+        """The results of some parts, in their sequence; those that are missing are worked out."""
+        missing = [part for part in parts if part[0] not in self._parts]
+        self._say()
+        for name, result in self._worked_out(missing):
+            if self._journal is None:
+                self._parts[name] = result
+            else:
+                self._journal.keep(name, result)
+            self._say()
+        return [self._parts[name] for name, _, _ in parts]
+
+    def _worked_out(self, missing: list[Part]) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Results, in any sequence."""
+        if self._workers == 1 or len(missing) < 2:
+            for name, function, what in missing:
+                yield name, function(self._plan, what)
+            return
+        # The first makes numba compile the march and store the machine code, which the processes then load.
+        name, function, what = missing[0]
+        yield name, function(self._plan, what)
+        with process_pool(min(self._workers, len(missing) - 1)) as pool:
+            with interrupts_held():
+                futures = {
+                    pool.submit(partial(function, self._plan), what): name for name, function, what in missing[1:]
+                }
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+
+    def _say(self) -> None:
+        if self._progress is not None:
+            self._progress(len(self._parts), self._known_of)

@@ -1,0 +1,84 @@
+"""The command ``lapjoint branch``: periodic motions followed while a number of the problem changes."""
+
+from __future__ import annotations
+
+import click
+
+from lapjoint.cli.echo import echo
+from lapjoint.cli.options import problem_options, solver_options
+
+
+@click.command()
+@problem_options
+@solver_options
+@click.option(
+    "--over",
+    "path",
+    default="base_motion.angular_frequency",
+    show_default=True,
+    metavar="PATH",
+    help="The number of the problem that changes, as in stops.*.gap.",
+)
+@click.option("--from", "first", type=float, required=True, help="One end of its range, SI units.")
+@click.option("--to", "last", type=float, required=True, help="The other end.")
+@click.option("-o", "--out", required=True, metavar="FILE", help="Where it goes: .nc; resumed if not finished.")
+@click.option(
+    "--max-period-multiple",
+    type=int,
+    default=1,
+    show_default=True,
+    help="Follow branches up to this many excitation periods.",
+)
+@click.option("--starts", type=int, default=0, show_default=True, help="Random starts besides the initial state.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random starts.")
+@click.option(
+    "--errors/--no-errors",
+    default=True,
+    show_default=True,
+    help="Estimate the errors of the bifurcations, by finer selves of the solver.",
+)
+@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
+@click.option("--force", is_flag=True, help="Throw away something else that is in FILE.")
+def branch(
+    problem: str,
+    overrides: tuple[str, ...],
+    solver_name: str,
+    n_modes: int | None,
+    elements: int | None,
+    options: tuple[str, ...],
+    path: str,
+    first: float,
+    last: float,
+    out: str,
+    max_period_multiple: int,
+    starts: int,
+    seed: int,
+    errors: bool,
+    workers: int,
+    force: bool,
+) -> None:
+    """Follow the periodic motions of PROBLEM, stable or not, while one of its numbers changes.
+
+    Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located.  Interrupted in any way, the
+    same command resumes.
+    """
+    from lapjoint.campaigns.branch_plan import BranchPlan
+    from lapjoint.campaigns.branching import find_branches, stored_branches
+    from lapjoint.cli import arguments
+    from lapjoint.cli.branch_printing import print_branches
+    from lapjoint.cli.progress import shown_points
+
+    arguments.check_file("--out", out, ".nc")
+    this = arguments.problem_from(problem, overrides)
+    numerics = arguments.options_from(n_modes, elements, options)
+    plan = BranchPlan(this, path, first, last, solver_name, numerics, max_period_multiple, starts, seed, errors)
+    there = stored_branches(plan, out, force=force)
+    if there is None:
+        with shown_points("branch") as progress:
+            there = find_branches(plan, workers=workers, out=out, force=force, progress=progress)
+        echo(f"Wrote {out}")
+    else:
+        echo(f"{out}: holds these branches already, finished")
+    print_branches(there)
+    ends = [*there.branch_first_end.values, *there.branch_last_end.values]
+    click.get_current_context().exit(1 if not ends or "lost" in ends else 0)

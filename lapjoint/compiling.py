@@ -1,0 +1,98 @@
+"""Compiled functions: how they are compiled, where the machine code is kept, and how one gets to know.
+
+numba compiles a function when it is first called, and keeps the machine code in a file beside its source, or in the
+user's own cache where the package's folder may not be written to.  Where neither may be, each process compiles anew.
+
+numba writes two more functions for each, by which Python and C call it; for a function that takes tables of many
+arrays they take as long to compile as the function.  So what only other compiled functions call is `njit_inner`.
+
+`LOGGER` says when compiling begins; nobody listens but the command line.
+"""
+
+from __future__ import annotations
+
+import gc
+import logging
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from numba import njit
+from numba.core import event
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+LOGGER = logging.getLogger(__name__)
+MESSAGE = "compiling for this machine, once: this takes some seconds"
+"""What is said when compiling begins, once in a process."""
+_RARELY = 50_000
+"""Objects made until Python looks for cyclic garbage while numba compiles, seventy times as many as usual.  Nearly all
+of them live until the end, so that looking takes a ninth of the time, and finds nothing."""
+
+
+def njit_called(**options: Any) -> Callable[[F], F]:
+    """Compile a function that Python calls.
+
+    Parameters
+    ----------
+    **options : Any
+        Further options of `numba.njit`.
+
+    Returns
+    -------
+    callable
+        A decorator.
+    """
+
+    compiler: Any = njit
+
+    def compiled(function: F) -> F:
+        try:
+            made: F = compiler(cache=True, no_cfunc_wrapper=True, **options)(function)
+        except RuntimeError:  # no folder to keep the machine code in
+            made = compiler(no_cfunc_wrapper=True, **options)(function)
+        return made
+
+    return compiled
+
+
+def njit_inner(**options: Any) -> Callable[[F], F]:
+    """Compile a function that only compiled functions call: Python cannot.
+
+    Parameters
+    ----------
+    **options : Any
+        Further options of `numba.njit`.
+
+    Returns
+    -------
+    callable
+        A decorator.
+    """
+    return njit_called(no_cpython_wrapper=True, **options)
+
+
+class _Listener(event.Listener):
+    """Told by numba of everything that it compiles, while it holds its lock."""
+
+    def __init__(self) -> None:
+        self._depth, self._thresholds, self._said = 0, gc.get_threshold(), False
+
+    def on_start(self, event: Any) -> None:
+        """Another function is compiled, perhaps because one that is being compiled calls it."""
+        self._depth += 1
+        if self._depth == 1:
+            self._thresholds = gc.get_threshold()
+            if self._thresholds[0]:
+                gc.set_threshold(_RARELY, *self._thresholds[1:])
+        if not self._said:
+            self._said = True
+            LOGGER.info(MESSAGE)
+
+    def on_end(self, event: Any) -> None:
+        """It is compiled, or could not be."""
+        self._depth -= 1
+        if not self._depth:
+            gc.set_threshold(*self._thresholds)
+
+
+event.register("numba:compile", _Listener())  # type: ignore[no-untyped-call]

@@ -1,0 +1,238 @@
+"""Peaks, root mean squares and contact times of a steady state, with their numerical errors.
+
+A periodic motion is sampled over one period: by Gauss's rule between each two switches, in parts so short that its
+fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors are those of the
+impulses: the same numbers of a finer self of the solver, see `lapjoint.orbits.refinement`.
+
+Of a motion that does not repeat, `WANDERING` excitation periods are summarised, from where it was accepted.  The error
+of a mean or a root mean square is the standard error of the mean over them, with the correlation from period to period;
+of a peak, which would be larger over a longer time, nothing is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.answers.history import History
+from lapjoint.answers.quantities import QUANTITIES
+from lapjoint.answers.steady_state import SteadyState
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray
+from lapjoint.summaries.quantities import IndexArray, Selection, selection
+
+MOST = 1 << 15
+"""Samples of a motion, at most."""
+WANDERING = 128
+"""Excitation periods of a motion that does not repeat: twice as many as a standard error needs."""
+PER_PERIOD = 8.0
+"""Samples in a period of the fastest mode, but for `MOST`: Gauss's rule of four points needs no more."""
+_FINE = 16
+"""Times on either side of a sample that is the largest, up to its neighbours."""
+_AT_ONCE = 4096
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+OF_STOPS = {
+    "force_peak": ("N", "largest force of the stop, its magnitude"),
+    "force_rms": ("N", "root mean square of the force of the stop"),
+    "contact_time": ("1", "share of time in contact"),
+    "contact_rate": ("s-1", "contacts a second"),
+}
+"""What there is of each stop, with units and meaning."""
+SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms")), *OF_STOPS)
+"""Names of all numbers of a summary."""
+
+
+@dataclass(frozen=True)
+class OrbitSummary:
+    """Numbers of a steady state."""
+
+    selection: Selection
+    """Quantities and places."""
+    values: dict[str, FloatArray]
+    """By name: ``<quantity>_peak`` and ``<quantity>_rms``, shape ``(X,)``, in the quantity's unit; `OF_STOPS`,
+    ``(S,)``."""
+    errors: dict[str, FloatArray] | None
+    """Estimates of their numerical errors, of the same shapes; infinite where none can be stated, None where none was
+    made."""
+
+
+def check_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Names of a summary, each once.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of `SUMMARIES`.
+
+    Returns
+    -------
+    tuple of str
+        The names.
+
+    Raises
+    ------
+    InputError
+        If one is unknown.
+    """
+    for name in names:
+        if name not in SUMMARIES:
+            raise InputError(f"summary {name!r}: is unknown; allowed: {', '.join(SUMMARIES)}")
+    return tuple(dict.fromkeys(names))
+
+
+def quantities_of(names: Sequence[str]) -> list[str]:
+    """The quantities that are needed for some numbers of a summary.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of `SUMMARIES`.
+
+    Returns
+    -------
+    list of str
+        Of `lapjoint.answers.quantities.QUANTITIES`.
+    """
+    return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS))
+
+
+def summarise(
+    found: SteadyState, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
+) -> OrbitSummary:
+    """Peaks, root mean squares and contact times of a steady state.
+
+    Parameters
+    ----------
+    found : SteadyState
+        The steady state.
+    at : sequence of float, optional
+        Places, m; by default those of the stops and of the ends that no support fixes.
+    quantities : sequence of str, optional
+        Of `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration, moment
+        and, where the beam has a section, stress.
+
+    Returns
+    -------
+    OrbitSummary
+        The numbers, and their errors where those of the impulses were estimated.
+
+    Raises
+    ------
+    InputError
+        If a place is off the beam, or a quantity is unknown or needs what the problem has not.
+    """
+    what = selection(found.problem, at=at, quantities=quantities)
+    if not found.period_multiple:
+        return _of_wandering(found, what)
+    values = _of_periods(found.history, what, 1)
+    means = {name: value[0] for name, value in values.items()}
+    if found.impulse_errors is None:
+        return OrbitSummary(what, means, None)
+    other = found.comparison
+    if other is None:
+        return OrbitSummary(what, means, {name: np.full_like(value, math.inf) for name, value in means.items()})
+    finer = {name: value[0] for name, value in _of_periods(other.history, what, 1).items()}
+    unknown = ~np.isfinite(found.impulse_errors)
+    errors = {}
+    for name, value in means.items():
+        apart = value - finer[name]
+        errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)))
+        errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
+        if name in OF_STOPS:
+            errors[name][unknown] = math.inf
+    return OrbitSummary(what, means, errors)
+
+
+def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
+    """The summary of a motion that does not repeat: means over its excitation periods, with their standard errors."""
+    from lapjoint.orbits.exponent import standard_error
+
+    omega = found.problem.require_excitation_frequency("a steady state")
+    history = found.history if found.march_on is None else found.march_on(WANDERING)
+    periods = max(1, round((history.end - history.start) * omega / (2 * math.pi)))
+    each = _of_periods(history, what, periods)
+    values, errors = {}, {}
+    for name, value in each.items():
+        if name.endswith("_peak"):
+            values[name], errors[name] = value.max(axis=0), np.full(value.shape[1], math.inf)
+            continue
+        power = 2 if name.endswith("_rms") else 1
+        means = value**power
+        mean = means.mean(axis=0)
+        values[name] = np.sqrt(mean) if power == 2 else mean
+        of_mean = np.array([standard_error(series) if periods >= WANDERING else math.inf for series in means.T])
+        size = np.where(values[name] > 0, values[name], 1.0)
+        errors[name] = of_mean / (power * size ** (power - 1))
+    return OrbitSummary(what, values, None if found.impulse_errors is None else errors)
+
+
+def _of_periods(history: History, what: Selection, periods: int) -> dict[str, FloatArray]:
+    """All numbers over each of so many equal parts of a motion: by name, shape ``(periods, X)`` or ``(periods, S)``."""
+    edges = np.linspace(history.start, history.end, periods + 1)
+    t, weight, part = _samples(history, edges)
+    Q, X, S = len(what.quantities), what.x.size, len(history.problem.stops)
+    squares, peaks, when = np.zeros((periods, Q, X)), np.zeros((periods, Q, X)), np.zeros((periods, Q, X))
+    force_squares, force_peak = np.zeros((periods, S)), np.zeros((periods, S))
+    for p in range(periods):
+        mine = np.flatnonzero(part == p)
+        for here in np.split(mine, range(_AT_ONCE, mine.size, _AT_ONCE)):
+            values, force = what.values(history, t[here])
+            squares[p] += (values**2) @ weight[here]
+            force_squares[p] += (force**2) @ weight[here]
+            _keep(values, t[here], peaks[p], when[p])
+        _look_closer(history, what, np.diff(t[mine]).max(initial=0.0), peaks[p], when[p])
+    duration = np.diff(edges)[:, None]
+    time, count = np.zeros((periods, S)), np.zeros((periods, S))
+    for contact in history.contacts:
+        p = int(np.clip(np.searchsorted(edges, contact.start, side="right") - 1, 0, periods - 1))
+        time[p, contact.stop] += contact.duration
+        force_peak[p, contact.stop] = max(force_peak[p, contact.stop], contact.peak_force)
+        count[p, contact.stop] += not contact.open_start
+    found = {}
+    for q, one in enumerate(what.quantities):
+        found[f"{one.name}_peak"] = peaks[:, q]
+        found[f"{one.name}_rms"] = np.sqrt(squares[:, q] / duration)
+    found["force_peak"], found["force_rms"] = force_peak, np.sqrt(force_squares / duration)
+    found["contact_time"], found["contact_rate"] = time / duration, count / duration
+    return found
+
+
+def _samples(history: History, edges: FloatArray) -> tuple[FloatArray, FloatArray, IndexArray]:
+    """Times, s, their weights, s, and the part between `edges` that each is in, shape ``(m,)`` each."""
+    ends = np.unique(np.concatenate([edges, history.switch_times]))
+    duration = history.end - history.start
+    fastest = history.highest_mode or 0.0
+    count = max(PER_PERIOD * fastest * duration / (2 * math.pi), 512.0 * (edges.size - 1))
+    step = duration / min(count, MOST) * _NODES.size
+    panels = np.maximum(1, np.ceil(np.diff(ends) / step)).astype(int)
+    width = np.repeat(np.diff(ends) / panels, panels)
+    offset = np.arange(panels.sum()) - np.repeat(np.cumsum(panels) - panels, panels)
+    middle = np.repeat(ends[:-1], panels) + (offset + 0.5) * width
+    t = np.clip((middle[:, None] + 0.5 * width[:, None] * _NODES).ravel(), history.start, history.end)
+    part = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, edges.size - 2)
+    return t, (0.5 * width[:, None] * _WEIGHTS).ravel(), part
+
+
+def _look_closer(history: History, what: Selection, step: float, peaks: FloatArray, when: FloatArray) -> None:
+    """Look around the largest samples of the places asked for, and of all places; all ``(Q, X)``."""
+    steps = step * np.arange(-_FINE, _FINE + 1) / _FINE
+    for q, row in enumerate(peaks):  # each by itself: what else is asked for changes nothing
+        middle = when[q, np.union1d(what.asked, [int(np.argmax(row))])]
+        t = np.unique(np.clip(middle[:, None] + steps, history.start, history.end))
+        alone = Selection(what.problem, (what.quantities[q],), what.places)
+        for here in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
+            _keep(alone.values(history, here)[0], here, peaks[q : q + 1], when[q : q + 1])
+
+
+def _keep(values: FloatArray, t: FloatArray, peaks: FloatArray, when: FloatArray) -> None:
+    """Keep the largest magnitudes of values, ``(Q, X, m)``, and their times; both ``(Q, X)``."""
+    if not t.size:
+        return
+    size = np.abs(values)
+    at = size.argmax(axis=-1)
+    found = np.take_along_axis(size, at[..., None], axis=-1)[..., 0]
+    more = found > peaks
+    peaks[more], when[more] = found[more], t[at][more]

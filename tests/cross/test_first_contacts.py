@@ -1,0 +1,92 @@
+"""First contacts under records, harmonics and random motions: the solvers agree within their stated errors."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import warnings
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import pytest
+from population import harmonic_joint, randomly_driven_joint, recorded_joint
+
+import analytic
+import fe_lapjoint
+from lapjoint import Problem
+from lapjoint.answers import Contact
+from lapjoint.errors import RecordWarning
+
+SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (analytic.Solver(), fe_lapjoint.Solver(elements=24))
+SEED, COUNT = 271, 200
+FEW = (0, 1, 2, 3, 4, 5, 37)  # two of each kind of excitation, and a record with a load that is a sine
+CONTACTS, PERIODS = 3, 4  # of a motion that begins at rest: compared, and marched under harmonics
+MARGIN = 3.0  # of both stated errors together, which are estimates
+ROUNDING = 1e-9  # of the duration, and of the largest impulse: what errors of truncation do not count
+FAR = 10.0  # times what the errors allow: so far off is none
+GRAZE = 1e-3  # of the largest impulse: whether so light a contact is there, truncation decides
+MOST_MISSED = 0.03  # of all numbers; stated errors are to cover 19 of 20, and here there are two
+
+
+@dataclass(frozen=True)
+class Compared:
+    """The first contacts of one joint by both solvers."""
+
+    title: str
+    numbers: tuple[tuple[str, float], ...]
+    """What it is, and its difference over what both errors allow."""
+    parted: str
+    """Empty, or which contact the two do not share."""
+
+
+def drawn(index: int) -> tuple[Problem, float]:
+    """A problem and a duration, s; the kind of excitation goes by the index."""
+    if index % 3 == 0:
+        problem = harmonic_joint(SEED, index)
+        return problem, PERIODS * problem.require_excitation_period("test")
+    return (recorded_joint, randomly_driven_joint)[index % 3 - 1](SEED, index)
+
+
+def compared(index: int) -> Compared:
+    """Both solvers on one problem."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RecordWarning)
+        problem, duration = drawn(index)
+        every = [solver.simulate(problem, duration).contacts for solver in SOLVERS]
+    size = max((abs(c.impulse) for contacts in every for c in contacts), default=0.0)
+    one, other = ([c for c in contacts if abs(c.impulse) > GRAZE * size][:CONTACTS] for contacts in every)
+    numbers: list[tuple[str, float]] = []
+    for i, (a, b) in enumerate(zip(one, other, strict=False)):
+        if a.stop != b.stop:
+            return Compared(problem.title, tuple(numbers), f"contact {i}: stop {a.stop} or {b.stop}")
+        numbers.append((f"start {i}", _times(a, b, "start", ROUNDING * duration)))
+        numbers.append((f"impulse {i}", _times(a, b, "impulse", ROUNDING * size)))
+    parted = "" if len(one) == len(other) else f"{len(one)} or {len(other)} contacts"
+    return Compared(problem.title, tuple(numbers), parted)
+
+
+def _times(a: Contact, b: Contact, what: str, rounding: float) -> float:
+    """A difference over what the errors allow."""
+    errors = [getattr(c, f"{what}_error") for c in (a, b)]
+    return float(abs(getattr(a, what) - getattr(b, what)) / (MARGIN * sum(errors) + rounding))
+
+
+def check(found: list[Compared], least: int) -> None:
+    """Fail unless nearly all numbers agree, and no contact is in one motion only."""
+    parted = [f"{it.title}: {it.parted}" for it in found if it.parted]
+    numbers = [(it.title, *number) for it in found for number in it.numbers]
+    missed = [number for number in numbers if not number[2] <= 1.0]
+    assert len(numbers) >= least
+    assert not parted, "\n".join(parted)
+    assert all(number[2] <= FAR for number in missed), missed
+    assert len(missed) <= MOST_MISSED * len(numbers), missed
+
+
+def test_the_solvers_agree_on_the_first_contacts_of_a_few_joints() -> None:
+    check([compared(i) for i in FEW], 12)
+
+
+@pytest.mark.slow
+def test_the_solvers_agree_on_the_first_contacts_of_many_joints() -> None:
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
+        check(list(pool.map(compared, range(COUNT))), 4 * COUNT)

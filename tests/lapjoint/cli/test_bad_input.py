@@ -1,0 +1,216 @@
+"""Bad input gives one message, exit status 2 and no traceback."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import FEW, PAPER, SIMULATE, assert_refused, problem_file, run, run_well
+
+from lapjoint import paper_joint
+from lapjoint.problem.files import to_toml
+
+
+@pytest.mark.parametrize("command", ["modes", "steady"])
+def test_many_stops_are_taken_only_when_asked_for(command: str, tmp_path: Path) -> None:
+    path = tmp_path / "problem.toml"
+    stop = '[[stops]]\nx = 0.5\nside = "top"\ngap = 0.0\nstiffness = 1.0\n'
+    path.write_text(to_toml(paper_joint().replace(stops=())) + 101 * stop)
+    assert_refused(run(command, path), "stops: there are 101; more than 100 are taken only with --large")
+    assert run_well("modes", path, "--large", "--modes", "1").startswith("Natural")
+
+
+def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_path: Path) -> None:
+    evil, formula = "\x1b[2J\x9b31m\x07\u202e", "=HYPERLINK(1)"
+    names = (evil, formula, "-1", "+x")
+    stops = [stop.model_copy(update={"name": name}) for stop, name in zip(paper_joint().stops, names, strict=True)]
+    path, table = tmp_path / "problem.toml", tmp_path / "contacts.csv"
+    path.write_text(to_toml(paper_joint().replace(stops=tuple(stops), title=evil)))
+    results = [
+        run("simulate", path, "--duration", "0.03", *FEW, "--contacts", table),
+        run("modes", path, "--modes", "1"),
+        run("modes", path, "--state", "nothing"),
+        run("modes", path, "--set", f'"{evil}"=1'),
+        run("modes", path, "--set", f"stops.{evil}.gap=-1"),
+        run("modes", tmp_path / "\x1b[31m.toml"),
+        run(evil),
+    ]
+    for result in results:
+        assert all(sign.isprintable() or sign == "\n" for sign in result.output), result.output
+    with table.open(newline="") as file:
+        written = {row["stop"] for row in csv.DictReader(file)}
+    assert {f"'{formula}", "-1", "'+x"} & written
+    assert not {formula, "+x"} & written
+
+
+BAD_FILES: list[tuple[str, str, str, str]] = [
+    ("negative length", "length = 2.5", "length = -2.5", "beam.length = -2.5: must be greater than 0"),
+    ("stop outside", "x = 2.5", "x = 2.6", "stops[0].x = 2.6: lies outside the beam; allowed are 0 to 2.5 m"),
+    ("NaN", "gap = 0.001", "gap = nan", "stops[0].gap = nan: must be"),
+    ("unknown key", "gap = 0.001", "gpa = 0.001", "stops[0].gpa: unknown key; did you mean gap?"),
+    ("unreadable TOML", "length = 2.5", "length = ", "is not valid TOML"),
+    ("text for a gap", "gap = 0.001", 'gap = "wide"', 'stops[0].gap = "wide": must be a number'),
+]
+
+
+@pytest.mark.parametrize(("change", "to", "message"), [r[1:] for r in BAD_FILES], ids=[r[0] for r in BAD_FILES])
+@pytest.mark.parametrize("command", [("modes",), ("simulate", "--duration", "1"), ("steady",)], ids=lambda c: c[0])
+def test_a_bad_file_is_refused(command: tuple[str, ...], change: str, to: str, message: str, tmp_path: Path) -> None:
+    assert_refused(run(*command, problem_file(tmp_path, change, to)), message)
+
+
+SERIES = (*SIMULATE, "--series", "a.csv")
+NOWHERE = ("sweep", PAPER, "--modes", "4")
+BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
+    ("no such file", ("modes", "missing.toml"), "missing.toml: cannot be read: No such file"),
+    ("a directory", ("modes", "."), "cannot be read"),
+    ("no such preset", ("modes", "preset:other"), "allowed: paper, sdnl104"),
+    (
+        "moved clamp",
+        ("modes", PAPER, "--set", "initial={kind='polynomial', displacement=[1e-3]}"),
+        "moves supports[0]",
+    ),
+    ("bad value", ("modes", PAPER, "--set", "stops.0.gap=wide"), 'stops[0].gap = "wide": must be a number'),
+    ("a huge section", ("modes", PAPER, "--set", "beam.section.height=1e200"), "the bending stiffness EI comes to inf"),
+    ("a huge length", ("modes", PAPER, "--set", "beam.length=1e308"), "follows from material.density, section.breadth"),
+    ("a huge density", ("modes", PAPER, "--set", "beam.material.density=1.7e308"), "the mass per length m comes to"),
+    ("an infinite density", ("modes", PAPER, "--set", "beam.material.density=1.8e308"), "density = inf: must be a fin"),
+    ("a huge frequency", ("modes", PAPER, "--set", "base_motion.angular_frequency=1e200"), "the acceleration comes to"),
+    ("a huge gap", ("modes", PAPER, "--set", "stops.0.gap=1e308"), "stops[0]: stiffness times gap comes to inf"),
+    ("a long index", ("modes", PAPER, "--set", f"stops.{'1' * 5000}.gap=1"), "...: there is no element '1111"),
+    ("a deep path", ("modes", PAPER, "--set", f"{'a.' * 3000}b=1"), "is 3001 keys deep; a problem is at most 20"),
+    ("a deep list", ("modes", PAPER, "--set", f"stops={'[' * 3000}{']' * 3000}"), "[...: must be a list"),
+    ("bad assignment", ("modes", PAPER, "--set", "gap"), "must be key=value"),
+    ("a million modes", ("modes", PAPER, "--modes", "1000000"), "1000000"),
+    ("no modes", ("modes", PAPER, "--modes", "0"), "0"),
+    ("a million FE modes", ("modes", PAPER, "--solver", "fe", "--modes", "1000000"), "1000000"),
+    ("modes in the solver", (*SIMULATE, "--modes", "1000000"), "n_modes = 1000000"),
+    ("negative elements", (*SIMULATE, "--solver", "fe", "--elements", "-1"), "elements = -1"),
+    ("unknown state", ("modes", PAPER, "--state", "P7"), "--state P7: there is no such state; allowed: all, free"),
+    ("impossible state", ("modes", PAPER, "--state", "P2+P4"), "cannot be closed"),
+    (
+        "unknown solver",
+        ("modes", PAPER, "--solver", "magic"),
+        "solver = 'magic' is not installed; allowed: analytic",
+    ),
+    ("unknown option", (*SIMULATE, "--option", "colour=3"), "has no option 'colour'; allowed: n_modes"),
+    ("option of the other solver", (*SIMULATE, "--elements", "8"), "has no option 'elements'"),
+    ("option without a value", (*SIMULATE, "--option", "n_modes"), "must be key=value"),
+    ("option of a wrong kind", (*SIMULATE, "--option", "tolerance=tight"), "tolerance = 'tight'"),
+    ("series without a file", (*SIMULATE, "--rate", "9"), "--rate: no series is written without --series FILE"),
+    ("series as what?", (*SIMULATE, "--series", "a.txt"), "--series a.txt: the name must end in .nc, .csv"),
+    ("places without x", (*SERIES, "--at", "2.5"), "--at 2.5: must be x= and numbers"),
+    ("places as text", (*SERIES, "--at", "x=tip"), "--at x=tip: must be x= and numbers"),
+    ("place off the beam", (*SERIES, "--at", "x=1,99"), "x = 99: lies outside the beam; allowed are 0 to "),
+    ("unknown quantity", (*SERIES, "--quantity", "force,slope"), "quantity 'slope': is unknown; allowed: displacement"),
+    ("too many samples", (*SERIES, "--rate", "1e12"), "samples of each of"),
+    ("no rate", (*SERIES, "--rate", "0"), "rate = 0: must be positive and finite, in Hz"),
+    ("negative duration", ("simulate", PAPER, "--duration", "-1"), "--duration -1: must be positive"),
+    ("no duration", ("simulate", PAPER, "--duration", "0"), "--duration 0: must be positive"),
+    ("NaN duration", ("simulate", PAPER, "--duration", "nan"), "--duration nan: must be positive and finite"),
+    ("endless duration", ("simulate", PAPER, "--duration", "inf"), "--duration inf: must be positive and finite"),
+    ("text for duration", ("simulate", PAPER, "--duration", "long"), "'long' is not a valid float"),
+    ("contacts as a picture", (*SIMULATE, "--contacts", "a.png"), "must end in .csv, .json"),
+    ("a figure as a table", (*SIMULATE, "--figure", "a.csv"), "must end in .png, .svg, .pdf"),
+    ("a drawing without a file", (*SIMULATE, "--draw", "phase"), "--draw phase: nothing is drawn without --figure"),
+    ("an unknown drawing", (*SIMULATE, "--figure", "a.png", "--draw", "orbit"), "'orbit' is not one of 'motion', 'ph"),
+    (
+        "sections of what has no period",
+        ("simulate", "preset:sdnl104", "--duration", "1e9", "--figure", "a.png", "--draw", "poincare"),
+        "--draw poincare: the excitation must have one angular_frequency, or whole multiples of the lowest; there is",
+    ),
+    ("nowhere to write", (*SIMULATE, "--contacts", "no/such/a.csv"), "there is no such directory"),
+    ("nothing excites", ("steady", "preset:sdnl104"), "angular_frequency"),
+    ("one frame", ("export", PAPER, "-o", "x", "--duration", "0.01", *FEW, "--frames", "1"), "frames = 1"),
+    ("no span", ("export", PAPER, "-o", "x"), "--duration, --steady: give one of them"),
+    ("two spans", ("show", PAPER, "-o", "x.gif", "--steady", "--duration", "1"), "--duration, --steady: give one"),
+    ("frames and times", ("export", PAPER, "-o", "x", "--steady", "--frames", "9", "--times", "0"), "give one of them"),
+    ("times in words", ("export", PAPER, "-o", "x", "--steady", "--times", "0,now"), "--times 0,now: must be numbers"),
+    (
+        "modes in motion",
+        ("export", PAPER, "-o", "x", "--state", "all", "--steady"),
+        "--steady: mode shapes have none",
+    ),
+    ("modes of no state", ("export", PAPER, "-o", "x", "--state", "P9"), "--state P9: there is no such state"),
+    ("nobody beside", ("export", PAPER, "-o", "x", "--steady", "--beside", "magic"), "'magic' is not installed"),
+    ("a picture as a report", ("show", PAPER, "-o", "x.pdf", "--steady"), "must end in .png, .gif, .mp4"),
+    ("size in words", ("show", PAPER, "-o", "x.png", "--steady", "--size", "big"), "--size big: must be width and"),
+    ("tiny picture", ("show", PAPER, "-o", "x.png", "--steady", "--size", "9x9"), "size = 9x9: allowed are 200 to"),
+    ("no scale", ("show", PAPER, "-o", "x.png", "--steady", "--scale", "0"), "scale = 0: must be positive"),
+    (
+        "export to a device",
+        ("export", PAPER, "-o", "/dev/null", "--duration", "1e9"),
+        "/dev/null is not a directory",
+    ),
+    ("a name with a zero byte", ("export", PAPER, "-o", "a\0", "--duration", "1e9"), "embedded null byte"),
+    ("a file with a zero byte", (*SIMULATE, "--contacts", "a\0.csv"), "embedded null byte"),
+    ("a curve with a zero byte", ("plot", "a\0"), "embedded null byte"),
+    ("report in a device", ("validate", "-o", "/dev/null/x"), "/dev/null is not a directory"),
+    ("contacts on a directory", (*SIMULATE, "--contacts", "."), "must end in"),
+    ("JSON on a directory", ("steady", PAPER, "--json", "."), "it is a directory"),
+    ("init nowhere", ("init", "no/such/file.toml"), "cannot be written"),
+    ("unknown case", ("validate", "--case", "magic"), "magic"),
+    ("no such peer", ("validate", "--peers", "magic"), "--peers magic: solver = 'magic' is not installed"),
+    ("a case without its peers", ("validate", "--case", "peers"), "--peers opensees"),
+    ("changes to nothing", ("validate", "--set", "stops.*.gap=1"), "--set: it changes a PROBLEM, and none is given"),
+    ("no such file to validate", ("validate", "missing.toml"), "missing.toml: cannot be read"),
+    ("nothing swept", (*NOWHERE, "--out", "c.nc"), "nothing is swept; give --from and --to, or --over"),
+    ("half a range", (*NOWHERE, "--out", "c.nc", "--from", "1"), "--to: is missing"),
+    (
+        "a range backwards",
+        (*NOWHERE, "--out", "c.nc", "--from", "2", "--to", "1"),
+        "--to 1: must be at least --from, 2",
+    ),
+    ("no step", (*NOWHERE, "--out", "c.nc", "--from", "1", "--to", "2", "--step", "0"), "--step 0: must be positive"),
+    (
+        "too fine",
+        (*NOWHERE, "--out", "c.nc", "--from", "1", "--to", "2", "--step", "1e-9"),
+        "--step 1e-09: makes 1e+09",
+    ),
+    ("negative frequency", (*NOWHERE, "--out", "c.nc", "--from", "-1", "--to", "2"), "--from -1: must be positive"),
+    ("sweep as a picture", (*NOWHERE, "--out", "c.png", "--from", "1", "--to", "2"), "must end in .nc"),
+    ("sweep nowhere", (*NOWHERE, "--out", "no/c.nc", "--from", "1", "--to", "2"), "there is no such directory"),
+    ("over nothing", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio"), "--over damping.ratio: must be PATH="),
+    ("over text", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=a,b"), "must be FROM:TO:COUNT or numbers"),
+    ("over no count", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=0:1:0"), "a count from 1 to"),
+    ("over what is not there", (*NOWHERE, "--out", "c.nc", "--over", "stops.P9.gap=1e-3"), "no element 'P9'"),
+    ("a bad point", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=0.1,-1"), "damping.ratio = -1: damping.ratio"),
+    (
+        "no scheduler",
+        (*NOWHERE, "--out", "c.nc", "--from", "1", "--to", "2", "--scheduler", "x://y"),
+        "scheduler = 'x://y'",
+    ),
+    ("no curve", ("plot", "missing.nc", "-o", "a.png"), "missing.nc: cannot be read: No such file"),
+    ("a curve as a table", ("plot", "missing.nc", "-o", "a.csv"), "must end in .png, .svg, .pdf"),
+    ("unknown command", ("solve",), "No such command"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), [r[1:] for r in BAD_COMMANDS], ids=[r[0] for r in BAD_COMMANDS])
+def test_bad_input_is_refused(
+    arguments: tuple[str, ...], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert_refused(run(*arguments), message)
+    assert list(tmp_path.iterdir()) in ([], [tmp_path / "x"])
+
+
+@pytest.mark.parametrize("arguments", [("export", PAPER, "--duration", "1e9"), ("validate",)], ids=["export", "report"])
+def test_a_link_to_itself_is_no_directory(
+    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "loop").symlink_to("loop")
+    assert_refused(run(*arguments, "-o", "loop"), "loop is not a directory")
+
+
+def test_a_process_prints_a_message_and_no_traceback(tmp_path: Path) -> None:
+    path = problem_file(tmp_path, "gap = 0.001", 'gap = "wide"')
+    command = [sys.executable, "-c", "from lapjoint.cli.main import main; main()", "modes", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == f'lapjoint: {path}: stops[0].gap = "wide": must be a number\n'

@@ -1,0 +1,76 @@
+"""``--at`` chooses the places of series, of figures that show places, and of what ``lapjoint steady`` prints."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from lapjoint import figures
+from lapjoint.cli.main import main
+
+SIMULATE = ("simulate", "preset:paper", "--modes", "3", "--duration", "0.02", "--no-errors")
+STEADY = ("steady", "preset:paper", "--modes", "3", "--no-errors")
+
+
+def run(*command: str) -> Any:
+    return CliRunner().invoke(main, list(command))
+
+
+@pytest.mark.parametrize(
+    ("draw", "at", "x"),
+    [
+        ("motion", "x=1,0.5", [1.0, 0.5]),
+        ("phase", "x=1.25", 1.25),
+        ("poincare", "x=1.25", 1.25),
+        ("spectrum", "x=2", 2.0),
+    ],
+)
+def test_a_figure_is_drawn_at_the_places_asked_for(
+    draw: str, at: str, x: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, seen = {"motion": "plot_motion", "phase": "plot_phase_portrait", "poincare": "plot_poincare_section"}, []
+    function = name.get(draw, "plot_spectrum")
+    drawn = getattr(figures, function)
+    monkeypatch.setattr(figures, function, lambda history, **places: seen.append(places) or drawn(history, **places))
+    result = run(*SIMULATE, "--figure", str(tmp_path / "figure.png"), "--draw", draw, "--at", at)
+    assert result.exit_code == 0, result.output
+    assert seen == [{"x": x}]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--at", "x=1"), "--at: there is neither a series nor a figure that shows places; leave it out"),
+        (("--at", "x=1", "--figure", "f.png", "--draw", "states"), "--at: there is neither a series nor a figure"),
+        (
+            ("--at", "x=1,2", "--figure", "f.png", "--draw", "phase"),
+            "--at x=1,2: figure phase shows one place; give one",
+        ),
+        (("--at", "x=9", "--figure", "f.png"), "x = 9: lies outside the beam"),
+        (("--at", "2", "--figure", "f.png"), "--at 2: must be x= and numbers"),
+    ],
+)
+def test_places_that_nothing_shows_are_refused(options: tuple[str, ...], message: str) -> None:
+    result = run(*SIMULATE, *options)
+    assert result.exit_code == 2
+    assert message in result.stderr
+
+
+def test_steady_prints_peaks_at_the_places_asked_for(tmp_path: Path) -> None:
+    out = tmp_path / "steady.json"
+    result = run(*STEADY, "--at", "x=0.7", "--json", str(out))
+    assert result.exit_code == 0, result.output
+    lines = result.stdout.splitlines()
+    (row,) = (line for line in lines if line.startswith("moment [N m]"))
+    assert "0.7 m" in row
+    assert any(line.startswith("stress [Pa]") for line in lines)
+    start = next(i for i, line in enumerate(lines) if line.startswith("Largest magnitude"))
+    assert max(map(len, lines[start:])) <= 80
+    summary = json.loads(out.read_text())["summary"]
+    assert summary["moment_peak"]["x_m"][0] == 0.7
+    assert list(summary["force_peak"]["values"]) == ["P2", "P3", "P4", "P5"]
+    assert summary["force_peak"]["errors"] is None

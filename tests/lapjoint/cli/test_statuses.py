@@ -1,0 +1,89 @@
+"""How commands end that do not end well, and how the exit status says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import PAPER, SIMULATE, run
+
+from analytic import Solver
+from lapjoint import Outcome, Problem, SteadyState, paper_joint
+from lapjoint.answers import Exponent
+from lapjoint.errors import SolverError
+
+
+def test_ctrl_c_ends_with_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Solver, "simulate", interrupted)
+    result = run(*SIMULATE)
+    assert result.exit_code == 130
+    assert result.stderr == "lapjoint: interrupted\n"
+
+
+def test_a_solver_that_gives_up_ends_with_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    def gives_up(*_: object, **__: object) -> None:
+        raise SolverError("stopped at t = 0.1 s")
+
+    monkeypatch.setattr(Solver, "simulate", gives_up)
+    result = run(*SIMULATE)
+    assert result.exit_code == 1
+    assert result.stderr == "lapjoint: stopped at t = 0.1 s\n"
+
+
+@pytest.fixture(scope="module")
+def found() -> SteadyState:
+    """A steady state that is found quickly."""
+    return Solver(n_modes=8).steady_state(paper_joint())
+
+
+def test_an_undecided_motion_ends_with_status_1(found: SteadyState, monkeypatch: pytest.MonkeyPatch) -> None:
+    exponent = Exponent(0.1, 0.2, 400, time=4.0, halves=(0.0, 0.2), quarters=(0.0, 0.0, 0.2, 0.2))
+    undecided = replace(found, outcome=Outcome.UNDECIDED, period_multiple=0, multipliers=np.zeros(0), exponent=exponent)
+    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided)
+    result = run("steady", PAPER)
+    assert result.exit_code == 1
+    assert "the motion did not settle" in result.stdout
+    assert "exponent: 0.1 1/s +- 0.2, over 400 periods" in result.stdout
+    assert "Repeats" not in result.stdout
+    assert "max_period_multiple" not in result.stdout
+
+
+def test_a_motion_of_more_periods_than_were_looked_for_is_said_to_be_one(
+    found: SteadyState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exponent = Exponent(-0.3, 0.01, 4000, time=200.0, halves=(-0.3, -0.3), quarters=(-0.3,) * 4)
+    longer = replace(found, outcome=Outcome.UNDECIDED, period_multiple=0, multipliers=np.zeros(0), exponent=exponent)
+    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: longer)
+    assert "repeats, but after more periods than max_period_multiple" in run("steady", PAPER).stdout
+
+
+@pytest.mark.parametrize("status", [0, 1])
+def test_validate_passes_on_what_is_asked_and_the_verdict(
+    status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[object] = []
+
+    def suite_main(
+        problem: Problem, cases: tuple[str, ...], level: str, output: Path, console: object, peers: tuple[str, ...]
+    ) -> int:
+        asked.extend([problem, cases, level, output, peers])
+        return status
+
+    monkeypatch.setattr("validation.suite.main", suite_main)
+    options = ("--case", "a", "--case", "b", "--quick", "-o", tmp_path / "out", *("--peers", "x") * 2)
+    result = run("validate", PAPER, "--set", "base_motion.angular_frequency=820", *options)
+    assert result.exit_code == status
+    assert asked == [paper_joint(angular_frequency=820.0), ("a", "b"), "quick", tmp_path / "out", ("x",)]
+
+
+def test_a_fault_of_the_program_is_not_dressed_up_as_bad_input(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise ValueError("a bug")
+
+    monkeypatch.setattr(Solver, "simulate", broken)
+    assert isinstance(run(*SIMULATE).exception, ValueError)

@@ -1,0 +1,59 @@
+"""The diagram of branches: what is stable is solid, what is not is dashed, and each bifurcation has its mark."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from lapjoint import BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
+from lapjoint.campaigns.branch_dataset import branch_dataset
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.point import Point
+from lapjoint.figures import plot_branches
+
+VALUES = (1.0, 2.0, 3.0, 2.5, 2.0, 3.0, 4.0)
+IMPULSES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+STABLE = (True, True, True, False, False, True, True)
+
+
+@pytest.fixture
+def dataset() -> xr.Dataset:
+    """A branch with two folds, written by hand."""
+    problem = Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
+        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0, name="tip"),),
+        damping=ViscousDamping(coefficient=0.8),
+        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=1.0),
+    )
+    points = [
+        vars(Point("PERIODIC", 1, False, 0.0, 0.5 if stable else 1.5, 0.0, impulses=(impulse,)))
+        for impulse, stable in zip(IMPULSES, STABLE, strict=True)
+    ]
+    folds: list[dict[str, Any]] = [
+        {"kind": "fold", "value": value, "error": 1e-9, "index": i, "stop": -1, "after": "", "impulses": (0.2,)}
+        for value, i in ((3.1, 3), (1.9, 5))
+    ]
+    branch = {"values": VALUES, "points": points, "bifurcations": folds, "ends": ("boundary", "boundary")}
+    return branch_dataset(BranchPlan(problem, "base_motion.angular_frequency", 1.0, 4.0), [branch])
+
+
+def test_stable_parts_are_solid_and_unstable_ones_dashed(dataset: xr.Dataset) -> None:
+    lines = [line for line in plot_branches(dataset).lines if line.get_marker() == "None" and len(line.get_xdata()) > 1]
+    drawn = [(list(line.get_xdata()), line.is_dashed()) for line in lines]
+    assert drawn[:3] == [([1.0, 2.0, 3.0, 2.5], False), ([2.5, 2.0, 3.0], True), ([3.0, 4.0], False)]
+
+
+def test_bifurcations_are_marked_with_their_names(dataset: xr.Dataset) -> None:
+    axes = plot_branches(dataset)
+    (marked,) = [line for line in axes.lines if line.get_label() == "fold"]
+    assert marked.get_xdata().tolist() == [3.1, 1.9]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["tip", "fold"]
+
+
+def test_an_unknown_ordinate_is_refused(dataset: xr.Dataset) -> None:
+    with pytest.raises(InputError, match="ordinate = 'speed': allowed: impulse, peak_force"):
+        plot_branches(dataset, ordinate="speed")

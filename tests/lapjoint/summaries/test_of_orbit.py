@@ -1,0 +1,134 @@
+"""Summaries of steady states: closed forms, both solvers within their errors, and as variables of a sweep."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import analytic
+import fe_lapjoint
+from lapjoint import (
+    FREQUENCY,
+    Axis,
+    BaseMotion,
+    Beam,
+    InputError,
+    ModalDamping,
+    Outcome,
+    Problem,
+    SteadyState,
+    Stop,
+    Support,
+    paper_joint,
+    sweep,
+)
+from lapjoint.campaigns.dataset import read_curve
+from lapjoint.cli.main import main
+from lapjoint.summaries.of_orbit import OF_STOPS
+
+OMEGA, AMPLITUDE, STIFFNESS = 40.0, 1e-3, 6e3
+SPRUNG = Problem(  # it hardly bends: a mass of 2 kg on springs
+    beam=Beam(length=1.0, bending_stiffness=1e9, mass_per_length=2.0),
+    supports=tuple(Support(x=x, translational=STIFFNESS / 2) for x in (0.0, 1.0)),
+    stops=(Stop(name="far", x=0.5, side="top", gap=1.0, stiffness=1e4),),
+    damping=ModalDamping(ratio=0.05),
+    base_motion=BaseMotion(amplitude=AMPLITUDE, angular_frequency=OMEGA),
+)
+
+
+@pytest.fixture(scope="module")
+def joint() -> SteadyState:
+    return analytic.Solver(n_modes=10).steady_state(paper_joint(angular_frequency=820.0))
+
+
+def test_a_mass_on_springs_has_the_amplitude_of_its_closed_form() -> None:
+    own, ratio = math.sqrt(STIFFNESS / 2.0), 0.05
+    size = AMPLITUDE * OMEGA**2 / math.hypot(own**2 - OMEGA**2, 2 * ratio * own * OMEGA)
+    summary = analytic.Solver(n_modes=3).steady_state(SPRUNG).summary()
+    assert summary.errors is not None
+    for name, order in (("displacement", 0), ("velocity", 1)):
+        for what, share in (("peak", 1.0), ("rms", math.sqrt(0.5))):
+            found, error = summary.values[f"{name}_{what}"], summary.errors[f"{name}_{what}"]
+            assert found == pytest.approx(share * size * OMEGA**order, rel=1e-5)
+            assert error.max() < 1e-4 * found.max()
+    assert [float(summary.values[name][0]) for name in OF_STOPS] == [0.0] * 4
+    assert [float(summary.errors[name][0]) for name in OF_STOPS] == [0.0] * 4
+
+
+def test_both_solvers_agree_within_their_errors(joint: SteadyState) -> None:
+    ours = joint.summary()
+    theirs = fe_lapjoint.Solver(elements=16).steady_state(joint.problem).summary()
+    assert ours.errors is not None
+    assert theirs.errors is not None
+    for name, value in ours.values.items():
+        apart = np.abs(value - theirs.values[name])
+        assert (apart <= ours.errors[name] + theirs.errors[name]).all(), name
+
+
+def test_peaks_and_means_are_those_of_a_dense_series(joint: SteadyState) -> None:
+    summary, history = joint.summary(), joint.history
+    t = np.linspace(history.start, history.end, 40001)
+    x = summary.selection.x
+    for name, values in (("displacement", history.displacement(x, t)), ("moment", history.moment(x, t))):
+        size = np.abs(values).max()
+        assert summary.values[f"{name}_peak"] == pytest.approx(np.abs(values).max(axis=1), abs=1e-4 * size)
+        rms = np.sqrt((values[:, :-1] ** 2).mean(axis=1))
+        assert summary.values[f"{name}_rms"] == pytest.approx(rms, abs=1e-5 * size)
+    share = [sum(c.duration for c in history.contacts if c.stop == k) for k in range(4)]
+    assert summary.values["contact_time"] == pytest.approx(np.array(share) / (history.end - history.start))
+    force = np.sqrt((history.contact_force(t[:-1]) ** 2).mean(axis=1))
+    assert summary.values["force_rms"] == pytest.approx(force, rel=1e-3)
+
+
+def test_without_errors_there_are_none(joint: SteadyState) -> None:
+    assert analytic.Solver(n_modes=3).steady_state(SPRUNG, errors=False).summary().errors is None
+    with pytest.raises(InputError, match="lies outside the beam"):
+        joint.summary(at=[3.0])
+
+
+def test_means_of_chaos_have_standard_errors_and_peaks_have_none() -> None:
+    problem = SPRUNG.replace(
+        stops=(Stop(x=0.5, side="top", gap=0.0, stiffness=1e6),),
+        damping=ModalDamping(ratio=0.001),
+        base_motion=BaseMotion(amplitude=AMPLITUDE, angular_frequency=2.7 * math.sqrt(STIFFNESS / 2.0)),
+    )
+    found = analytic.Solver(n_modes=2, max_periods=300).steady_state(problem)
+    assert found.outcome in (Outcome.APERIODIC, Outcome.UNDECIDED)
+    summary = found.summary(quantities=["displacement"])
+    assert summary.errors is not None
+    assert np.isinf(summary.errors["displacement_peak"]).all()
+    error, value = summary.errors["displacement_rms"], summary.values["displacement_rms"]
+    assert (0 < error).all()
+    assert (error < value).all()
+    again = pickle.loads(pickle.dumps(found.march_on and SteadyState(**{**vars(found), "comparison": None})))
+    assert again.march_on is None
+
+
+def test_a_sweep_keeps_what_is_named(tmp_path: Path) -> None:
+    names = ["displacement_peak", "force_rms", "contact_time"]
+    axes = [Axis(FREQUENCY, [500.0, 820.0])]
+    found = sweep(paper_joint(), axes, options={"n_modes": 6}, errors=True, summary=names, out=tmp_path / "curve.nc")
+    alone = analytic.Solver(n_modes=6).steady_state(paper_joint(angular_frequency=820.0)).summary()
+    assert alone.errors is not None
+    i = int(alone.values["displacement_peak"].argmax())
+    assert float(found.displacement_peak[1]) == alone.values["displacement_peak"][i]
+    assert float(found.displacement_peak_error[1]) == alone.errors["displacement_peak"][i]
+    assert float(found.displacement_peak_x[1]) == alone.selection.x[i]
+    assert found.force_rms[1].values.tolist() == alone.values["force_rms"].tolist()
+    assert found.contact_time_error[1].values.tolist() == alone.errors["contact_time"].tolist()
+    assert found.force_rms.attrs["units"] == "N"
+    assert read_curve(tmp_path / "curve.nc").identical(found)
+
+
+def test_unknown_names_are_refused(tmp_path: Path) -> None:
+    command = ["sweep", "preset:paper", "--from", "500", "--to", "501", "--out", str(tmp_path / "curve.nc")]
+    result = CliRunner().invoke(main, [*command, "--summary", "weight_peak"])
+    assert result.exit_code == 2
+    assert "summary 'weight_peak': is unknown; allowed: displacement_peak" in result.stderr
+    with pytest.raises(InputError, match="summary of the stress: the beam has no section"):
+        sweep(SPRUNG, [Axis(FREQUENCY, [30.0])], summary=["stress_rms"])

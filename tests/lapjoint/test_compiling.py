@@ -1,0 +1,65 @@
+"""Compiled functions: without a folder for machine code, and what is said and done while numba compiles."""
+
+from __future__ import annotations
+
+import gc
+import logging
+
+import numba.core.caching
+import pytest
+
+from lapjoint import compiling
+from lapjoint.cli.progress import tell_of_compiling
+from lapjoint.compiling import LOGGER, MESSAGE, njit_called, njit_inner
+
+
+def test_where_no_folder_may_be_written_to_functions_are_compiled_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    for kind in vars(numba.core.caching).values():
+        if hasattr(kind, "_locator_classes"):
+            monkeypatch.setattr(kind, "_locator_classes", [])
+
+    @njit_inner()
+    def half(x: float) -> float:
+        return x / 2
+
+    @njit_called()
+    def quarter(x: float) -> float:
+        return half(half(x))
+
+    assert quarter(3.0) == 0.75
+
+
+def test_while_numba_compiles_garbage_is_looked_for_rarely_and_as_before_when_it_is_done() -> None:
+    before, listener = gc.get_threshold(), compiling._Listener()
+    listener.on_start(None)
+    listener.on_start(None)
+    listener.on_end(None)
+    assert gc.get_threshold()[0] > before[0]
+    listener.on_end(None)
+    assert gc.get_threshold() == before
+
+
+def test_the_command_line_says_once_on_standard_error_that_it_compiles(capsys: pytest.CaptureFixture[str]) -> None:
+    level = LOGGER.level
+    try:
+        tell_of_compiling()
+        tell_of_compiling()
+        listener = compiling._Listener()
+        for _ in range(2):
+            listener.on_start(None)
+            listener.on_end(None)
+        assert capsys.readouterr() == ("", f"lapjoint: {MESSAGE}\n")
+    finally:
+        LOGGER.handlers.clear()
+        LOGGER.setLevel(level)
+
+
+def test_python_is_told_nothing_unless_it_asks(caplog: pytest.LogCaptureFixture) -> None:
+    compiling._Listener().on_start(None)
+    compiling._Listener().on_end(None)
+    assert not caplog.records
+    with caplog.at_level(logging.INFO, "lapjoint.compiling"):
+        listener = compiling._Listener()
+        listener.on_start(None)
+        listener.on_end(None)
+    assert caplog.messages == [MESSAGE]
