@@ -23,7 +23,7 @@ import numpy as np
 from fe_lapjoint.march.compiled import at_place
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
-from lapjoint.compiling import njit_called
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 
@@ -143,7 +143,7 @@ def fading_integrals(drag: float, s: float) -> tuple[float, float, float, float,
     return math.exp(-x), first, second, third, (s**3 / 6 - third) / drag
 
 
-@njit_called()
+@njit_inner()
 def _response(a: float, omega: float, s: float) -> tuple[float, float]:
     """C and S of `fe_lapjoint.march.propagator.free_response`, of one mode that does not oscillate, or hardly."""
     square = a**2 - omega**2
@@ -159,7 +159,7 @@ def _response(a: float, omega: float, s: float) -> tuple[float, float]:
     return slow * (1 + math.exp(-2 * root * s)) / 2 + a * S, S
 
 
-@njit_called()
+@njit_inner()
 def begin_interval(
     tables: RampTables, knots: Knots, j: int, t: float, ahead: float, y: FloatArray, it: Interval
 ) -> None:
@@ -211,7 +211,7 @@ def begin_interval(
     _write_bounds(tables, ahead, it)
 
 
-@njit_called()
+@njit_inner()
 def _write_places(tables: RampTables, y: FloatArray, it: Interval) -> None:
     """Write the motion of the places."""
     p, n = tables.places.shape
@@ -234,7 +234,7 @@ def _write_places(tables: RampTables, y: FloatArray, it: Interval) -> None:
         it.rounding[u] = _ROUNDING * size
 
 
-@njit_called()
+@njit_inner()
 def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
     """Write the bounds, each times exp(-fading s); see `fe_lapjoint.march.propagator.Flow.envelope`."""
     b, ringing, near, creeping = 0, tables.ringing.size, tables.near.size, tables.creeping.size
@@ -270,7 +270,7 @@ def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
         it.bounds[3, b + k] = force * drag + slope
 
 
-@njit_called()
+@njit_inner()
 def _powers(amplitude: float, rate: float, b: int, bounds: FloatArray) -> None:
     """Write the bounds on a term and its derivatives, of which each has the rate of growth of the one before."""
     for d in range(4):
@@ -278,7 +278,7 @@ def _powers(amplitude: float, rate: float, b: int, bounds: FloatArray) -> None:
         amplitude *= rate
 
 
-@njit_called()
+@njit_inner()
 def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
     """Write exp(rate s) of each term.
 
@@ -302,7 +302,7 @@ def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
         waves[k] = complex(size * math.cos(angle), size * math.sin(angle))
 
 
-@njit_called()
+@njit_inner()
 def _other_motion(tables: RampTables, it: Interval, i: int, s: float) -> tuple[float, float, float]:
     """Displacement, velocity and acceleration, ramps of rigid-body modes included, of a mode without oscillation."""
     a, w = tables.damping_rate[i], tables.omega[i]
@@ -320,7 +320,7 @@ def _other_motion(tables: RampTables, it: Interval, i: int, s: float) -> tuple[f
     return q, v, acceleration
 
 
-@njit_called()
+@njit_inner()
 def places_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, z: FloatArray) -> None:
     """Write displacement, velocity and acceleration of the places.
 
@@ -380,7 +380,7 @@ def place_at(tables: RampTables, it: Interval, u: int, s: float) -> tuple[float,
     return x, v
 
 
-@njit_called()
+@njit_inner()
 def state_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, order: int, q: FloatArray) -> None:
     """Write a time derivative of the modal displacements.
 
@@ -413,7 +413,7 @@ def state_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, or
         q[i] += _other_motion(tables, it, i, s)[order]
 
 
-@njit_called()
+@njit_inner()
 def move(tables: RampTables, it: Interval, s: float, waves: ComplexArray, y: FloatArray) -> None:
     """Write the modal displacements and velocities.
 
@@ -455,7 +455,7 @@ def moved(tables: RampTables, it: Interval, s: float) -> FloatArray:
     return y
 
 
-@njit_called()
+@njit_inner()
 def areas_of(tables: RampTables, it: Interval, s: float, areas: FloatArray) -> None:
     """Add the time integrals of the displacements of the places from the start on.
 
@@ -481,7 +481,7 @@ def areas_of(tables: RampTables, it: Interval, s: float, areas: FloatArray) -> N
             areas[u] += tables.places[u, i] * area
 
 
-@njit_called()
+@njit_inner()
 def _wave_area(rate: complex, s: float) -> complex:
     """The integral of exp(rate t) from 0 to s, without cancellation."""
     a, b = rate.real * s, rate.imag * s
@@ -489,7 +489,7 @@ def _wave_area(rate: complex, s: float) -> complex:
     return less / rate
 
 
-@njit_called()
+@njit_inner()
 def _other_area(tables: RampTables, it: Interval, i: int, s: float) -> float:
     """The time integral of the displacement of a mode without oscillation, kg^1/2 m s."""
     a, w, x, y = tables.damping_rate[i], tables.omega[i], it.free[0, i], it.free[1, i]

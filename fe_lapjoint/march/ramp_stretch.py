@@ -27,7 +27,7 @@ from fe_lapjoint.march.ramp_interval import (
 )
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
-from lapjoint.compiling import njit_called
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _HALVINGS = 6  # of an interval before it is searched: 64 steps of a window, about as many as without ramps
@@ -55,7 +55,7 @@ class Watch(NamedTuple):
     """Gap function, m, and its rate, m/s, at the beginning of that part, and at its end; shape ``(P, 4)``."""
 
 
-@njit_called()
+@njit_inner()
 def interval_of(knots: Knots, t: float) -> int:
     """Between which knots a time is; at a knot, after it.
 
@@ -74,7 +74,7 @@ def interval_of(knots: Knots, t: float) -> int:
     return min(max(int(np.searchsorted(knots.time, t, side="right")) - 1, 0), knots.time.size - 2)
 
 
-@njit_called()
+@njit_inner()
 def _next(tables: RampTables, knots: Knots, j: int, t: float, end: float) -> tuple[float, float, int]:
     """Until when one closed form is followed, how long that is, and between which knots the next one begins."""
     knot = knots.time[j + 1] if j < knots.time.size - 2 else np.inf
@@ -147,14 +147,14 @@ def over_knots(
     return t, 0.0, 0.0, passed
 
 
-@njit_called()
+@njit_inner()
 def _gap(tables: RampTables, k: int, z: FloatArray) -> tuple[float, float]:
     """A gap function, m, and its rate, m/s, from displacement and velocity of the places, ``(p, 3)``."""
     u, sign = tables.place_of[k], tables.orientation[k]
     return sign * z[u, 0] - tables.offset[k], sign * z[u, 1]
 
 
-@njit_called()
+@njit_inner()
 def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, watch: Watch) -> None:
     """Write what each gap function must exceed in an interval that begins."""
     for k in range(watch.fresh.size):
@@ -169,7 +169,7 @@ def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, wa
         watch.level[k] = rounding + watch.shift[k]
 
 
-@njit_called()
+@njit_inner()
 def _look(
     tables: RampTables, it: Interval, since: float, width: float, waves: ComplexArray, z: FloatArray, watch: Watch
 ) -> tuple[float, float]:
@@ -197,7 +197,7 @@ def _look(
     return 0.0, 0.0
 
 
-@njit_called()
+@njit_inner()
 def _judge(
     tables: RampTables,
     it: Interval,
@@ -223,7 +223,7 @@ def _judge(
     return _RISING if result and sure else result
 
 
-@njit_called()
+@njit_inner()
 def _bound(tables: RampTables, it: Interval, since: float, width: float, bounds: FloatArray) -> None:
     """Write how far each place may rise above a chord, m, leave its tangent, m, and its rate, m/s; ``(3, p)``."""
     bounds[:] = 0.0
@@ -301,7 +301,7 @@ _DEEP = 48  # halvings, at most: more than leave the last digit of an interval
 _NEWTON = 30  # steps, at most
 
 
-@njit_called()
+@njit_inner()
 def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: FloatArray, found: float) -> float:
     """The larger of what has been found, and the deepest penetration of a stop in an interval, m.
 
@@ -344,7 +344,7 @@ def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: Flo
     return found
 
 
-@njit_called()
+@njit_inner()
 def _top(tables: RampTables, it: Interval, k: int, lo: float, hi: float, rate: float, rate_end: float) -> float:
     """The maximum, m, of a penetration whose rate falls through 0, by Newton's method kept between the ends."""
     u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
