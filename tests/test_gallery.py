@@ -30,7 +30,7 @@ LARGEST = {".png": 100_000, ".svg": 100_000, ".gif": 1_000_000}  # bytes: the pa
 HUES, COLOURS_APART = 12, 0.045
 """Colours told apart, and the largest difference in them: what matplotlib 3.9 and 3.11 draw is up to 0.03 apart, and a
 motion with and without the strips of its contacts 0.06 and more."""
-OF_CHANCE = {"chaos": 0.15}
+OF_CHANCE = {"chaos": 0.15, "shaken": 0.15}
 """Differences in colours where rounding makes another motion each time: two marches are 0.05 apart."""
 BLOCK, BLOCKS_APART = 16, 0.25
 """Pixels, and the largest difference in blocks of that size, between pictures of one matplotlib: two marches of one

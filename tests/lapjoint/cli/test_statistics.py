@@ -45,7 +45,7 @@ def test_it_prints_values_and_intervals_and_writes_them(problem: str, tmp_path: 
     result = run(*command)
     assert result.exit_code == 0, result.output
     lines = result.stdout.splitlines()
-    assert max(map(len, lines)) <= 80
+    assert max(len(line) for line in lines if not line.startswith("Wrote")) <= 80  # but a path may be longer
     for text in (
         "Statistics of: Shaken",
         "displacement [m]",

@@ -30,7 +30,7 @@ def test_the_watch_over_an_orbit_agrees_with_the_motion(uneven: orbit_watch.Know
         assert disagree(question(uneven)) == []
 
 
-@pytest.mark.parametrize(("name", "value"), [("CURVED", 0.6), ("_SHIFTS", 30.0), ("_RATE", 0.01)])
+@pytest.mark.parametrize(("name", "value"), [("CURVED", 0.6), ("_SHIFTS", 30.0), ("RATE", 0.01)])
 def test_another_rule_is_noticed(
     name: str, value: float, uneven: orbit_watch.Known, monkeypatch: pytest.MonkeyPatch
 ) -> None:
