@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.basin_plan import EFFORT, BasinPlan, library_text
-from lapjoint.campaigns.batch import Batch, Solved
+from lapjoint.campaigns.batch import Batch
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.journal import Journal
-from lapjoint.campaigns.running import send, solve, stored
+from lapjoint.campaigns.running import delivery, send, solve, stored
 from lapjoint.campaigns.workers import Workers
 from lapjoint.problem import Problem
 from lapjoint.problem.plane import Plane
@@ -172,17 +172,7 @@ def _scouts_first(
     progress: Progress | None,
 ) -> None:
     """Find the chunks that are missing, first the scouts, and keep them in `chunks` or in the journal."""
-
-    def deliver(solved: Solved) -> None:
-        if journal is None:
-            chunks.update(solved.points)
-        else:
-            journal.append(solved.points, solved.section)
-        if progress is not None:
-            progress(len(chunks), plan.size)
-
-    if progress is not None:
-        progress(len(chunks), plan.size)
+    deliver = delivery(plan, chunks, journal, progress)
     scouts = _batches((cell for cell in range(plan.values) if cell not in chunks), 1)
     if scouts:
         send(plan, scouts, workers, scheduler, deliver)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from hashlib import sha256
 from typing import Any, ClassVar
 
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.plan import MOST_STARTS, check_integer, versions
+from lapjoint.campaigns.plan import MOST_STARTS, check_integer, digest_of, versions
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.problem.files import to_toml
@@ -163,8 +161,4 @@ class BranchPlan:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
-        try:
-            text = json.dumps(self.identity)
-        except TypeError as error:
-            raise InputError(f"options = {dict(self.options)!r}: cannot be written to a file: {error}") from None
-        return sha256(text.encode()).hexdigest()
+        return digest_of(self.identity, self.options)

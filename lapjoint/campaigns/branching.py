@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.branch_journal import BranchJournal
 from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.running import stored
 from lapjoint.campaigns.workers import check_workers
-from lapjoint.errors import InputError, Interrupted, OutputError, SolverError
+from lapjoint.errors import InputError
+from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem import Problem
 from lapjoint.processes import interrupts_held, process_pool
 from lapjoint.solver import Progress
@@ -97,49 +99,10 @@ def branch(
     plan = BranchPlan(
         problem, path, first, last, solver, dict(options or {}), max_period_multiple, starts, seed, errors
     )
-    found = None if out is None else stored_branches(plan, out, force=force)
+    found = None if out is None else stored(plan, out, force=force)
     if found is not None:
         return found
     return find_branches(plan, workers=workers, out=out, force=force, progress=progress)
-
-
-def stored_branches(plan: BranchPlan, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
-    """The finished dataset of a plan, if its file is there.
-
-    Parameters
-    ----------
-    plan : BranchPlan
-        The plan.
-    out : str or Path
-        File of the dataset.
-    force : bool
-        Whether the file may be something else, to be thrown away.
-
-    Returns
-    -------
-    xarray.Dataset or None
-        The dataset; None if there is no such file, or it is something else that may be thrown away.
-
-    Raises
-    ------
-    InputError
-        If the file is something else, and may not be thrown away.
-    """
-    from lapjoint.campaigns.dataset import read_result
-
-    if not Path(out).exists():
-        return None
-    try:
-        found = read_result(out, plan.noun)
-    except InputError:
-        if force:
-            return None
-        raise
-    if found.attrs.get("fingerprint") == plan.fingerprint:
-        return found
-    if force:
-        return None
-    raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
 def find_branches(
@@ -182,7 +145,6 @@ def find_branches(
         After Ctrl-C; the message says what is kept.
     """
     from lapjoint.campaigns.branch_dataset import branch_dataset
-    from lapjoint.campaigns.dataset import write_curve
 
     count = check_workers(workers)
     if not isinstance(count, int):
@@ -191,16 +153,10 @@ def find_branches(
     if out is None:
         return branch_dataset(plan, _Search(plan, None, count, progress).run())
     journal = BranchJournal(plan, out, force=force)
-    try:
+    with journal.going():
         dataset = branch_dataset(plan, _Search(plan, journal, count, progress).run())
-        write_curve(dataset, out)
+        write_netcdf(dataset, out)
         journal.remove()
-    except (OutputError, SolverError) as error:
-        raise type(error)(f"{error}; {journal.kept()}") from None
-    except KeyboardInterrupt:
-        raise Interrupted(f"interrupted: {journal.kept()}") from None
-    finally:
-        journal.close()
     return dataset
 
 

@@ -23,7 +23,7 @@ from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.errors import InputError
 from lapjoint.input_files import read_file
-from lapjoint.netcdf_files import is_whole, write_netcdf
+from lapjoint.netcdf_files import is_whole
 from lapjoint.summaries.of_orbit import OF_STOPS
 
 if TYPE_CHECKING:
@@ -251,26 +251,6 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         **{f"version_{name}": number for name, number in identity["versions"].items()},
         "fingerprint": plan.fingerprint,
     }
-
-
-def write_curve(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset as NetCDF; an older file of that name stays until the new one is complete.
-
-    The file has an attribute more, ``checksum``: see `lapjoint.netcdf_files`.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of a sweep.
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written.
-    """
-    write_netcdf(dataset, path)
 
 
 def read_curve(path: str | Path) -> xr.Dataset:

@@ -14,8 +14,8 @@ import os
 import re
 import secrets
 import warnings
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from hashlib import sha256
 from io import FileIO
@@ -24,7 +24,7 @@ from typing import Any, cast
 
 from lapjoint.campaigns.campaign import Campaign, Kept, Point
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
-from lapjoint.errors import DamageWarning, InputError
+from lapjoint.errors import DamageWarning, InputError, Interrupted, OutputError, SolverError
 from lapjoint.output_files import unwritable
 
 BEGINNING = b'{"journal":'
@@ -125,6 +125,26 @@ class Journal:
         """Remove the journal, when the file of the sweep is written."""
         self.path.unlink(missing_ok=True)
         self.close()
+
+    @contextmanager
+    def going(self) -> Iterator[None]:
+        """While the work goes on: where it stops, the message says what is kept; in the end the journal is closed.
+
+        Raises
+        ------
+        OutputError, SolverError
+            As the work raised it, and what is kept.
+        Interrupted
+            After Ctrl-C; what is kept.
+        """
+        try:
+            yield
+        except (OutputError, SolverError) as error:
+            raise type(error)(f"{error}; {self.kept()}") from None
+        except KeyboardInterrupt:
+            raise Interrupted(f"interrupted: {self.kept()}") from None
+        finally:
+            self.close()
 
     def kept(self) -> str:
         """A message for a sweep that stops here: it reads the file, because an interrupt can come at any moment."""

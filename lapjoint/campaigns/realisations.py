@@ -8,7 +8,6 @@ the order of the realisations, whichever worker made which.
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -21,10 +20,10 @@ from lapjoint.campaigns.format_version import FORMAT_VERSION
 from lapjoint.campaigns.plan import check_integer, digest_of, versions
 from lapjoint.campaigns.running import run
 from lapjoint.campaigns.workers import Workers
-from lapjoint.errors import ExcitationWarning, InputError, SolverError
+from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.problem.files import to_toml
-from lapjoint.problem.random_motion import LARGEST_SEED, Random
+from lapjoint.problem.random_motion import LARGEST_SEED
 from lapjoint.solver import Progress, Solver, make_solver
 from lapjoint.summaries.measure import Measure, measure, sums_of
 from lapjoint.summaries.quantities import selection
@@ -153,17 +152,9 @@ class Realisations:
         Problem
             The problem.
         """
-        problem = self.problem
-        if not number or not problem.random:
-            return problem
-        with warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore", ExcitationWarning
-            )  # what is doubtful is so of all, and was said of the first
-            base = _reseeded(problem.base_motion, number)
-            return problem.replace(
-                base_motion=base, point_loads=tuple(_reseeded(load, number) for load in problem.point_loads)
-            )
+        if not number:
+            return self.problem
+        return self.problem.with_seeds(lambda own: (own + number) % (LARGEST_SEED + 1))
 
     def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Realised, None]:
         """The sums of a realisation. See `lapjoint.campaigns.campaign.Campaign.answer`."""
@@ -347,10 +338,3 @@ def lasting(problem: Problem, duration: float | None) -> float:
     if not np.isfinite(problem.longest):
         raise InputError("duration: is missing; only a problem with a record has a duration of its own")
     return problem.longest
-
-
-def _reseeded(part: Any, number: int) -> Any:
-    """A random part with the seed of a realisation; any other as it is."""
-    if not isinstance(part, Random):
-        return part
-    return type(part)(**{**part.model_dump(), "seed": (part.seed + number) % (LARGEST_SEED + 1)})

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.batch import after, batches, solve_batch, solver_of
-from lapjoint.campaigns.campaign import Campaign
+from lapjoint.campaigns.campaign import Campaign, Kept
 from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.plan import Plan, Start
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
-from lapjoint.errors import InputError, Interrupted, OutputError, SolverError
+from lapjoint.errors import InputError
 from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
@@ -202,26 +202,20 @@ def solve(
         work(plan, points, None, workers, scheduler, progress)
         return plan.dataset(points)
     journal = Journal(plan, out, force=force)
-    try:
+    with journal.going():
         work(plan, journal.points, journal, workers, scheduler, progress)
         dataset = plan.dataset(journal.points)
         write_netcdf(dataset, out)
         journal.remove()
-    except (OutputError, SolverError) as error:
-        raise type(error)(f"{error}; {journal.kept()}") from None
-    except KeyboardInterrupt:
-        raise Interrupted(f"interrupted: {journal.kept()}") from None
-    finally:
-        journal.close()
     return dataset
 
 
-def stored(plan: Campaign, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
-    """The finished dataset of a sweep, if its file is there.
+def stored(plan: Kept, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
+    """The finished dataset of a sweep, or of other work, if its file is there.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Kept
         The work.
     out : str or Path
         File of the dataset.
@@ -255,6 +249,43 @@ def stored(plan: Campaign, out: str | Path, *, force: bool = False) -> xr.Datase
     raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
+def delivery(
+    plan: Campaign, points: dict[int, Any], journal: Journal | None, progress: Progress | None
+) -> Callable[[Solved], None]:
+    """What takes batches when they are solved; it says at once how much is done already.
+
+    Parameters
+    ----------
+    plan : Campaign
+        The work.
+    points : dict of int to answer
+        What is done, by the number of the cell; takes what is found.
+    journal : Journal, or None
+        Keeps what is found, in `points` too.
+    progress : callable, or None
+        Called with the number of cells done and the number of all.
+
+    Returns
+    -------
+    callable
+        Takes a batch.
+    """
+
+    def say() -> None:
+        if progress is not None:
+            progress(len(points), plan.size)
+
+    def deliver(solved: Solved) -> None:
+        if journal is None:
+            points.update(solved.points)
+        else:
+            journal.append(solved.points, solved.section)
+        say()
+
+    say()
+    return deliver
+
+
 def all_cells(
     plan: Campaign,
     points: dict[int, Any],
@@ -281,16 +312,7 @@ def all_cells(
         Called with the number of cells done and the number of all.
     """
 
-    def deliver(solved: Solved) -> None:
-        if journal is None:
-            points.update(solved.points)
-        else:
-            journal.append(solved.points, solved.section)
-        if progress is not None:
-            progress(len(points), plan.size)
-
-    if progress is not None:
-        progress(len(points), plan.size)
+    deliver = delivery(plan, points, journal, progress)
     length = plan.longest_batch
     if isinstance(workers, int):
         length = max(1, min(length, plan.size // (4 * workers)))

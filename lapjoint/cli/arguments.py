@@ -201,6 +201,11 @@ def refuse(reason: str, **given: object) -> None:
             raise InputError(f"--{name.replace('_', '-')}: {reason}; leave it out")
 
 
+def names_from(text: str) -> tuple[str, ...]:
+    """Names with commas between them."""
+    return tuple(name.strip() for name in text.split(","))
+
+
 def places_from(text: str) -> list[float]:
     """The places of ``--at x=2.5,1.25``, m."""
     name, _, numbers = text.partition("=")
@@ -221,7 +226,7 @@ def series_from(
         return {}
     wanted: dict[str, Any] = {
         "at": None if at is None else places_from(at),
-        "quantities": None if quantity is None else [name.strip() for name in quantity.split(",")],
+        "quantities": None if quantity is None else names_from(quantity),
         "rate": rate,
     }
     check_series(problem, **wanted, duration=duration)

@@ -59,25 +59,20 @@ def basins(
     Starts are the points of a grid in a --plane, or random ones of an --energy. Interrupted in any way, the same
     command resumes.
     """
-    from lapjoint.campaigns import solve_basins, stored
+    from lapjoint.campaigns import solve_basins
     from lapjoint.campaigns.basin_dataset import UNBOUND_CLASSES
     from lapjoint.cli import arguments
     from lapjoint.cli.basin_arguments import plan_from
     from lapjoint.cli.basin_printing import print_basins
-    from lapjoint.cli.progress import shown_points
+    from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", out, ".nc")
     arguments.check_file("--figure", figure, *FIGURES)
     this = arguments.problem_from(problem, overrides)
     plan = plan_from(this, solver_name, arguments.options_from(n_modes, elements, options), **chosen)
-    there = stored(plan, out, force=force)
-    if there is None:
-        with shown_points("basins") as progress:
-            found = solve_basins(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-        echo(f"Wrote {out}")
-    else:
-        found = there
-        echo(f"{out}: holds these basins already, finished")
+    found = found_or_stored(
+        plan, "basins", "these basins", solve_basins, out=out, force=force, workers=workers, scheduler=scheduler
+    )
     print_basins(found)
     if figure is not None:
         from lapjoint.figures import plot_basins, save

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import click
 
-from lapjoint.cli.echo import echo
 from lapjoint.cli.options import problem_options, solver_options
 
 
@@ -63,22 +62,16 @@ def branch(
     same command resumes.
     """
     from lapjoint.campaigns.branch_plan import BranchPlan
-    from lapjoint.campaigns.branching import find_branches, stored_branches
+    from lapjoint.campaigns.branching import find_branches
     from lapjoint.cli import arguments
     from lapjoint.cli.branch_printing import print_branches
-    from lapjoint.cli.progress import shown_points
+    from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", out, ".nc")
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
     plan = BranchPlan(this, path, first, last, solver_name, numerics, max_period_multiple, starts, seed, errors)
-    there = stored_branches(plan, out, force=force)
-    if there is None:
-        with shown_points("branch") as progress:
-            there = find_branches(plan, workers=workers, out=out, force=force, progress=progress)
-        echo(f"Wrote {out}")
-    else:
-        echo(f"{out}: holds these branches already, finished")
-    print_branches(there)
-    ends = [*there.branch_first_end.values, *there.branch_last_end.values]
+    found = found_or_stored(plan, "branch", "these branches", find_branches, out=out, force=force, workers=workers)
+    print_branches(found)
+    ends = [*found.branch_first_end.values, *found.branch_last_end.values]
     click.get_current_context().exit(1 if not ends or "lost" in ends else 0)

@@ -14,7 +14,7 @@ from lapjoint.answers.contact_state import state_label
 from lapjoint.answers.series import written
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
-from lapjoint.figures.text import apart, cut_to, plain
+from lapjoint.figures.text import apart, cut_to, error_text, plain
 from lapjoint.output_files import write_file
 from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
 
@@ -146,13 +146,6 @@ def _print_summary(found: SteadyState, at: list[float] | None) -> None:
 def print_source(source: str) -> None:
     """Print how errors were estimated, or why there are none."""
     echo(f"Numerical errors (+-): {source}")
-
-
-def error_text(error: float | None) -> str:
-    """An error in two digits; a question mark where none can be stated, nothing where none was estimated."""
-    if error is None:
-        return ""
-    return f"{error:.1e}" if error < float("inf") else "?"
 
 
 def _sensitivity(acceptance: Acceptance) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import click
 
-from lapjoint.cli.echo import echo
 from lapjoint.cli.options import campaign_options, problem_options, solver_options
 
 
@@ -49,10 +48,10 @@ def statistics(
 
     Interrupted in any way, the same command resumes, if it has --out.
     """
-    from lapjoint.campaigns import solve, stored
+    from lapjoint.campaigns import solve
     from lapjoint.campaigns.realisations import Realisations
     from lapjoint.cli import arguments, printing, statistics_printing
-    from lapjoint.cli.progress import shown_points
+    from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", out, ".nc")
     arguments.check_file("--json", json_path)
@@ -65,18 +64,13 @@ def statistics(
         solver_name,
         arguments.options_from(n_modes, elements, options),
         None if at is None else tuple(arguments.places_from(at)),
-        None if quantity is None else tuple(name.strip() for name in quantity.split(",")),
+        None if quantity is None else arguments.names_from(quantity),
         settle,
         rate,
     )
-    found = None if out is None else stored(plan, out, force=force)
-    if found is None:
-        with shown_points("statistics") as progress:
-            found = solve(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-        if out is not None:
-            echo(f"Wrote {out}")
-    else:
-        echo(f"{out}: holds these statistics already, finished")
+    found = found_or_stored(
+        plan, "statistics", "these statistics", solve, out=out, force=force, workers=workers, scheduler=scheduler
+    )
     statistics_printing.print_statistics(found)
     if json_path:
         printing.write_json(json_path, statistics_printing.statistics_summary(found))

@@ -9,6 +9,7 @@ import numpy as np
 
 from lapjoint.answers.series import written
 from lapjoint.cli.echo import echo
+from lapjoint.cli.printing import COLUMNS, FAILURES_SHOWN
 from lapjoint.figures.text import apart, cut_to, plain
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
     from lapjoint.problem import FloatArray
 
-_WIDTH = 80
 _NAME = 28
 """Characters of a quantity with its unit, or of a stop."""
 _SHARES = (0.5, 0.9, 0.99)
@@ -48,9 +48,9 @@ def print_statistics(found: xr.Dataset) -> None:
     _print_places(found)
     _print_stops(found)
     for line in [*filter(None, of["remarks"].split("\n"))]:
-        echo(fill(f"Note: {line}", _WIDTH))
+        echo(fill(f"Note: {line}", COLUMNS))
     messages = [*filter(None, of["messages"].split("\n"))]
-    for line in messages[:5]:
+    for line in messages[:FAILURES_SHOWN]:
         echo(f"failed: {line}")
 
 

@@ -77,24 +77,19 @@ def sweep(
 
     Interrupted in any way, the same command resumes.
     """
-    from lapjoint.campaigns import Grid, Plan, solve, stored
+    from lapjoint.campaigns import Grid, Plan, solve
     from lapjoint.cli import arguments, printing
-    from lapjoint.cli.progress import shown_points
+    from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", out, ".nc")
     axes = arguments.axes_from(first, last, step, fields)
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
-    further = () if summary is None else tuple(name.strip() for name in summary.split(","))
+    further = () if summary is None else arguments.names_from(summary)
     plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors, further)
-    there = stored(plan, out, force=force)
-    if there is None:
-        with shown_points("sweep") as progress:
-            found = solve(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-        echo(f"Wrote {out}")
-    else:
-        found = there
-        echo(f"{out}: holds this sweep already, finished")
+    found = found_or_stored(
+        plan, "sweep", "this sweep", solve, out=out, force=force, workers=workers, scheduler=scheduler
+    )
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
 

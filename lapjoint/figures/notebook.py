@@ -14,6 +14,7 @@ from lapjoint.answers.modes import Modes
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.figures.motion import plot_motion
 from lapjoint.figures.style import new_axes, svg_of
+from lapjoint.figures.text import error_text
 
 CONTACTS_SHOWN = 8
 MODES_SHOWN = 12
@@ -108,9 +109,7 @@ def html_of_steady_state(found: SteadyState) -> str:
 
 
 def _with_error(value: float, error: float | None) -> str:
-    if error is None:
-        return f"{value:.6g}"
-    return f"{value:.6g} ± {error:.1e}" if math.isfinite(error) else f"{value:.6g} ± ?"
+    return f"{value:.6g}" if error is None else f"{value:.6g} ± {error_text(error)}"
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], left_out: int) -> str:

@@ -57,6 +57,24 @@ def plain(text: str) -> str:
     return re.sub("\n+", " ", drawn).strip(" ")
 
 
+def error_text(error: float | None) -> str:
+    """A numerical error in two digits.
+
+    Parameters
+    ----------
+    error : float or None
+        The error, in any unit.
+
+    Returns
+    -------
+    str
+        A question mark where none can be stated, nothing where none was estimated.
+    """
+    if error is None:
+        return ""
+    return f"{error:.1e}" if error < float("inf") else "?"
+
+
 def legend_label(name: str) -> str:
     """A name that matplotlib shows in a legend.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any, Literal, Self
 
@@ -200,11 +200,32 @@ class Problem(Part):
             If the seed is not possible.
         """
 
+        return self.with_seeds(lambda own: seed)
+
+    def with_seeds(self, seed_of: Callable[[int], int]) -> Problem:
+        """The same problem with another realisation of each part that is random.
+
+        Parameters
+        ----------
+        seed_of : callable
+            Takes the seed of a random part, and gives the one that it is to have, 0 or more.
+
+        Returns
+        -------
+        Problem
+            A validated copy.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            If a seed is not possible.
+        """
+
         def other(part: Any) -> Any:
             if not isinstance(part, Random):
                 return part
             fields = {name: getattr(part, name) for name in type(part).model_fields}
-            return type(part).model_validate(fields | {"seed": seed})
+            return type(part).model_validate(fields | {"seed": seed_of(part.seed)})
 
         with warnings.catch_warnings(action="ignore", category=ExcitationWarning):  # it was said of this problem
             return self.replace(

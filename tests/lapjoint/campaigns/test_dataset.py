@@ -16,13 +16,14 @@ import pytest
 import xarray as xr
 
 from lapjoint import Outcome, paper_joint
-from lapjoint.campaigns.dataset import dataset_of, read_curve, write_curve
+from lapjoint.campaigns.dataset import dataset_of, read_curve
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError, OutputError
 from lapjoint.figures import plot_curve, plot_curve_wide, save
 from lapjoint.figures.impulse_curve_wide import OUTCOME_COLOURS, certificates
+from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem.files import from_toml
 
 JOINT = paper_joint()
@@ -54,7 +55,7 @@ def dataset(this: Plan) -> xr.Dataset:
 
 def test_a_file_gives_back_the_dataset(tmp_path: Path) -> None:
     for this in (plan(), plan(3, 4), plan(3, start="random", starts=2), plan(1)):
-        write_curve(dataset(this), tmp_path / "curve.nc")
+        write_netcdf(dataset(this), tmp_path / "curve.nc")
         xr.testing.assert_identical(read_curve(tmp_path / "curve.nc"), dataset(this))
     assert [path.name for path in tmp_path.iterdir()] == ["curve.nc"]
 
@@ -63,7 +64,7 @@ def test_a_joint_without_stops_and_a_long_problem_fit_into_a_file(tmp_path: Path
     free = JOINT.replace(stops=(), title="x" * 200_000)
     this = Plan(Grid(free, (Axis(FREQUENCY, [1.0, 2.0]),)))
     found = dataset_of(this, {cell: Point("NO_CONTACT", 1) for cell in range(2)})
-    write_curve(found, tmp_path / "curve.nc")
+    write_netcdf(found, tmp_path / "curve.nc")
     xr.testing.assert_identical(read_curve(tmp_path / "curve.nc"), found)
     assert from_toml(found.attrs["problem"]) == free
     plot_curve(found)
@@ -91,7 +92,7 @@ def test_everything_has_a_name_units_and_dimensions_with_names() -> None:
 
 def test_other_readers_find_the_contacts_of_each_motion(tmp_path: Path) -> None:
     this = plan(4, 3)
-    write_curve(dataset(this), tmp_path / "curve.nc")
+    write_netcdf(dataset(this), tmp_path / "curve.nc")
     with h5py.File(tmp_path / "curve.nc") as file:
         counts, impulses = file["contact_count"][...], file["contact_impulse"][...]
         assert file["contact_count"].attrs["sample_dimension"] == "contact"
@@ -122,14 +123,14 @@ def test_distinct_motions_are_counted_by_period_multiple_and_impulses() -> None:
 
 def test_what_was_there_stays_when_the_disk_is_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "curve.nc"
-    write_curve(dataset(plan()), path)
+    write_netcdf(dataset(plan()), path)
 
     def full(descriptor: int) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
     with pytest.raises(OutputError, match=r"curve\.nc: cannot be written: No space left on device$"):
-        write_curve(dataset(plan(3)), path)
+        write_netcdf(dataset(plan(3)), path)
     assert read_curve(path).sizes["angular_frequency"] == 12
     assert [path.name for path in tmp_path.iterdir()] == ["curve.nc"]
 
@@ -155,7 +156,7 @@ def test_a_file_of_another_format_is_refused(version: int | None, whose: str, tm
     assert found.attrs.pop("format_version") == 3
     if version is not None:
         found.attrs["format_version"] = version
-    write_curve(found, path)
+    write_netcdf(found, path)
     with pytest.raises(InputError) as error:
         read_curve(path)
     sentence = f"is of format version {version or 1}, which {whose} lapjoint wrote; this one reads version 3 only"
@@ -165,7 +166,7 @@ def test_a_file_of_another_format_is_refused(version: int | None, whose: str, tm
 def test_a_damaged_file_is_refused_in_one_sentence(tmp_path: Path) -> None:
     """Every kind of damage: a flipped bit anywhere, a cut, other bytes, and zeros as a crash leaves them."""
     path, rng = tmp_path / "curve.nc", random.Random(5)
-    write_curve(dataset(plan()), path)
+    write_netcdf(dataset(plan()), path)
     raw = path.read_bytes()
     said = set()
     for number in range(300):
@@ -187,7 +188,7 @@ def test_a_damaged_file_is_refused_in_one_sentence(tmp_path: Path) -> None:
 def test_a_title_that_looks_like_a_checksum_does_no_harm(tmp_path: Path) -> None:
     title = "sha256 of the file, with zeros for these digits: " + 64 * "0"
     this = Plan(Grid(JOINT.replace(title=title), (Axis(FREQUENCY, [1.0]),)))
-    write_curve(dataset(this), tmp_path / "curve.nc")
+    write_netcdf(dataset(this), tmp_path / "curve.nc")
     xr.testing.assert_identical(read_curve(tmp_path / "curve.nc"), dataset(this))
 
 
@@ -200,7 +201,7 @@ def test_a_file_of_an_older_lapjoint_is_said_to_be_one(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("gone", ["impulse", "outcome", "contact_count"])
 def test_a_file_that_another_program_changed_is_refused(gone: str, tmp_path: Path) -> None:
-    write_curve(dataset(plan()), tmp_path / "curve.nc")
+    write_netcdf(dataset(plan()), tmp_path / "curve.nc")
     with xr.open_dataset(tmp_path / "curve.nc", engine="h5netcdf") as found:
         found.drop_vars(gone).to_netcdf(tmp_path / "changed.nc", engine="h5netcdf")
     with pytest.raises(InputError, match=r"changed\.nc: is damaged: its content does not fit its checksum"):

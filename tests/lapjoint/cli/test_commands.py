@@ -15,7 +15,7 @@ from command_line import FEW, PAPER, assert_refused, run, run_well
 from analytic import Solver
 from lapjoint import FREE, ContactState, Stop, paper_joint, read_problem, time_series
 from lapjoint.cli.options import DRAWINGS
-from lapjoint.cli.printing import error_text
+from lapjoint.figures.text import error_text
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, to_toml
 
