@@ -14,7 +14,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
-from lapjoint.one_thread import in_one_thread
+from lapjoint.one_thread import each_in_one_thread, in_one_thread
 from lapjoint.problem import Problem
 from lapjoint.solver import MODES, Progress
 
@@ -209,7 +209,7 @@ class Solver:
         from analytic import answers
 
         counts = in_one_thread(self.mode_counts)(problem)
-        return _each_in_one_thread(answers.stream(problem, self.name, counts, float(duration), progress))
+        return each_in_one_thread(answers.stream(problem, self.name, counts, float(duration), progress))
 
     @in_one_thread
     def steady_state(
@@ -274,14 +274,13 @@ class Solver:
 
     def _finer_map(self, problem: Problem) -> Callable[[], FinerMap] | None:
         """The period map of the finer solver, made when it is asked for."""
-        found = self._finer(self.mode_counts(problem))
+        found = self.finer(problem)
         if found is None:
             return None
         from lapjoint.orbits.orbit_errors import FinerMap
-        from lapjoint.orbits.refinement import Refinement
 
-        finer, ratio = found
-        return lambda: FinerMap(Refinement(finer.name, ratio, ORDER), finer.period_map(problem))
+        refinement, finer = found
+        return lambda: FinerMap(refinement, finer.period_map(problem))
 
     def _with_errors(self, motion: History, counts: tuple[int, int], duration: float) -> History:
         """A march with the errors of its contacts."""
@@ -358,13 +357,6 @@ class Solver:
         from analytic.period_map import PeriodMap
 
         return PeriodMap(Joint(problem, *self.mode_counts(problem)), self.name)
-
-
-def _each_in_one_thread(stretches: Iterator[History]) -> Iterator[History]:
-    """The same stretches; each is made in one thread, a limit that does not hold while someone works on it."""
-    take = in_one_thread(next)
-    while (stretch := take(stretches, None)) is not None:
-        yield stretch
 
 
 def check_count(field: str, value: object) -> None:

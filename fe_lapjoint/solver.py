@@ -262,10 +262,9 @@ class Solver:
     def _finer_map(self, problem: Problem) -> FinerMap:
         """The period map of the finer solver."""
         from lapjoint.orbits.orbit_errors import FinerMap
-        from lapjoint.orbits.refinement import Refinement
 
-        finer = self._finer(problem, FINER_ORBIT)
-        return FinerMap(Refinement(finer.name, FINER_ORBIT, ORDER), finer.period_map(problem))
+        refinement, finer = self.finer(problem)
+        return FinerMap(refinement, finer.period_map(problem))
 
     def _with_errors(self, motion: History, duration: float) -> History:
         """A march with the errors of its contacts."""
@@ -282,7 +281,7 @@ class Solver:
             motion, refinement, lambda: answers.simulate(finer, problem, duration, None, peaks=False)
         )
 
-    def finer(self, problem: Problem) -> tuple[Refinement, Solver] | None:
+    def finer(self, problem: Problem) -> tuple[Refinement, Solver]:
         """A solver on a finer mesh, by which errors are estimated.
 
         Parameters

@@ -265,33 +265,11 @@ class RampBlocks:
         return self._block(int(self._numbers(np.array([t]))[0]))
 
     def until(self, t: float) -> float:
-        """The first knot after a time.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        float
-            s; infinite after the last one.
-        """
+        """The first knot after a time. See `Ramps.until`."""
         return self.block_at(t).until(t)
 
     def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The forces, and how fast they change, at given times; at a knot after it.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s; before the first knot and after the last one the nearest ramp goes on.
-
-        Returns
-        -------
-        FloatArray, FloatArray, each of shape (m, R)
-            N or N/m; N/s or N/(m s).
-        """
+        """The forces, and how fast they change, at given times. See `Ramps.at`."""
         number = self._numbers(t)
         force, slope = np.empty((2, t.size, len(self.forces)))
         for k in np.unique(number).tolist():

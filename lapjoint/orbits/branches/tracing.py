@@ -19,9 +19,6 @@ from lapjoint.orbits.branches.switching import switched
 from lapjoint.orbits.branches.value_errors import Stated, graze_finder, smooth_finder, stated
 from lapjoint.orbits.steady_state import periodic_state
 
-TWO_SIDED = "start"
-"""Said of an end that is none: where a branch was begun, and followed both ways."""
-
 
 @dataclass(frozen=True)
 class Seed:
