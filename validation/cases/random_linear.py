@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from statistics import NormalDist
-
-import numpy as np
-import xarray as xr
 
 from lapjoint import Beam, Problem, RandomBaseMotion, Support, ViscousDamping, statistics
 from validation.case import CaseResult, Level, Say, number, table
 from validation.references.shaken_cantilever import ShakenCantilever
+from validation.statistics_estimates import estimate_of, joint_factor
 from validation.verdict import Check, Estimate, Kind
 
 BEAM = ShakenCantilever(length=0.9, stiffness=40.0, mass=0.8, damping=9.0)
@@ -62,55 +59,6 @@ def quantities() -> list[Quantity]:
         exact = BEAM.stiffness * math.sqrt(BEAM.mean_square(*band, x, 2, 0))
         found.append(Quantity(f"moment at {where}", "N m", "moment", x, exact))
     return found
-
-
-def joint_factor(count: int, level: float) -> float:
-    """By how much an interval is wider if `count` of them are to hold together, as often as each alone (Bonferroni).
-
-    Parameters
-    ----------
-    count : int
-        Number of intervals.
-    level : float
-        Probability with which each alone holds its value.
-
-    Returns
-    -------
-    float
-        1 or more.
-    """
-    each = NormalDist()
-    return each.inv_cdf(1 - (1 - level) / (2 * count)) / each.inv_cdf((1 + level) / 2)
-
-
-def estimate_of(found: xr.Dataset, variable: str, factor: float, smeared: float, **where: object) -> Estimate:
-    """A value of a dataset of statistics, with its interval as uncertainty.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        From `lapjoint.statistics`.
-    variable : str
-        Its variable.
-    factor : float
-        By which intervals are widened, to hold together.
-    smeared : float
-        Relative uncertainty besides, of the excitation.
-    **where : object
-        Which place or stop, as `xarray.DataArray.sel` or ``isel`` takes them.
-
-    Returns
-    -------
-    Estimate
-        The value, and half the width of its interval.
-    """
-    value = found[variable].sel(where, method="nearest") if "x" in where else found[variable].isel(where)
-    both = found[f"{variable}_interval"]
-    both = both.sel(where, method="nearest") if "x" in where else both.isel(where)
-    half = float(np.abs(both.values - float(value)).max())
-    units = f"{found.attrs['units']} units of {found.attrs['unit_duration']:.3g} s"
-    how = f"{found.attrs['solver']}, {units}, interval widened by {factor:.2f}"
-    return Estimate(float(value), factor * half + smeared * abs(float(value)), how)
 
 
 def run(level: Level, say: Say) -> CaseResult:

@@ -18,8 +18,8 @@ import numpy as np
 from lapjoint import Beam, Problem, RandomBaseMotion, Stop, Support, ViscousDamping, statistics
 from lapjoint.errors import ExcitationWarning
 from validation.case import CaseResult, Level, Say, number, table
-from validation.cases.random_linear import estimate_of, joint_factor
 from validation.references.gibbs import Gibbs
+from validation.statistics_estimates import estimate_of, joint_factor
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 LENGTH, MASS = 1.0, 3.0

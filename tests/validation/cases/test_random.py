@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from validation.cases import random_linear, random_stops
+from validation.statistics_estimates import joint_factor
 from validation.verdict import Verdict
 
 
@@ -45,8 +46,8 @@ def _with(made: Any, oscillator: Any, band: tuple[float, float]) -> Any:
 
 
 def test_intervals_that_are_to_hold_together_are_wider() -> None:
-    assert random_linear.joint_factor(1, 0.95) == pytest.approx(1.0)
-    assert random_linear.joint_factor(20, 0.95) == pytest.approx(3.0233 / 1.95996, rel=1e-4)
+    assert joint_factor(1, 0.95) == pytest.approx(1.0)
+    assert joint_factor(20, 0.95) == pytest.approx(3.0233 / 1.95996, rel=1e-4)
 
 
 def test_a_wider_band_leaves_out_less() -> None:
