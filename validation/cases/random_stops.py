@@ -14,6 +14,7 @@ import math
 import warnings
 
 import numpy as np
+import xarray as xr
 
 from lapjoint import Beam, Problem, RandomBaseMotion, Stop, Support, ViscousDamping, statistics
 from lapjoint.errors import ExcitationWarning
@@ -24,8 +25,9 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 LENGTH, MASS = 1.0, 3.0
 INERTIA = MASS * LENGTH**3 / 3
-STIFF = 1e9
-"""Bending stiffness, N m2: under its stops and its spring the bar bends by a part of 1e-6."""
+STIFF = 1e7
+"""Bending stiffness, N m2: what the bar bends makes its springs softer by a part of 1e-4, far below any interval here;
+a stiffer one rings so fast that the finite elements take eight times as long."""
 OSCILLATOR = Gibbs(omega=20.0, gamma=4.0, density=0.3, top=(0.05, 3000.0), bottom=(0.03, 900.0))
 LEVELS = (0.0, 0.02)
 """Further displacements, m, whose crossings are counted."""
@@ -36,7 +38,7 @@ BANDS = ((0.2, 25.0), (0.1, 50.0), (0.05, 100.0), (0.025, 200.0), (0.0125, 400.0
 SMALL = 0.2
 """Part of an interval that the bias of the band may be."""
 SEED, SEEDS = 7, 8
-DURATION = {"quick": 50.0, "standard": 500.0, "full": 2000.0}
+DURATION = {"quick": 50.0, "standard": 80.0, "full": 500.0}
 """Of each of `SEEDS` motions, s."""
 SOLVERS = {"analytic": {"n_modes": 1}, "fe": {"elements": 1}}
 SHARE = {"analytic": 1.0, "fe": 0.25}
@@ -99,6 +101,46 @@ def bias(band: tuple[float, float]) -> tuple[float, float]:
     return abs(displacement * it.omega / it.speed - 1), abs(speed / it.speed - 1)
 
 
+def shaken(
+    solver: str, options: dict[str, int], duration: float, exact: dict[str, float], say: Say
+) -> tuple[xr.Dataset, tuple[float, float], float]:
+    """Statistics under the first band that leaves out little enough.
+
+    Parameters
+    ----------
+    solver : str
+        Its entry-point name.
+    options : dict
+        Its numerical options.
+    duration : float
+        Of each motion, s.
+    exact : dict of str to float
+        The root mean squares of u and u', by their names in the dataset.
+    say : callable
+        Takes a line of progress.
+
+    Returns
+    -------
+    xarray.Dataset, tuple of float, float
+        The statistics, the band, Hz, and the larger bias of the two over its interval.
+    """
+
+    def over_interval(band: tuple[float, float]) -> float:
+        return max(left_out / width for left_out, width in zip(bias(band), widths, strict=True))
+
+    bands = list(BANDS)
+    while True:
+        band = bands.pop(0)
+        say(f"{solver}, {band[0]:g} to {band[1]:g} Hz")
+        found = statistics(bar(band), solver, duration=duration, seeds=SEEDS, options=options, at=[LENGTH])
+        widths = [estimate_of(found, name, 1.0, 0.0, x=LENGTH).uncertainty / value for name, value in exact.items()]
+        part = over_interval(band)
+        if part <= SMALL or not bands:
+            return found, band, part
+        # Intervals hardly depend on the band: one that leaves out too much for these is not tried.
+        bands = [other for other in bands if over_interval(other) <= SMALL] or bands[-1:]
+
+
 def run(level: Level, say: Say) -> CaseResult:
     """Both solvers against the density."""
     it = OSCILLATOR
@@ -111,14 +153,7 @@ def run(level: Level, say: Say) -> CaseResult:
     checks, criteria, rows = [], [], []
     factor = joint_factor(len(solvers) * (2 * len(gaps) + len(exact)), 0.95)
     for solver, options in solvers.items():
-        for band in BANDS:
-            say(f"{solver}, {band[0]:g} to {band[1]:g} Hz")
-            duration = DURATION[level] * SHARE[solver]
-            found = statistics(bar(band), solver, duration=duration, seeds=SEEDS, options=options, at=[LENGTH])
-            widths = [estimate_of(found, name, 1.0, 0.0, x=LENGTH).uncertainty / value for name, value in exact.items()]
-            part = max(left_out / width for left_out, width in zip(bias(band), widths, strict=True))
-            if part <= SMALL:
-                break
+        found, band, part = shaken(solver, options, DURATION[level] * SHARE[solver], exact, say)
         criteria.append(
             Criterion(f"bias of the band over the interval: {solver}", "1", part, 0.0, SMALL, "of root mean squares")
         )
