@@ -16,9 +16,9 @@ from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import Refinement
 from lapjoint.problem import FloatArray, Problem
 
-_STEP = 1e-5
-"""Step of the differences over the scale of the number: rounding, 1e-16 / 1e-5, and curvature, 1e-10, leave ten
-digits."""
+_STEP = 1e-7
+"""Step of the differences over the scale of the number: rounding, 1e-15 / 1e-7, leaves eight digits, and a graze that
+is ten times farther away does not come between."""
 _KEPT = 32
 """Number of period maps that are kept: a step, and the differences at its ends, return to the same values."""
 _LOOKED_AT = 9

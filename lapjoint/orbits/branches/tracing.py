@@ -147,7 +147,9 @@ def _smooth(family: Family, one: Located, index: int, errors: bool) -> Bifurcati
 def _grazing(family: Family, graze: Graze, errors: bool) -> Bifurcation:
     place, known = graze.before.place, Stated(graze.value, np.inf)
     if errors:
-        known = stated(family, place, graze.value, graze_finder(graze.before.extremum, place.extrema.duration))
+        known = stated(
+            family, place, graze.value, graze_finder(graze.before.extremum, graze.rate, place.extrema.duration)
+        )
     return Bifurcation("grazing", known.value, known.error, graze.index, graze.stop, graze.kind, _impulses(place))
 
 
