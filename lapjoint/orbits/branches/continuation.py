@@ -318,7 +318,10 @@ def _comes_to_shorter(here: Place, new: Place) -> bool:
 
 
 def _stepped(family: Family, here: Place, step: float) -> tuple[Place | None, float]:
-    """The next place of the curve, and the angle between the step and the tangent there; None if it is not found."""
+    """The next place of the curve, and the angle between the step and the tangent there; None if it is not found.
+
+    Another orientation than here shows that it is of another curve, or that a graze spoils its tangent.
+    """
     value, guess = here.moved(family, step * here.tangent)
     steep = abs(here.tangent[-1]) > _STEEP
     new = corrected(family, value, guess, here.count, fixed=steep and family.low <= value <= family.high)
@@ -328,7 +331,7 @@ def _stepped(family: Family, here: Place, step: float) -> tuple[Place | None, fl
     length = float(np.linalg.norm(chord))
     new = new.along(chord)
     angle = math.acos(min(1.0, float(chord @ new.tangent) / max(length, 1e-300)))
-    if angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
+    if new.orientation != here.orientation or angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
         return None, angle
     return new, angle
 

@@ -290,4 +290,4 @@ def scaling(half: HalfPeriods, point: SectionPoint, n: int) -> FloatArray:
         Over the unit of each coordinate.
     """
     size = max(half.map.size(point), float(np.finfo(float).tiny))
-    return np.array([half.map.norm(unit) for unit in np.eye(n)]) / size
+    return half.unit_norms(n) / size

@@ -16,9 +16,9 @@ from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import Refinement
 from lapjoint.problem import FloatArray, Problem
 
-_STEP = 1e-7
-"""Step of the differences over the scale of the number: rounding, 1e-15 / 1e-7, leaves eight digits, and a graze that
-is ten times farther away does not come between."""
+_STEP = 3e-8
+"""Step of the differences over the scale of the number: rounding, 1e-15 / 3e-8, and curvature leave seven digits, and a
+graze that is ten times farther away does not come between."""
 _KEPT = 32
 """Number of period maps that are kept: a step, and the differences at its ends, return to the same values."""
 _LOOKED_AT = 9
@@ -188,6 +188,22 @@ class Family:
         """
         return self.at(value).map.adopted(point)
 
+    def beside(self, value: float) -> tuple[float, ...]:
+        """Values so near that differences between the motions are derivatives, the one to be preferred first.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        tuple of float
+            Within the range, one or two: on the other side of a value a graze may lie.
+        """
+        step = _STEP * self.scale(value)
+        return tuple(other for other in (value + step, value - step) if self.low <= other <= self.high)
+
     def derivative(self, value: float, point: SectionPoint, count: int) -> FloatArray:
         """Derivative of a section point's image by the number, while the point stays where it is.
 
@@ -204,21 +220,23 @@ class Family:
         -------
         FloatArray, shape (n,)
             In the coordinates that belong to the point, over the unit of the number.  The solver gives it where it
-            can; else it comes from central differences.
+            can; else it comes from a difference, to a side where there are as many switches.
         """
         here = self.at(value)
-        if isinstance(here.map, FieldDerivatives):
-            end = here.map.march(point, count).end
-            if end.state == point.state:
-                known = here.map.derivative_by(self.path, point, count)
-                return -known if count % 2 else known
-        step, ends = _STEP * self.scale(value), []
-        values = max(value - step, self.low), min(value + step, self.high)
-        for other in values:
-            beside = self.at(other)
-            end = beside.marched(beside.map.adopted(point), count)
-            ends.append(here.map.difference(here.map.adopted(end), point))
-        return (ends[1] - ends[0]) / (values[1] - values[0])
+        march = here.map.march(point, count)
+        if isinstance(here.map, FieldDerivatives) and march.end.state == point.state:
+            known = here.map.derivative_by(self.path, point, count)
+            return -known if count % 2 else known
+        moved = here.map.difference(here.map.mirrored(march.end) if count % 2 else march.end, point)
+        column = np.zeros(moved.size)
+        for other in self.beside(value):
+            beside = self.at(other).map
+            there = beside.march(beside.adopted(point), count)
+            end = here.map.adopted(beside.mirrored(there.end) if count % 2 else there.end)
+            column = (here.map.difference(end, point) - moved) / (other - value)
+            if there.switches == march.switches:
+                break
+        return column
 
     def _made(self, value: float) -> HalfPeriods:
         return HalfPeriods(self.solver.period_map(self.problem_at(value)))

@@ -12,6 +12,7 @@ target holds the penetration fixed, the derivative hardly changes in a step of N
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,8 @@ _FAR = 0.5
 """Largest residual of a guess over the size of the motion."""
 _WORSE = 2.0
 """Most by which a step may make the residual worse: beyond a graze the map has another derivative."""
+_QUICK = 0.1
+"""Share of its misses that Newton's method has left after a step so good that derivatives by the number may stay."""
 _ALLOWED = 1e-3
 """Residual over the size of the motion up to which a guess is near enough."""
 _CLOSE = 1e-6
@@ -165,7 +168,7 @@ def on_extremum(family: Family, place: Place, extremum: Extremum, target: float,
 def _on_extremum(family: Family, place: Place, extremum: Extremum, target: float, scale: float) -> OnExtremum | None:
     last: _Try | None = None
     value, point, step, halved = place.value, place.point, np.zeros(0), 0
-    duration = place.extrema.duration
+    duration, before, column, slope = place.extrema.duration, np.inf, np.zeros(0), 0.0
     for _ in range(_STEPS):
         now = _tried(family, value, point, place.count, extremum, duration)
         if now is None or (last is not None and not _is_better(now, last, target)):
@@ -178,11 +181,15 @@ def _on_extremum(family: Family, place: Place, extremum: Extremum, target: float
             if not (np.isfinite(misses) and now.residual <= _FAR):
                 return None
             half, found, weights = family.at(value), now.found, scaling(family.at(value), point, now.r.size)
-            column, slope = _by_number(family, value, point, now, place.count)
+            on_target = now.residual <= RESIDUAL and abs(misses) <= max(_ON_TARGET, 1e-3 * abs(target) / scale)
+            size = math.hypot(now.residual, misses)
+            if on_target or size > _QUICK * before or column.size != now.r.size:
+                column, slope = _by_number(family, value, point, now, place.count)
+            before = size
             J = jacobian(found, column * family.scale(value), weights)
             row = gradient_of(half, found.linearised.segments, now.extremum) / weights / scale
             bordered = np.vstack([J, np.append(row, slope * family.scale(value) / scale)])
-            if now.residual <= RESIDUAL and abs(misses) <= max(_ON_TARGET, 1e-3 * abs(target) / scale):
+            if on_target:
                 unit = np.append(np.zeros(now.r.size), 1 / scale)
                 rate = float(np.linalg.solve(bordered, unit)[-1]) * family.scale(value)
                 there = place_from(value, point, now.residual, found, J, weights)
@@ -191,8 +198,8 @@ def _on_extremum(family: Family, place: Place, extremum: Extremum, target: float
             last, extremum, duration = now, now.extremum, found.count * half.map.period / 2
         if not float(np.linalg.norm(step)) < 1.0:
             return None
-        half, size = family.at(last.value), last.r.size
-        point = half.map.moved(last.point, step[:-1] / scaling(half, last.point, size))
+        half = family.at(last.value)
+        point = half.map.moved(last.point, step[:-1] / scaling(half, last.point, last.r.size))
         value = last.value + float(step[-1]) * family.scale(last.value)
         point = family.adopted(value, point)
     return None
@@ -234,10 +241,15 @@ def _is_better(now: _Try, last: _Try, target: float) -> bool:
 def _by_number(family: Family, value: float, point: SectionPoint, now: _Try, count: int) -> tuple[FloatArray, float]:
     """Derivatives of the point's image and of an extremum by the number, while the point stays where it is."""
     half, step = family.at(value), _STEP * family.scale(value)
-    other = value - step if value + step > family.high else value + step
-    beside = family.at(other)
-    found = beside.linearised(beside.map.adopted(point), count)
-    match = same_extremum(found, now.extremum, count * half.map.period / 2)
-    slope = 0.0 if match is None else (match.value - now.extremum.value) / (other - value)
-    column = half.map.difference(half.map.adopted(found.end), point) - now.r
-    return column / (other - value), slope
+    column, slope = np.zeros(now.r.size), 0.0
+    for other in (value + step, value - step):
+        if not family.low <= other <= family.high:
+            continue
+        beside = family.at(other)
+        found = beside.linearised(beside.map.adopted(point), count)
+        match = same_extremum(found, now.extremum, count * half.map.period / 2)
+        column = (half.map.difference(half.map.adopted(found.end), point) - now.r) / (other - value)
+        slope = 0.0 if match is None else (match.value - now.extremum.value) / (other - value)
+        if match is not None and (match.value > 0) == (now.extremum.value > 0):
+            break  # else the graze lies between the two
+    return column, slope

@@ -11,6 +11,7 @@ the cubic that has its values and rates at both ends.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +24,8 @@ from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of
 from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
 
-_BESIDE = 1e-7
-"""Arc length to the motion by which rates are found: rounding, 1e-15 / 1e-7, and curvature leave six digits or more."""
+_BESIDE = 3e-6
+"""Largest arc length to the motion by which rates are found: curvature leaves five digits or more."""
 _SAME = 1e-4
 """Change of phase on that way beyond which an event is another one: what moves so fast cannot be followed."""
 _REACH = 3.0
@@ -66,17 +67,22 @@ def rates_of(family: Family, place: Place) -> Rates:
     SolverError
         If the march beside it cannot go on.
     """
-    length = _BESIDE
-    if not family.low <= place.value + length * place.tangent[-1] * family.scale(place.value) <= family.high:
-        length = -length
-    value, point = place.moved(family, length * place.tangent)
-    here, there = place.extrema, extrema_of(family.at(value).linearised(point, place.count))
+    share, here = place.tangent[-1] * family.scale(place.value), place.extrema
+    for value in family.beside(place.value):
+        length = (value - place.value) / (share or 1e-300)
+        if abs(length) > _BESIDE:  # the curve is about to fold
+            length = math.copysign(_BESIDE, length)
+            value = place.value + length * share
+        moved = place.half_periods.map.moved(place.point, length * place.tangent[:-1] / place.weights)
+        there = extrema_of(family.at(value).linearised(family.adopted(value, moved), place.count))
+        if there.closings == here.closings:
+            break
     match, switch = _pairs(here, here.phase, here.switch_phase, there)
-    moved, same = _moved(here.phase, there.phase, match)
+    shifted, same = _moved(here.phase, there.phase, match)
     turned, _ = _moved(here.switch_phase, there.switch_phase, switch)
     rise = np.zeros(here.time.size)
     rise[same] = there.value[match[same]] - here.value[same]
-    return Rates(moved / length, rise / length, turned / length)
+    return Rates(shifted / length, rise / length, turned / length)
 
 
 def _moved(phase: FloatArray, there: FloatArray, match: IndexArray) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
