@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -49,6 +50,10 @@ _TOWARDS = 0.8
 """Share of the way to a graze, as the rates have it, that a step takes that is not to cross it."""
 _SLOWER = 2.0
 """Largest ratio of the way to a graze and of what the rates had."""
+_TRIES = 4
+"""Number of steps that may be tried for each point that is allowed: in the hardest ranges known two are needed."""
+_GRAZE_TRIES = 5
+"""Number of steps that the search for a graze counts for, as it takes about as long."""
 _AT_GRAZE = 1e-5
 """Arc length to a graze up to which the curve is at it, before or behind."""
 _TOO_NEAR = 1e-4
@@ -61,8 +66,10 @@ _TRIED_AGAIN = 0.2
 class Limits:
     """How far a branch is followed."""
 
-    most: int = 20_000
-    """Number of its points in one direction, at most."""
+    most: int = 5000
+    """Largest number of its points."""
+    progress: Callable[[float], None] | None = None
+    """Called with the share of the range, or of the effort, that is behind."""
 
 
 @dataclass(frozen=True)
@@ -140,15 +147,15 @@ class _Follower:
         self._rates = rates_of(family, start)
         self._step = _FIRST
         self._refused = math.inf
-        self._end = ""
+        self._end, self._tries = "", 0
 
     def run(self) -> Run:
         """Follow it to its end."""
         if _outward(self._family, self._places[0]):
             self._end = "boundary"
         while not self._end:
-            if len(self._places) >= self._limits.most:
-                self._end = "most points"
+            if len(self._places) >= self._limits.most or self._tries >= _TRIES * self._limits.most:
+                self._end = "effort"
             elif len(self._places) > _ROUND and _closed(self._family, self._places[0], self._here, self._step):
                 self._end = "closed"
             else:
@@ -161,6 +168,7 @@ class _Follower:
 
     def _advance(self) -> None:
         """Take a step, or a shorter one next time; where none can be taken, go across what is in the way."""
+        self._tries += 1
         soon = coming(self._here, self._rates)
         if soon is not None and soon.length <= self._step:
             if self._cross(soon, _SLOWER * soon.length):
@@ -190,6 +198,7 @@ class _Follower:
         if graze.length > _TRIED_AGAIN * self._refused:
             return False
         self._refused = graze.length
+        self._tries += _GRAZE_TRIES
         found = _across(self._family, self._here, graze, len(self._places))
         if found is None:
             return False
@@ -246,7 +255,15 @@ class _Follower:
     def _come_to(self, place: Place, rates: Rates | None = None) -> None:
         """Go on from a place."""
         self._places.append(place)
+        if self._limits.progress is not None:
+            self._limits.progress(self._share())
         self._rates = rates_of(self._family, place) if rates is None else rates
+
+    def _share(self) -> float:
+        """Share of the range, or of the effort, that is behind."""
+        way = abs(self._here.value - self._places[0].value) / (self._family.high - self._family.low)
+        most = self._limits.most
+        return min(1.0, max(way, len(self._places) / most, self._tries / (_TRIES * most)))
 
     def _pass_what_is_near(self) -> None:
         """Go across the graze that is so near that no step leads past it, or leave out what cannot be resolved."""

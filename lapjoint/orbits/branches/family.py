@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -151,6 +151,10 @@ class Family:
         tuple of Refinement and Family, or None
             None if the solver has no finer self.
         """
+        return self._finer
+
+    @cached_property
+    def _finer(self) -> tuple[Refinement, Family] | None:
         found = self.solver.finer(self.problem_at(self.high)) if isinstance(self.solver, Refines) else None
         if found is None:
             return None
@@ -188,21 +192,23 @@ class Family:
         """
         return self.at(value).map.adopted(point)
 
-    def beside(self, value: float) -> tuple[float, ...]:
+    def beside(self, value: float, share: float = _STEP) -> tuple[float, ...]:
         """Values so near that differences between the motions are derivatives, the one to be preferred first.
 
         Parameters
         ----------
         value : float
             In its SI unit.
+        share : float
+            Their distance over the scale of the number.
 
         Returns
         -------
         tuple of float
-            Within the range, one or two: on the other side of a value a graze may lie.
+            One or two, none of which leads out of the range: on the other side of a value a graze may lie.
         """
-        step = _STEP * self.scale(value)
-        return tuple(other for other in (value + step, value - step) if self.low <= other <= self.high)
+        step = share * self.scale(value)
+        return (value + step,) * (value + step <= self.high) + (value - step,) * (value - step >= self.low)
 
     def derivative(self, value: float, point: SectionPoint, count: int) -> FloatArray:
         """Derivative of a section point's image by the number, while the point stays where it is.

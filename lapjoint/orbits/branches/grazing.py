@@ -240,11 +240,8 @@ def _is_better(now: _Try, last: _Try, target: float) -> bool:
 
 def _by_number(family: Family, value: float, point: SectionPoint, now: _Try, count: int) -> tuple[FloatArray, float]:
     """Derivatives of the point's image and of an extremum by the number, while the point stays where it is."""
-    half, step = family.at(value), _STEP * family.scale(value)
-    column, slope = np.zeros(now.r.size), 0.0
-    for other in (value + step, value - step):
-        if not family.low <= other <= family.high:
-            continue
+    half, column, slope = family.at(value), np.zeros(now.r.size), 0.0
+    for other in family.beside(value, _STEP):
         beside = family.at(other)
         found = beside.linearised(beside.map.adopted(point), count)
         match = same_extremum(found, now.extremum, count * half.map.period / 2)

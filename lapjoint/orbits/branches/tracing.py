@@ -101,7 +101,8 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
     ahead = follow(family, start.along(up), limits)
     if ahead.end == "closed":
         return ahead, Run([start], [], [], "closed")
-    return ahead, follow(family, start.along(-up), limits)
+    left = replace(limits, most=max(limits.most - len(ahead.places), 1))
+    return ahead, follow(family, start.along(-up), left)
 
 
 def _joined(back: Run, ahead: Run) -> Run:
