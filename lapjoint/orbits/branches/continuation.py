@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,6 +36,8 @@ _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
 _JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
 """Widths, over the scale of the number, of parts that are left out where a curve cannot be followed."""
+_NOTHING = 1
+"""Number of the widest of these, 1e-5, that is next to nothing where a graze has been located before it."""
 _LATELY = 1.0
 """Distance from such a part, over its width, within which another one is due to the same cause."""
 _FEW = 40
@@ -48,6 +50,10 @@ _DISTINCT = 1e-4
 """Length of a step up to which grazes of several stops are taken as they come."""
 _TOWARDS = 0.8
 """Share of the way to a graze, as the rates have it, that a step takes that is not to cross it."""
+_CONFIRMED = 2.0
+"""Largest ratio of the way to a graze and of what it was to be after the last step, at which it is looked for."""
+_NEAR = 1e-3
+"""Arc length to a graze within which it is looked for without that."""
 _SLOWER = 2.0
 """Largest ratio of the way to a graze and of what the rates had."""
 _TRIES = 4
@@ -147,6 +153,7 @@ class _Follower:
         self._rates = rates_of(family, start)
         self._step = _FIRST
         self._refused = math.inf
+        self._expected = 0.0
         self._end, self._tries = "", 0
 
     def run(self) -> Run:
@@ -171,7 +178,9 @@ class _Follower:
         self._tries += 1
         soon = coming(self._here, self._rates)
         if soon is not None and soon.length <= self._step:
-            if self._cross(soon, _SLOWER * soon.length):
+            expected, self._expected = self._expected, soon.length * (1 - _TOWARDS)
+            confirmed = max(soon.length, expected) <= _CONFIRMED * min(soon.length, expected)
+            if (confirmed or soon.length <= _NEAR) and self._cross(soon, _SLOWER * soon.length):
                 return
             if soon.length <= _TOO_NEAR and self._jump(self._widened()):
                 return
@@ -212,17 +221,25 @@ class _Follower:
         if passed(self._here, self._rates, before, None, length).grazes:
             return False
         if found[1] is None:
-            return self._jump_over(before)
+            return self._jump_over(found[0], before)
         self._pass(*found)
         return True
 
-    def _jump_over(self, before: Place) -> bool:
-        """Leave out what lies around a graze that the curve cannot be followed across; whether that was done."""
+    def _jump_over(self, graze: Graze, before: Place) -> bool:
+        """Leave out what lies just beyond a graze where the curve cannot be followed; whether that was done.
+
+        If that is next to nothing, the branch persists at the graze.
+        """
+        if not self._family.low <= graze.value <= self._family.high:
+            return False
         self._places.append(before)
-        if self._jump(self._widened()):
-            return True
-        self._places.pop()
-        return False
+        if not self._jump(self._widened()):
+            self._places.pop()
+            return False
+        if self._jumps[-1].width <= _NOTHING and self._here.extrema.closings != before.extrema.closings:
+            self._jumps.pop()
+            self._grazes.append(replace(graze, kind="persists"))
+        return True
 
     def _take(self, new: Place, rates: Rates, angle: float) -> None:
         """Take a step to a place with the same contacts."""
@@ -359,7 +376,7 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     graze = located_graze(family, here, extremum, coming.rate)
     if graze is None:
         return None
-    value = graze.place.value - graze.rate * graze.extremum.value
+    value = float(graze.place.value - graze.rate * graze.extremum.value)
     beyond = beyond_graze(family, graze, coming.rate)
     if beyond is None:
         return Graze(extremum.stop, value, "ends", graze, coming.rate, index), None

@@ -208,7 +208,8 @@ class Family:
             One or two, none of which leads out of the range: on the other side of a value a graze may lie.
         """
         step = share * self.scale(value)
-        return (value + step,) * (value + step <= self.high) + (value - step,) * (value - step >= self.low)
+        inward = ((value + step, value + step <= self.high), (value - step, value - step >= self.low))
+        return tuple(other for other, allowed in inward if allowed)
 
     def derivative(self, value: float, point: SectionPoint, count: int) -> FloatArray:
         """Derivative of a section point's image by the number, while the point stays where it is.

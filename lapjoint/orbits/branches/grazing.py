@@ -44,6 +44,8 @@ _CLOSE = 1e-6
 """Arc length to the graze, as the extremum's rate has it, at which it counts as located; the rest is taken off along
 the tangent, and leaves the square of this.  Light contacts of a stiff stop are far less deep than its gap is wide, and
 so no length of the problem is what an extremum can be compared with."""
+_CLOSE_ENOUGH = 2e-5
+"""The same where no motion nearer to the graze is found."""
 _ON_TARGET = 1e-9
 """Distance from the target, as such an arc length, within which Newton's method ends."""
 _APPROACH = 0.2
@@ -87,7 +89,7 @@ def located_graze(family: Family, place: Place, extremum: Extremum, rate: float)
     Returns
     -------
     OnExtremum, or None
-        Within `_CLOSE` of the graze; None if Newton's method does not lead there.
+        Within `_CLOSE` of the graze, or else within `_CLOSE_ENOUGH`; None if Newton's method does not lead there.
     """
     scale = abs(rate)
     end = float(np.copysign(_CLOSE * scale, extremum.value))
@@ -97,17 +99,17 @@ def located_graze(family: Family, place: Place, extremum: Extremum, rate: float)
     for _ in range(_APPROACHES):
         target = end + share * (now.extremum.value - end)
         found = on_extremum(family, now.place, now.extremum, target, scale)
-        if found is None or (found.extremum.value > 0) != (extremum.value > 0):
+        if found is None or found.place.extrema.closings != place.extrema.closings:
             failures += 1
             if failures == _FAILURES:
-                return None
+                break
             share = _APPROACH if share == 0.0 else 0.5 * (1 + share)
             continue
         now, failures = found, 0
         if target == end:
             return now
         share = 0.0 if abs(now.extremum.value) < 30 * abs(end) else share**2
-    return None
+    return now if now.place is not place and abs(now.extremum.value) <= _CLOSE_ENOUGH * scale else None
 
 
 def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum | None:

@@ -148,12 +148,14 @@ def passed(here: Place, rates: Rates, new: Place, new_rates: Rates | None, lengt
 
     Parameters
     ----------
-    here, new : Place
-        The two, with tangents in one direction.
+    here : Place
+        The first of the two.
     rates : Rates
-        Of the first.
+        Its rates.
+    new : Place
+        The second, with its tangent in the same direction.
     new_rates : Rates or None
-        Of the second; without them nothing is seen that passes and comes back.
+        Its rates; without them nothing is seen that passes and comes back.
     length : float
         Arc length from one to the other.
 

@@ -1,0 +1,63 @@
+"""The paper's joint as one branch: at its own frequencies the steady states have its impulses within stated errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import analytic
+from lapjoint import paper_joint
+from lapjoint.answers.branches import Branch
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.seeds import seed_from
+from lapjoint.orbits.branches.tracing import trace
+
+FREQUENCY = "base_motion.angular_frequency"
+
+
+def branch_between(low: float, high: float) -> Branch:
+    """The branch of the motion from rest at `high`."""
+    grid = Grid(paper_joint(), (Axis(FREQUENCY, (low, high)),))
+    family = Family(analytic.Solver(), lambda value: grid.with_values((value,)), FREQUENCY, low, high)
+    seed = seed_from(family, high, family.at(high).map.initial(), 1)
+    assert seed is not None
+    found = trace(family, seed, most_multiple=1, errors=False)
+    assert found is not None
+    return found.branch
+
+
+def check(branch: Branch, points: int) -> None:
+    """The steady states from rest at some of the branch's own frequencies, drawn by a seed, have its impulses.
+
+    Where the branch is unstable, or another motion stands beside it, a march from rest ends elsewhere: there the steady
+    state is sought from the branch's own section point, and only stable points are drawn.
+    """
+    stable = [point for point in branch.points if point.motion.stable]
+    drawn = np.random.default_rng(13).choice(len(stable), size=min(points, len(stable)), replace=False)
+    solver = analytic.Solver()
+    for i in drawn.tolist():
+        point = stable[i]
+        steady = solver.steady_state(point.motion.problem, start=point.motion.section_point)
+        assert steady.period_multiple == 1
+        assert steady.impulse_errors is not None
+        # The branch has its own number of modes, and with it an error of its own, as large as the steady state's.
+        allowed = 2 * steady.impulse_errors + 1e-9 * np.abs(steady.impulses).max()
+        assert (np.abs(steady.impulses - point.motion.impulses) <= allowed).all(), point.value
+
+
+def test_a_part_with_light_contacts_is_one_branch() -> None:
+    branch = branch_between(54.0, 75.0)
+    assert branch.ends == ("boundary", "boundary")
+    assert sum(one.kind == "grazing" for one in branch.bifurcations) >= 4
+    check(branch, 12)
+
+
+@pytest.mark.slow
+def test_the_whole_curve_is_one_branch_of_few_points() -> None:
+    branch = branch_between(1.0, 5000.0)
+    assert branch.ends == ("boundary", "boundary")
+    assert len(branch.points) <= 2000  # a sweep of 5000 points sees less
+    left_out = sum(2 * one.error for one in branch.bifurcations if one.kind == "unresolved")
+    assert left_out <= 0.1  # rad/s of 5000
+    check(branch, 200)

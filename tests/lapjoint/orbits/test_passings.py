@@ -1,0 +1,112 @@
+"""What happens to contacts between two motions of a branch: grazes are seen, those too that come and go in a step."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import analytic
+from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches.compiled_extrema import nearest
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.passings import coming, passed, rates_of
+from lapjoint.orbits.branches.seeds import seed_from
+from lapjoint.orbits.branches.tracing import trace
+
+FREQUENCY = "base_motion.angular_frequency"
+LOW, HIGH, MODES = 3.2, 3.8, 6
+
+
+def cantilever(gap: float) -> Problem:
+    """A cantilever of EI = m = L = 1 near its first resonance, 3.516 rad/s, with a stop at the tip."""
+    return Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
+        stops=(Stop(x=1.0, side="top", gap=gap, stiffness=50.0),),
+        damping=ModalDamping(ratio=0.02),
+        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=LOW),
+    )
+
+
+def family_of(problem: Problem) -> Family:
+    grid = Grid(problem, (Axis(FREQUENCY, (LOW, HIGH)),))
+    return Family(analytic.Solver(n_modes=MODES), lambda value: grid.with_values((value,)), FREQUENCY, LOW, HIGH)
+
+
+def place_at(family: Family, value: float) -> Place:
+    """The motion at a frequency, with its tangent upwards."""
+    seed = seed_from(family, value, family.at(value).map.initial(), 1)
+    assert seed is not None
+    found = corrected(family, value, seed.point, seed.count)
+    assert found is not None
+    return found.along(np.append(np.zeros(found.tangent.size - 1), 1.0))
+
+
+def tip_amplitude(value: float) -> float:
+    """Amplitude of the tip without contact, m: the stop is far away."""
+    family = family_of(cantilever(1.0))
+    extrema = place_at(family, value).extrema
+    return float(extrema.value[extrema.highest].max()) + 1.0
+
+
+@pytest.fixture(scope="module")
+def peak() -> tuple[float, float]:
+    """Where the tip's amplitude is largest, rad/s, and how large, m, by three parabolas."""
+    at, width = 3.515, 0.01
+    for _ in range(3):
+        y = [tip_amplitude(at + k * width) for k in (-1, 0, 1)]
+        at, width = at - 0.5 * width * (y[2] - y[0]) / (y[2] - 2 * y[1] + y[0]), width / 5
+    return at, tip_amplitude(at)
+
+
+@pytest.mark.parametrize("share", [1e-2, 1e-3, 1e-4])
+def test_a_stop_that_is_touched_at_the_very_peak_only_is_not_passed_unseen(
+    share: float, peak: tuple[float, float]
+) -> None:
+    family = family_of(cantilever(peak[1] * (1 - share)))
+    seed = seed_from(family, LOW, family.at(LOW).map.initial(), 1)
+    assert seed is not None
+    found = trace(family, seed, most_multiple=1, errors=False)
+    assert found is not None
+    branch = found.branch
+    assert branch.ends == ("boundary", "boundary")
+    grazes = [one.value for one in branch.bifurcations if one.kind == "grazing"]
+    assert len(grazes) == 2
+    assert grazes[0] < peak[0]
+    touched = [point.value for point in branch.points if point.motion.history.contacts]
+    assert touched
+    assert grazes[0] <= min(touched)
+    # Both grazes are where the response without contact is as large as the gap; between them the branch may harden.
+    assert tip_amplitude(grazes[1]) == pytest.approx(peak[1] * (1 - share), rel=1e-6)
+    assert tip_amplitude(grazes[0]) == pytest.approx(peak[1] * (1 - share), rel=1e-6)
+
+
+def test_one_step_over_the_peak_shows_the_graze_on_the_way(peak: tuple[float, float]) -> None:
+    family = family_of(cantilever(peak[1] * (1 - 1e-3)))
+    before, after = (place_at(family, peak[0] + sign * 0.01) for sign in (-1, 1))
+    assert before.extrema.closings == after.extrema.closings == (0,)
+    length = float(np.linalg.norm(after.chord(family, before)))
+    rates = [rates_of(family, place) for place in (before, after)]
+    seen = passed(before, rates[0], after, rates[1], length)
+    assert not seen.nothing
+    assert [graze.extremum.stop for graze in seen.grazes] == [0]
+
+
+def test_rates_are_what_neighbours_differ_by(peak: tuple[float, float]) -> None:
+    family = family_of(cantilever(peak[1] * 1.5))
+    here = place_at(family, peak[0] - 0.05)
+    rates, soon = rates_of(family, here), coming(here, rates_of(family, here))
+    assert soon is not None
+    value, guess = here.moved(family, 1e-4 * here.tangent)
+    there = corrected(family, value, guess, here.count)
+    assert there is not None
+    change = (there.extrema.value - here.extrema.value) / 1e-4
+    assert rates.value == pytest.approx(change, rel=1e-2, abs=1e-2 * np.abs(change).max())
+
+
+def test_the_nearest_event_is_found_around_the_end_of_the_period() -> None:
+    kind, other = np.array([0, 1, 2]), np.array([1, 0, 0])
+    found = nearest(kind, np.array([0.98, 0.5, 0.1]), other, np.array([0.5, 0.01, 0.9]))
+    assert found.tolist() == [1, 0, -1]
