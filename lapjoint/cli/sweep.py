@@ -7,6 +7,7 @@ from typing import Literal
 
 import click
 
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.options import FIGURES, campaign_options, problem_options, solver_options
 
@@ -26,7 +27,12 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
     "damping.ratio=0.02,0.08; repeatable: all combinations.",
 )
 @click.option(
-    "-o", "--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished."
+    "-o",
+    "--out",
+    required=True,
+    metavar="FILE",
+    type=FILE,
+    help="Where the dataset goes: .nc; resumed if not finished.",
 )
 @click.option(
     "--start",
@@ -95,8 +101,10 @@ def sweep(
 
 
 @click.command()
-@click.argument("curve")
-@click.option("-o", "--out", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
+@click.argument("curve", type=FILE)
+@click.option(
+    "-o", "--out", "figure", metavar="FILE", type=FILE, help="Where the figure goes; by default CURVE with .pdf."
+)
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
 def plot(curve: str, figure: str | None, wide: bool) -> None:
     """Draw what a sweep, `lapjoint branch` or `lapjoint basins` found, from its file CURVE.
