@@ -63,7 +63,8 @@ def modes(
     if figure:
         from lapjoint.figures import plot_mode_shapes, plot_state_shapes, save
 
-        save(plot_mode_shapes(this, answers[0]) if len(answers) == 1 else plot_state_shapes(this, answers), figure)
+        one = len(answers) == 1
+        save(plot_mode_shapes(this, answers[0], hz=hz) if one else plot_state_shapes(this, answers, hz=hz), figure)
 
 
 @click.command()
