@@ -44,6 +44,38 @@ def test_links_between_pages_lead_somewhere(page: Path) -> None:
             assert (page.parent / link.split("#")[0]).is_file(), link
 
 
+def anchors(page: Path) -> set[str]:
+    """The headings of a page as links name them, what it includes too."""
+    text = re.sub(r"^```\{include\} (\S+)$", lambda m: (page.parent / m[1]).read_text("utf-8"), page.read_text("utf-8"))
+    headings = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.MULTILINE), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+BESIDE = [DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md")]
+
+
+@pytest.mark.parametrize("page", [*PAGES, *BESIDE], ids=lambda page: page.name)
+def test_links_to_headings_name_headings(page: Path) -> None:
+    for link, heading in re.findall(r"\]\((?!https)([^)#\s]*)#([^)]+)\)", page.read_text(encoding="utf-8")):
+        assert heading in anchors(page.parent / link if link else page), (link, heading)
+
+
+def test_the_glossary_explains_the_words_that_the_house_uses() -> None:
+    """All that CONTRIBUTING.md names, each once, and what a certificate or a verdict is called."""
+    from lapjoint import Outcome
+    from validation.verdict import Verdict
+
+    text = (DOCS / "glossary.md").read_text(encoding="utf-8").lower()
+    words = re.findall(r"^### (.+)\n\n\S", text, re.MULTILINE)
+    assert len(words) == len(set(words)) == text.count("\n### ")
+    (listed,) = re.findall(r"\*\*Words of the field\*\*: ([^.]+)\.", (BESIDE[1]).read_text(encoding="utf-8"))
+    for word in listed.replace("\n", " ").split(","):
+        assert " ".join(word.split()) in words
+    called = {outcome.name.lower().replace("quasiperiodic", "quasi-periodic") for outcome in Outcome} - {"no_contact"}
+    for word in (*called, *(verdict.value for verdict in Verdict)):
+        assert word in text, word
+
+
 def test_the_index_lists_every_page() -> None:
     index = (DOCS / "index.md").read_text(encoding="utf-8")
     linked = {link.split("#")[0] for link in re.findall(r"\((\S+\.md(?:#\S+)?)\)", index)}

@@ -14,7 +14,7 @@ from lapjoint.answers.contact_state import state_label
 from lapjoint.answers.series import written
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
-from lapjoint.figures.text import apart, cut_to, error_text, plain
+from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
 from lapjoint.output_files import write_file
 from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
 
@@ -68,6 +68,7 @@ def print_history(history: History) -> None:
     names, width = stop_column(problem)
     echo(plain(problem.title) or "Untitled problem")
     echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
+    _print_excitation(problem)
     for path, part in (problem.records | problem.random).items():
         echo(f"{path}: {part.remark}")
     if contacts:
@@ -85,10 +86,18 @@ def print_history(history: History) -> None:
         print_source(history.error_source)
 
 
+def _print_excitation(problem: Problem) -> None:
+    """Print the one frequency at which the excitation repeats, if there is one."""
+    omega = problem.excitation_frequency
+    if omega is not None:
+        echo(f"Excitation: {frequency_text(omega)}")
+
+
 def print_steady_state(found: SteadyState, at: list[float] | None = None) -> None:
     """Print what was found and how, and peaks at places, m, or at those by default."""
     echo(plain(found.problem.title) or "Untitled problem")
     echo(f"{found.solver}: {found.outcome.value}")
+    _print_excitation(found.problem)
     if found.period_multiple:
         multiple = f"{found.period_multiple} excitation period" + "s" * (found.period_multiple > 1)
         mirrored = ", mirrored after half of them" if found.symmetric else ""

@@ -97,11 +97,12 @@ def test_errors_are_left_out_if_asked() -> None:
     for command in (("simulate", PAPER, "--duration", "0.02"), ("steady", PAPER)):
         printed = run_well(*command, *FEW, "--no-errors")
         assert "Numerical errors (+-): no errors were estimated" in printed
+        assert "\nExcitation: 515 rad/s (81.96 Hz)\n" in printed
     assert printed.count("+-") == 1
 
 
 def test_an_error_that_cannot_be_stated_is_a_question_mark() -> None:
-    assert [error_text(error) for error in (None, 1.23e-5, math.inf)] == ["", "1.2e-05", "?"]
+    assert [error_text(error) for error in (None, 1.23e-5, math.inf, 0.0)] == ["", "1.2e-05", "?", "0"]
 
 
 @pytest.mark.parametrize("drawing", DRAWINGS)
@@ -123,9 +124,11 @@ def test_a_steady_state_is_drawn(tmp_path: Path) -> None:
 def test_the_shapes_of_all_states_are_drawn_in_one_figure(tmp_path: Path) -> None:
     figure = tmp_path / "shapes.svg"
     run_well("modes", PAPER, "--modes", "2", "--figure", figure)
-    assert all(
-        text in figure.read_text() for text in ("State 1:", "States 2, 4:", "States 3, 5:", "States 6, 7, 8, 9:")
-    )
+    titles = ("State 1:", "States 2, 4:", "States 3, 5:", "States 6, 7, 8, 9:", "natural frequency [rad/s]")
+    assert all(text in figure.read_text() for text in titles)
+    printed = run_well("modes", PAPER, "--modes", "2", "--figure", figure, "--hz", "--state", "free")
+    assert "natural frequency [Hz]" in figure.read_text()
+    assert f"1: {float(printed.splitlines()[1].split()[-2]):.4g}" in figure.read_text()
 
 
 def test_steady_prints_the_impulse_of_every_stop(tmp_path: Path) -> None:
