@@ -38,6 +38,7 @@ autosummary_context = {
 html_theme = "furo"
 html_title = "lapjoint"
 html_show_sourcelink = False
+html_show_copyright = False  # LICENSE has it
 html_copy_source = False
 
 myst_enable_extensions = ["dollarmath"]
