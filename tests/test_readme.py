@@ -49,6 +49,16 @@ def test_its_code_runs_and_prints(
     assert re.search(r"\d\.\d", capsys.readouterr().out)
 
 
+def test_its_session_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (session,) = blocks("pycon")
+    lines = re.findall(r"^>>> (.*)$", session, re.MULTILINE)
+    names: dict[str, object] = {}
+    for line in lines[:-1]:
+        exec(line, names)
+    assert "impulse" in str(eval(lines[-1], names))
+
+
 def test_a_problem_of_ones_own_takes_the_commands_that_it_shows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -119,6 +120,15 @@ def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(
     found = statistics(shaken, scheduler=scheduler, out=tmp_path / "stats.nc", progress=kill_one, **given)
     assert killed
     xr.testing.assert_identical(found, statistics(shaken, **given))
+
+
+@pytest.mark.slow
+def test_the_script_of_the_page_on_clusters_runs(tmp_path: Path) -> None:
+    page = (Path(__file__).resolve().parents[3] / "docs" / "many-points.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"^```py\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    (tmp_path / "script.py").write_text(script, encoding="utf-8")
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
 
 
 def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
