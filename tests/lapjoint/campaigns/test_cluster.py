@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -18,9 +19,10 @@ import pytest
 import xarray as xr
 from counting_solver import installed
 
-from lapjoint import paper_joint
+from lapjoint import Beam, ModalDamping, Problem, Stop, Support, paper_joint, statistics
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.errors import InputError, SolverError
+from lapjoint.problem.random_motion import RandomBaseMotion
 
 pytest.importorskip("distributed")
 JOINT = paper_joint()
@@ -93,6 +95,30 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: tuple[str, l
     found = sweep(JOINT, axes, solver="counting", options={"dies_at": 102.0}, scheduler=cluster[0])
     assert found.outcome.values.tolist() == [1, 1, -1, 1]
     assert found.message.values.tolist() == ["", "", "the workers that solved it died", ""]
+
+
+def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(
+    cluster: tuple[str, list[int], int], tmp_path: Path
+) -> None:
+    shaken = Problem(
+        beam=Beam(length=1.0, bending_stiffness=200.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        stops=(Stop(x=1.0, side="top", gap=1e-4, stiffness=1e4),),
+        damping=ModalDamping(ratio=0.1),
+        base_motion=RandomBaseMotion(psd=[[5.0, 1.0], [40.0, 1.0]]),
+    )
+    scheduler, workers, _ = cluster
+    killed: list[float] = []
+
+    def kill_one(done: float, total: float) -> None:
+        if done >= 2 and not killed:
+            killed.append(done)
+            kill_group(workers[0])
+
+    given: dict[str, Any] = {"duration": 1.5, "seeds": 8, "options": {"n_modes": 2}}
+    found = statistics(shaken, scheduler=scheduler, out=tmp_path / "stats.nc", progress=kill_one, **given)
+    assert killed
+    xr.testing.assert_identical(found, statistics(shaken, **given))
 
 
 def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
