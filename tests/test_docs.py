@@ -116,6 +116,44 @@ def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: py
     assert Path("forces.pdf").stat().st_size > 1000
 
 
+ALL_PAGES = {name_of(page): page for page in PAGES} | {page.name: page for page in BESIDE}
+SHOWN = [
+    pytest.param(line.partition(" #")[0].strip().removesuffix("&").strip(), id=f"{name}: {line[:50].strip()}")
+    for name, page in ALL_PAGES.items()
+    for block in CONSOLE.findall(page.read_text(encoding="utf-8"))
+    for line in re.findall(r"^\$ ((?:\.venv/bin/)?(?:lapjoint|dask) .*)$", block, re.MULTILINE)
+]
+
+
+@pytest.mark.parametrize("line", SHOWN)
+def test_every_command_that_a_page_shows_has_these_options(line: str) -> None:
+    """It is parsed, not run: a name or an option that is gone is an error."""
+    program, name, *words = shlex.split(line)
+    if program == "dask":
+        module = pytest.importorskip(f"distributed.cli.dask_{name}")
+        module.main.make_context(name, words)
+        return
+    context = main.make_context("lapjoint", [name, *words])
+    command = main.get_command(context, name)
+    assert command is not None, name
+    with command.make_context(name, words, parent=context) as parsed:
+        assert parsed.params
+
+
+def test_every_option_that_a_page_names_is_one() -> None:
+    """Those in the text, as `--set`, are of some command, or of pip, pytest or dask where the page says so."""
+    context = main.make_context("lapjoint", ["--help"], resilient_parsing=True)
+    commands = [main.get_command(context, name) for name in main.list_commands(context)]
+    known = {option for command in commands if command for one in command.params for option in one.opts}
+    known |= {option for command in commands if command for one in command.params for option in one.secondary_opts}
+    known |= {"--help", "--version", "--page"}  # the last is of `python -m validation.faults.mutants`
+    for name, page in ALL_PAGES.items():
+        text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+        for code in re.findall(r"`([^`]+)`", text):
+            for option in re.findall(r"(?:^|(?<=\s))--[a-z][a-z-]*", code):
+                assert option in known or code.startswith(("pip ", "dask ")), (name, code)
+
+
 TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
 
 
