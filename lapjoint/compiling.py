@@ -2,6 +2,7 @@
 
 numba compiles a function when it is first called, and keeps the machine code in a file beside its source, or in the
 user's own cache where the package's folder may not be written to.  Where neither may be, each process compiles anew.
+What is kept is valid for one content of all that was compiled in: see `lapjoint.compiled_cache`.
 
 numba writes two more functions for each, by which Python and C call it; for a function that takes tables of many
 arrays they take as long to compile as the function.  So what only other compiled functions call is `njit_inner`.
@@ -14,10 +15,13 @@ from __future__ import annotations
 import gc
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, TypeVar
 
 from numba import njit
 from numba.core import event
+
+from lapjoint.compiled_cache import ContentCache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -46,11 +50,11 @@ def njit_called(**options: Any) -> Callable[[F], F]:
     compiler: Any = njit
 
     def compiled(function: F) -> F:
-        try:
-            made: F = compiler(cache=True, no_cfunc_wrapper=True, **options)(function)
-        except RuntimeError:  # no folder to keep the machine code in
-            made = compiler(no_cfunc_wrapper=True, **options)(function)
-        return made
+        made = compiler(no_cfunc_wrapper=True, **options)(function)
+        with suppress(RuntimeError):  # no folder to keep the machine code in
+            made._cache = ContentCache(made)
+        result: F = made
+        return result
 
     return compiled
 

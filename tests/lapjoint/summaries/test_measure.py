@@ -60,6 +60,7 @@ def test_units_are_long_against_the_correlation_and_no_more_than_needed() -> Non
         (CANTILEVER, {"settle": -1.0}, r"settle = -1: must be"),
         (CANTILEVER, {"settle": 200.0}, r"duration = 100: must be longer than the 200 s"),
         (CANTILEVER, {"rate": 0.0}, r"rate = 0: must be positive"),
+        (CANTILEVER, {"rate": 1e12}, r"rate = 1e\+12 Hz: gives .* samples of a motion; at most 1e\+10"),
         (CANTILEVER, {"rate": 0.1}, r"rate = 0.1 Hz: gives .* samples in each of"),
         (CANTILEVER, {"duration": math.nan}, r"duration = nan: must be positive"),
     ],
