@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 COLUMNS = 80
 """Width of a terminal that nobody has widened, characters."""
 _NUMBER = 12  # characters of a number, with the space before it
-_TIMES = 2048  # in a period, at which the way to the stops is looked at: to 3e-5 of it, for ten half waves
+_TIMES = 2049
+"""Times of a period at which the way to the stops is looked at: to 3e-5 for ten half waves, alike in both halves."""
 ROWS_SHOWN = 20
 STATES_SHOWN = 32
 FAILURES_SHOWN = 5
