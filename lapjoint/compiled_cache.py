@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -18,7 +20,7 @@ from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
 
-class ContentCache(FunctionCache):
+class ContentCache(FunctionCache):  # type: ignore[misc]
     """What numba keeps of one function, under a key that holds the content of all that goes into it.
 
     Parameters
@@ -33,7 +35,7 @@ class ContentCache(FunctionCache):
     """
 
     def __init__(self, dispatcher: Any) -> None:
-        super().__init__(dispatcher.py_func)  # type: ignore[no-untyped-call]
+        super().__init__(dispatcher.py_func)
         self._dispatcher = dispatcher
         self._content = ""
 
@@ -41,7 +43,7 @@ class ContentCache(FunctionCache):
         """The key of numba, the content, and names in tables; not before the first call, when all modules are there."""
         if not self._content:
             self._content = content_of(self._dispatcher)
-        return (*super()._index_key(sig, codegen), self._content, tuple(_fields(one) for one in sig))  # type: ignore[no-untyped-call]
+        return (*super()._index_key(sig, codegen), self._content, tuple(_fields(one) for one in sig))
 
 
 def content_of(dispatcher: Any) -> str:
@@ -57,10 +59,16 @@ def content_of(dispatcher: Any) -> str:
     str
         SHA-256 in hexadecimal digits.
     """
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(_how())
     for part in _of_dispatcher(dispatcher, set()):
         digest.update(f"{len(part)} {part}".encode())
     return digest.hexdigest()
+
+
+@cache
+def _how() -> bytes:
+    """The files that say how functions are compiled."""
+    return b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("compil*.py")))
 
 
 def _fields(kind: Any) -> tuple[Any, ...]:

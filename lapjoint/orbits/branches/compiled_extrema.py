@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from lapjoint.compiled_arrays import complex_zeros, zeros
 from lapjoint.compiling import njit_called
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
@@ -42,8 +43,8 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
     """
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]
-    before, now = np.zeros(places), np.zeros(places)
-    waves, factors = np.zeros(terms, dtype=np.complex128), np.zeros(terms, dtype=np.complex128)
+    before, now = zeros(places), zeros(places)
+    waves, factors = complex_zeros(terms), complex_zeros(terms)
     for s in range(motion.duration.size):
         count = max(_LEAST, math.ceil(motion.duration[s] / width))
         step = motion.duration[s] / count
