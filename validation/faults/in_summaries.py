@@ -10,8 +10,8 @@ SUMMARIES = (
         "an input ignored",
         "lapjoint.campaigns.realisations",
         "All realisations are the first one.",
-        old="self.realisation(cell)).plain()",
-        new="self.realisation(0)).plain()",
+        old="self.realisation(cell), progress)",
+        new="self.realisation(0), progress)",
     ),
     Fault(
         "statistics-rms-less-mean",
