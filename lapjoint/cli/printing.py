@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 COLUMNS = 80
 """Width of a terminal that nobody has widened, characters."""
 _NUMBER = 12  # characters of a number, with the space before it
+_TIMES = 2049
+"""Times of a period at which the way to the stops is looked at: to 3e-5 for ten half waves, alike in both halves."""
 ROWS_SHOWN = 20
 STATES_SHOWN = 32
 FAILURES_SHOWN = 5
@@ -112,6 +114,8 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
             echo("Nearby motions come together: it repeats, but after more periods than max_period_multiple")
     if found.acceptance is not None and found.acceptance.sensitive:
         echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
+    if found.problem.stops and not found.history.contacts:
+        _print_nearest(found.history)
     errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
     _print_summary(found, at)
@@ -155,6 +159,18 @@ def _print_summary(found: SteadyState, at: list[float] | None) -> None:
 def print_source(source: str) -> None:
     """Print how errors were estimated, or why there are none."""
     echo(f"Numerical errors (+-): {source}")
+
+
+def _print_nearest(history: History) -> None:
+    """Print which stop a motion without contact comes nearest to, as a part of its gap."""
+    stops = history.problem.stops
+    t = np.linspace(history.start, history.end, _TIMES)
+    sides = np.array([stop.sign for stop in stops])[:, None]
+    reach = (sides * history.displacement(np.array([stop.x for stop in stops]), t)).max(axis=1)
+    percent = 100 * np.maximum(reach, 0.0) / np.maximum([stop.gap for stop in stops], np.finfo(float).tiny)
+    nearest = int(percent.round(6).argmax())  # of two that rounding alone tells apart, the first
+    names, _ = stop_column(history.problem)
+    echo(f"Nearest to a stop: {names[nearest]}, {percent[nearest]:.3g} % of its gap of {stops[nearest].gap:g} m")
 
 
 def _sensitivity(acceptance: Acceptance) -> str:

@@ -13,7 +13,7 @@ import xarray as xr
 from command_line import FEW, PAPER, assert_refused, run, run_well
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Stop, paper_joint, read_problem, time_series
+from lapjoint import FREE, ContactState, Outcome, Stop, paper_joint, read_problem, time_series
 from lapjoint.cli.options import DRAWINGS
 from lapjoint.figures.text import error_text
 from lapjoint.problem.example import commented_example
@@ -251,3 +251,15 @@ def test_many_states_are_cut_and_it_says_how_to_see_the_rest(tmp_path: Path) -> 
     printed = run_well("modes", path, "--modes", "1")
     assert len(printed.splitlines()) == 34
     assert "... and 96 more states (--json writes all, --state prints one)" in printed
+
+
+def test_a_motion_that_touches_nothing_says_how_near_it_comes() -> None:
+    changes = ("--set", "stops.*.gap=1.0", "--set", "stops.P5.gap=0.5")
+    printed = run_well("steady", PAPER, *FEW, "--no-errors", *changes)
+    found = Solver(n_modes=8).steady_state(paper_joint(gap=1.0), errors=False)
+    t = np.linspace(found.history.start, found.history.end, 20001)
+    tip, middle = found.history.displacement([2.5, 1.25], t).max(axis=1)
+    assert found.outcome is Outcome.NO_CONTACT
+    stop, part, gap = ("P5", middle / 0.5, 0.5) if middle / 0.5 > tip else ("P2", tip, 1.0)
+    assert f"\nNearest to a stop: {stop}, {100 * part:.3g} % of its gap of {gap:g} m\n" in printed
+    assert "Nearest" not in run_well("steady", PAPER, *FEW, "--no-errors")
