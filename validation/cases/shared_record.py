@@ -41,11 +41,12 @@ FOLLOWED = 2.0  # s: the motions have parted after 0.9 to 1.5 s
 FINE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=32), fe_lapjoint.Solver(elements=32))
 """For these: both state their errors."""
 MOVED = 1e-6
-"""Initial velocity of the tip of the twin, m/s: its distance is a thousandth of the solvers' at first."""
+"""Initial velocity of the tip of the twin, m/s: its distance is a tenth of the solvers' at first, 1e-7 m, and a million
+times what rounding makes."""
 PARTED = 1e-4
 """Distance of two motions, m, up to which it grows as small ones do: a twentieth of a gap."""
 KNOWN = 2e-3
-"""Largest stated error of the start of a contact, s, up to which it is compared: contacts last 5 ms and more."""
+"""Largest stated error of the start of a contact, s, up to which it is compared: contacts last 11 ms on average."""
 FEWEST = 30
 """Contacts that must be known so well before chaos parts the motions; there are 44 to 89."""
 BEGUN = 0.2  # s: the first contacts are over
