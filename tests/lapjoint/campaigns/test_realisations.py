@@ -137,10 +137,10 @@ def test_what_cannot_be_is_refused(problem: Problem, given: dict[str, Any], mess
 def test_realisations_that_failed_are_told_and_left_out(monkeypatch: pytest.MonkeyPatch, whole: xr.Dataset) -> None:
     made = lapjoint.campaigns.realisations.sums_of
 
-    def fails(what: Measure, solver: Solver, problem: Problem) -> Sums:
+    def fails(what: Measure, solver: Solver, problem: Problem, progress: Any) -> Sums:
         if problem.base_motion.seed in broken:  # type: ignore[union-attr]
             raise SolverError("stuck")
-        return made(what, solver, problem)
+        return made(what, solver, problem, progress)
 
     monkeypatch.setattr(lapjoint.campaigns.realisations, "sums_of", fails)
     broken = [2]
