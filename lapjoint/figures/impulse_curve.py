@@ -73,7 +73,14 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
     if not lines:
         axes.set_ylim(-1.0, 1.0)
         axes.set_yticks([0.0])
-        axes.text(0.5, 0.6, "no stops", transform=axes.transAxes, ha="center", color=GREY)
+        axes.text(
+            0.5,
+            0.6,
+            "no stops, no impulses" if variable == IMPULSE else "no stops",
+            transform=axes.transAxes,
+            ha="center",
+            color=GREY,
+        )
         entitle(axes, ", ".join(constant_fields(dataset)))
     else:
         shades = "" if second is None else f"{short_name(dataset, second)} [{units(dataset, second)}], paler to darker"
