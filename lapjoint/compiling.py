@@ -2,9 +2,13 @@
 
 numba compiles a function when it is first called, and keeps the machine code in a file beside its source, or in the
 user's own cache where the package's folder may not be written to.  Where neither may be, each process compiles anew.
+What is kept is valid for one content of all that was compiled in: see `lapjoint.compiled_cache`.
 
-numba writes two more functions for each, by which Python and C call it; for a function that takes tables of many
-arrays they take as long to compile as the function.  So what only other compiled functions call is `njit_inner`.
+numba writes two more functions for each, by which Python and C call it.  What only other compiled functions call does
+without them, and is spared more, see `lapjoint.machine_code`: it is `njit_inner`.
+
+Loops are not vectorised.  That would take a sixth of the time to compile, has not been found to make a march faster,
+and has sums formed in another order on a processor with wider registers.
 
 `LOGGER` says when compiling begins; nobody listens but the command line.
 """
@@ -14,10 +18,14 @@ from __future__ import annotations
 import gc
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, TypeVar
 
 from numba import njit
-from numba.core import event
+from numba.core import config, event
+
+from lapjoint.compiled_cache import ContentCache
+from lapjoint.machine_code import Sparing, spare_llvm
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -27,6 +35,9 @@ MESSAGE = "compiling for this machine, once: this takes some seconds"
 _RARELY = 50_000
 """Objects made until Python looks for cyclic garbage while numba compiles, seventy times as many as usual.  Nearly all
 of them live until the end, so that looking takes a ninth of the time, and finds nothing."""
+
+_OWN: set[Callable[..., Any]] = set()
+"""The functions of this project that are compiled; what else numba compiles in this process is left as it is."""
 
 
 def njit_called(**options: Any) -> Callable[[F], F]:
@@ -46,11 +57,12 @@ def njit_called(**options: Any) -> Callable[[F], F]:
     compiler: Any = njit
 
     def compiled(function: F) -> F:
-        try:
-            made: F = compiler(cache=True, no_cfunc_wrapper=True, **options)(function)
-        except RuntimeError:  # no folder to keep the machine code in
-            made = compiler(no_cfunc_wrapper=True, **options)(function)
-        return made
+        made = compiler(no_cfunc_wrapper=True, **options)(function)
+        with suppress(RuntimeError):  # no folder to keep the machine code in
+            made._cache = ContentCache(made)
+        _OWN.add(function)
+        result: F = made
+        return result
 
     return compiled
 
@@ -71,11 +83,12 @@ def njit_inner(**options: Any) -> Callable[[F], F]:
     return njit_called(no_cpython_wrapper=True, **options)
 
 
-class _Listener(event.Listener):
+class _Listener(event.Listener):  # type: ignore[misc]
     """Told by numba of everything that it compiles, while it holds its lock."""
 
     def __init__(self) -> None:
         self._depth, self._thresholds, self._said = 0, gc.get_threshold(), False
+        self._vectorised = config.LOOP_VECTORIZE
 
     def on_start(self, event: Any) -> None:
         """Another function is compiled, perhaps because one that is being compiled calls it."""
@@ -84,6 +97,9 @@ class _Listener(event.Listener):
             self._thresholds = gc.get_threshold()
             if self._thresholds[0]:
                 gc.set_threshold(_RARELY, *self._thresholds[1:])
+            self._vectorised = config.LOOP_VECTORIZE
+            if event is not None and event.data["dispatcher"].py_func in _OWN:
+                config.LOOP_VECTORIZE, Sparing.on = 0, True
         if not self._said:
             self._said = True
             LOGGER.info(MESSAGE)
@@ -93,6 +109,8 @@ class _Listener(event.Listener):
         self._depth -= 1
         if not self._depth:
             gc.set_threshold(*self._thresholds)
+            config.LOOP_VECTORIZE, Sparing.on = self._vectorised, False
 
 
-event.register("numba:compile", _Listener())  # type: ignore[no-untyped-call]
+spare_llvm()
+event.register("numba:compile", _Listener())

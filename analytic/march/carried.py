@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from analytic.march.compiled import (
     DONE,
     MISSING_SWITCH,
@@ -100,7 +102,7 @@ def advance_periods(
     now : FloatArray, shape (2 N, m)
         The deviations then, of the ``N`` modes of the state then.
     """
-    carried = now.shape[1] > 0
+    carried, depth = now.shape[1] > 0, bool(np.bool_(False))
     q_old, v_old = motion.q.copy(), motion.v.copy()
     while motion.counts[PERIODS] < count:
         slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
@@ -111,7 +113,7 @@ def advance_periods(
             return MISSING_SWITCH, now
         if carried and stop >= 0:
             now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
-        if not leave(tables, None, None, motion, work, period, 0.0, False):
+        if not leave(tables, None, None, motion, work, period, 0.0, depth):
             return STUCK, now
         if carried:
             flow(tables, motion.counts[SLOT], motion.time[0] - t, now)

@@ -20,6 +20,7 @@ from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.terms import put, set_phases, start_terms, state_from_terms, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.by_reference import by_reference
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -35,6 +36,7 @@ size, before it can switch again.  A switch is located to 1e-10 of it, and the s
 last 5e-4 of it."""
 
 
+@by_reference
 class Log(NamedTuple):
     """Room for ``M`` segments of a motion, one row each: ``N`` modes, ``P`` stops."""
 
@@ -62,6 +64,7 @@ class Log(NamedTuple):
     """Deepest penetration of each closed stop, m, shape ``(M, P)``."""
 
 
+@by_reference
 class Motion(NamedTuple):
     """Where a march is, changed in place: ``N`` modes, ``P`` stops."""
 
@@ -79,6 +82,7 @@ class Motion(NamedTuple):
     """Time integral of each stop's penetration, m s, shape ``(P,)``."""
 
 
+@by_reference
 class Work(NamedTuple):
     """Scratch arrays of a march."""
 
@@ -205,7 +209,7 @@ def new_work(tables: Tables) -> Work:
     )
 
 
-@njit_inner(inline="always")
+@njit_inner()
 def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motion: Motion, work: Work) -> bool:
     """Let the pending stop switch, if there is one, and write the phases of this moment.
 
@@ -245,7 +249,7 @@ def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motio
     return True
 
 
-@njit_inner(inline="always")
+@njit_inner()
 def leave(
     tables: Tables,
     frozen: Frozen | None,
@@ -277,7 +281,7 @@ def leave(
     shortest : float
         Least time spent in a state, s, unless the march ends before; 0 for none.
     depth : bool
-        Whether to find the deepest penetrations.
+        Whether to find the deepest penetrations.  A constant in the call would compile another function.
 
     Returns
     -------
@@ -310,7 +314,7 @@ def leave(
     return count_switch(motion, work)
 
 
-@njit_inner(inline="always")
+@njit_inner()
 def count_switch(motion: Motion, work: Work) -> bool:
     """Count the pending stop, and add the areas of the segment to the totals.
 

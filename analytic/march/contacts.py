@@ -8,6 +8,7 @@ from analytic.march.compiled import Log
 from analytic.march.joint import Joint
 from analytic.march.tables import BoolArray, IntArray
 from lapjoint.answers import Contact
+from lapjoint.compiled_arrays import bool_zeros, int_zeros, zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
@@ -66,10 +67,13 @@ def find_contacts(
         Its area, m s, and its deepest penetration, m.
     """
     stops, room = closed.size, stop.size + closed.size
-    which, rows, open_at = np.zeros(room, np.int64), np.zeros((room, 2), np.int64), np.zeros((room, 2), np.bool_)
-    total, most, found = np.zeros(room), np.zeros(room), 0
-    since, begun = np.where(closed, 0, -1), closed.copy()
-    so_far, depth = np.zeros(stops), np.zeros(stops)
+    which, rows, open_at = int_zeros(room), int_zeros((room, 2)), bool_zeros((room, 2))
+    total, most, found = zeros(room), zeros(room), 0
+    since, begun = int_zeros(stops), closed.copy()
+    for k in range(stops):
+        if not closed[k]:
+            since[k] = -1
+    so_far, depth = zeros(stops), zeros(stops)
     for i in range(stop.size):
         last = i == stop.size - 1
         for k in range(stops):

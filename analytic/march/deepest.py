@@ -21,6 +21,7 @@ from analytic.march.step_bound import first_root_of_bound
 from analytic.march.tables import Tables
 from analytic.march.terms import turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiled_arrays import zeros
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -77,7 +78,7 @@ def deepest_of(
     fastest = tables.fastest[slot]
     for omega in tables.omega:
         fastest = max(fastest, omega)
-    least, out = _SHORTEST / (fastest + _TINY), np.zeros((forced.shape[0], 4))
+    least, out = _SHORTEST / (fastest + _TINY), zeros((forced.shape[0], 4))
     deepest, s, theta, term = so_far, 0.0, theta0, term0
     while True:
         at_positions(forced, tables.omega, s, theta, drift, out)

@@ -26,6 +26,7 @@ from analytic.march.tables import BoolArray, Tables
 from analytic.march.tangent import flow, saltation
 from analytic.march.terms import drift_at_stops, put, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiled_arrays import zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -130,7 +131,7 @@ def _view(
     drift : FloatArray, shape (M, P, 2, m)
         Takes what the deviations do to the rigid-body modes.
     """
-    poly, at_positions = np.zeros((log.q.shape[1], 3)), np.zeros((tables.weight.shape[1], 3))
+    poly, at_positions = zeros((log.q.shape[1], 3)), zeros((tables.weight.shape[1], 3))
     now = deviations.copy()
     for i in range(log.slot.size):
         slot = log.slot[i]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from analytic.march.carried import advance_periods
 from analytic.march.compiled import DONE, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import put
+from lapjoint.compiled_arrays import int_zeros, zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
@@ -58,8 +57,8 @@ def advance_many(
         Why it came back, see `DONE`, and at which march.
     """
     n = motion.q.size
-    penetration, slot = np.zeros((1, motion.total.size)), np.zeros(0, dtype=np.int64)
-    section, deviations, sizes = np.zeros((0, 2, n)), np.zeros((2 * n, 0)), np.zeros(0)
+    penetration, slot = zeros((1, motion.total.size)), int_zeros(0)
+    section, deviations, sizes = zeros((0, 2, n)), zeros((2 * n, 0)), zeros(0)
     goes_on = begin[1] == 1
     for i in range(begin[0], which.size):
         row = which[i]

@@ -10,8 +10,6 @@ of s.
 
 from __future__ import annotations
 
-import numpy as np
-
 from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, fading_powers
 from analytic.march.oscillator import OSCILLATING, SPLIT
@@ -20,6 +18,7 @@ from analytic.march.segment import NO_SWITCH, add_areas, bound_tails, search
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.terms import set_phases, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiled_arrays import complex_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -311,9 +310,9 @@ def follow_ramps(
         When it ends, s, the stop that switches then (NO_SWITCH, NO_PROGRESS), and its h', m/s.
     """
     positions, terms, stops = tables.weight.shape[1], tables.terms[slot], area.size
-    drift, jerk, tail = np.zeros((positions, 3)), np.zeros(positions), np.zeros((positions, terms + 1))
-    rigid, body = Rigid(jerk, ramps.drag[slot]), np.zeros((2, 4))
-    theta0, term0, none = theta.copy(), term.copy(), np.zeros(0, dtype=np.complex128)
+    drift, jerk, tail = zeros((positions, 3)), zeros(positions), zeros((positions, terms + 1))
+    rigid, body = Rigid(jerk, ramps.drag[slot]), zeros((2, 4))
+    theta0, term0, none = theta.copy(), term.copy(), complex_zeros(0)
     last, any_closed = ramps.time.size - 2, False
     for k in range(stops):
         area[k] = 0.0
@@ -438,9 +437,9 @@ def coordinates_on_ramps(
     result : FloatArray, shape (m, 3, N)
         kg^1/2 m over powers of s; written.
     """
-    theta, none = np.zeros(tables.omega.size, dtype=np.complex128), np.zeros(0, dtype=np.complex128)
-    term, now = np.zeros((2, tables.root.shape[1]), dtype=np.complex128)
-    body, moved, slot, j, base = np.zeros((2, 4)), np.zeros((2, 4)), 0, 0, 0.0
+    theta, none = complex_zeros(tables.omega.size), complex_zeros(0)
+    term, now = complex_zeros((2, tables.root.shape[1]))
+    body, moved, slot, j, base = zeros((2, 4)), zeros((2, 4)), 0, 0, 0.0
     for i in range(t.size):
         if i == 0 or which[i] != which[i - 1]:
             slot, base = slots[which[i]], start[which[i]]

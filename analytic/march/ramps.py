@@ -21,6 +21,7 @@ from analytic.march.joint import Joint
 from analytic.march.oscillator import OSCILLATING
 from analytic.march.tables import BoolArray, FlatState, IntArray, Tables, flat_state
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.by_reference import by_reference
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 
@@ -29,6 +30,7 @@ LOGGED = 64
 _RIGID = 2  # most rigid-body modes that a beam has: it moves, and it turns
 
 
+@by_reference
 class RampTables(NamedTuple):
     """``K`` knots, ``R`` forces, ``S`` slots, at most ``N`` modes and ``T`` terms, ``U`` positions, ``P`` stops."""
 

@@ -38,6 +38,7 @@ from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiled_arrays import zeros
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -54,7 +55,7 @@ does not leave 0 at once has to pass so much before it can switch again."""
 _TINY = 1e-300  # keeps a bound of 0 from being divided by
 
 
-@njit_inner(inline="always")
+@njit_inner()
 def follow(
     tables: Tables,
     slot: int,
@@ -99,8 +100,8 @@ def follow(
         The time, s, the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), and its h', m/s.
     """
     positions, terms = tables.forced.shape[1], tables.terms[slot]
-    drift, tail = np.zeros((positions, 3)), np.zeros((positions, terms + 1))
-    start_theta, start_term, shift = theta.copy(), term[:terms].copy(), np.zeros(tables.sign.size)
+    drift, tail = zeros((positions, 3)), zeros((positions, terms + 1))
+    start_theta, start_term, shift = theta.copy(), term[:terms].copy(), zeros(tables.sign.size)
     drift_at_stops(tables, slot, poly, drift)
     bound_tails(tables.weight[slot], term, terms, tail)
     s, which, rate = search(tables, slot, horizon, drift, None, tail, fresh, True, shift, theta, term, False)
@@ -170,7 +171,7 @@ def search(
     terms, fastest = tables.terms[slot], tables.fastest[slot]
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
-    out, resolution, sharp = np.zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
+    out, resolution, sharp = zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
     s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
     first = 0
     while True:
@@ -178,7 +179,7 @@ def search(
         at_positions(forced, omega, s, theta, drift, out)
         if rigid is not None:
             add_rigid(rigid, s, out)
-        summed, want = 0, terms if (beginning and looks == 0) or close else min(_FIRST_MODES, terms)
+        summed, want = np.int64(0), terms if (beginning and looks == 0) or close else min(_FIRST_MODES, terms)
         while True:
             far = True
             for u in range(positions):

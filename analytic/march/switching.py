@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from analytic.march.tables import IntArray, Tables
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.by_reference import by_reference
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -22,6 +23,7 @@ SUM = {"reassoc", "contract", "nsz"}
 """What the compiler may do to a long sum: reorder it, so that it is vectorised."""
 
 
+@by_reference
 class Frozen(NamedTuple):
     """What the published rule needs besides the tables: ``S`` slots, ``N`` modes."""
 

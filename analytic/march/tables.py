@@ -23,6 +23,7 @@ from analytic.march.modal_state import Family, modal_state, passage
 from analytic.march.oscillator import SPLIT, away_from_resonance, forced_answer, kinds_of, roots_of, static_answer
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.by_reference import by_reference
 from lapjoint.problem import FloatArray, Problem
 
 IntArray = npt.NDArray[np.int64]
@@ -67,6 +68,7 @@ class FlatState(NamedTuple):
     """Whether each stop is closed, shape ``(P,)``."""
 
 
+@by_reference
 class Tables(NamedTuple):
     """``S`` slots, at most ``N`` modes and ``T = 2 N`` terms, ``P`` stops at ``U`` positions, ``H`` harmonics.
 

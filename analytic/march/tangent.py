@@ -13,13 +13,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.switching import SUM
 from analytic.march.tables import Tables
 from analytic.march.terms import set_phases
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiled_arrays import complex_zeros, zeros
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -67,7 +66,7 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
 def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
     """d(q, v)/dt in one state, shape ``(2 N,)``; `theta`, ``(H,)``, holds exp(i theta_h)."""
     n = tables.modes[slot]
-    rates = np.zeros(2 * n)
+    rates = zeros(2 * n)
     extra = n
     for i in range(n):
         kind, root = tables.kind[slot, i], tables.root[slot, i]
@@ -120,17 +119,17 @@ def saltation(
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
     S, onto, mode = tables.carry[old, k], tables.carry_residual[old, k], tables.weight[old, tables.position[k]]
-    theta = np.zeros(tables.omega.size, dtype=np.complex128)
+    theta = complex_zeros(tables.omega.size)
     set_phases(tables, t, theta)
     before = _rates(tables, old, theta, q_old, v_old)
     after = _rates(tables, new, theta, q_new, v_new)
-    delay = np.zeros(m)
+    delay = zeros(m)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
     for i in range(n_old):
         for c in range(m):
             delay[c] += late * mode[i] * now[i, c]
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
-    moved, result = np.empty((2 * n_old, m)), np.empty((2 * n_new, m))
+    moved, result = zeros((2 * n_old, m)), zeros((2 * n_new, m))
     for i in range(2 * n_old):
         for c in range(m):
             moved[i, c] = now[i, c] + before[i] * delay[c]

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from fe_lapjoint.march.system import ComplexArray, IndexArray
+from lapjoint.compiled_arrays import complex_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -64,12 +63,12 @@ def start_terms(
         Sum of the moduli of all that is added up to give the displacement of each place, m.
     """
     n, m, count = y.size // 2, shares.shape[1], which.size
-    amplitudes, moduli = np.empty(m, dtype=np.complex128), np.empty(m)
+    amplitudes, moduli = complex_zeros(m), zeros(m)
     for h in range(loads[0].size):
         angle = loads[0][h] * start + loads[1][h]
         amplitudes[count + h] = complex(math.cos(angle), math.sin(angle))
     amplitudes[m - 1] = 1.0
-    free = np.empty((2, n))
+    free = zeros((2, n))
     for i in range(2 * n):
         left = y[i] - forced[1][i]
         for h in range(loads[0].size):
@@ -81,7 +80,7 @@ def start_terms(
         amplitudes[j] = complex(x, (roots[0][j] * x - v) * roots[1][j])
     for k in range(m):
         moduli[k] = abs(amplitudes[k])
-    terms, sizes = np.empty(shares.shape, dtype=np.complex128), np.zeros(shares.shape[0])
+    terms, sizes = complex_zeros(shares.shape), zeros(shares.shape[0])
     for u in range(shares.shape[0]):
         for k in range(m):
             terms[u, k] = shares[u, k] * amplitudes[k]
@@ -208,7 +207,7 @@ def above_troughs(
     FloatArray, shape (2, i)
         The sums of these distances at the beginnings and at the ends, m; 0 where no term swings so fast.
     """
-    above = np.zeros((2, s.size))
+    above = zeros((2, s.size))
     for k in range(rates.size):
         if speeds[k] * width > SWINGS:
             on = _wave(rates[k], width)

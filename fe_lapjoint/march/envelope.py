@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lapjoint.compiled_arrays import zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
@@ -82,7 +83,7 @@ def _from_chord(
     shares: FloatArray, fading: FloatArray, value: FloatArray, curvature: FloatArray, since: FloatArray, width: float
 ) -> FloatArray:
     """See `Envelope.from_chord`; `since` is the time from the start of the motion, s, shape ``(i,)``."""
-    result = np.zeros((shares.shape[0], since.size))
+    result = zeros((shares.shape[0], since.size))
     for i in range(since.size):
         for k in range(fading.size):
             now = min(2 * value[k], curvature[k] * (width**2 / 8)) * math.exp(-fading[k] * since[i])

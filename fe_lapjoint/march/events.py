@@ -20,6 +20,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from lapjoint.compiled_arrays import bool_zeros, int_zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
@@ -267,7 +268,7 @@ def _first_look(
         The steps in which any may.
     """
     stops, last = h.shape[0], h.shape[1] - 1
-    held, level = np.zeros(stops, dtype=np.bool_), rounding.copy()
+    held, level = bool_zeros(stops), rounding.copy()
     for k in range(stops):
         held[k] = fresh[k] and h[k, 0] <= CONTINUOUS * rounding[k]
         if held[k]:
@@ -276,7 +277,7 @@ def _first_look(
             if h[k, i + 1] > level[k] + rounding[k]:
                 last = i + 1
                 break
-    suspicious, steps, count = np.zeros((stops, h.shape[1] - 1), dtype=np.bool_), np.empty(last, dtype=np.intp), 0
+    suspicious, steps, count = bool_zeros((stops, h.shape[1] - 1)), int_zeros(last), 0
     for i in range(last):
         found = False
         for k in range(stops):

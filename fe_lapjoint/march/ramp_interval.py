@@ -23,6 +23,8 @@ import numpy as np
 from fe_lapjoint.march.compiled import at_place
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
+from lapjoint.by_reference import by_reference
+from lapjoint.compiled_arrays import complex_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
@@ -32,6 +34,7 @@ _TERMS = 22  # of that: the next is 2^22 4! / 26!, 3e-19 of the first
 _ROUNDING = float(32 * np.finfo(float).eps)  # relative, as in `fe_lapjoint.march.propagator`
 
 
+@by_reference
 class Knots(NamedTuple):
     """``K`` knots of ``R`` forces that are linear between them."""
 
@@ -43,6 +46,7 @@ class Knots(NamedTuple):
     """How fast each changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
 
 
+@by_reference
 class Interval(NamedTuple):
     """The motion from a time on, of ``n`` modes and at ``p`` places; see `RampTables` for the other sizes."""
 
@@ -449,7 +453,7 @@ def moved(tables: RampTables, it: Interval, s: float) -> FloatArray:
     FloatArray, shape (2 n,)
         (q, q'), kg^1/2 m and kg^1/2 m/s.
     """
-    y, waves = np.empty(2 * tables.omega.size), np.empty_like(tables.rates)
+    y, waves = zeros(2 * tables.omega.size), complex_zeros(tables.rates.shape)
     waves_of(tables, s, waves)
     move(tables, it, s, waves, y)
     return y

@@ -27,6 +27,8 @@ from fe_lapjoint.march.ramp_interval import (
 )
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
+from lapjoint.by_reference import by_reference
+from lapjoint.compiled_arrays import complex_zeros, int_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -36,6 +38,7 @@ _EPS = float(np.finfo(float).eps)
 _CLEAR, _UNCLEAR, _RISING = 0, 1, 2  # no switch; perhaps one; one, on a gap function that rises all the way
 
 
+@by_reference
 class Watch(NamedTuple):
     """What a march knows of its ``P`` stops; all but `fresh` is changed in place."""
 
@@ -124,8 +127,8 @@ def over_knots(
         can; how many closed forms lie behind.
     """
     p, stops = tables.places.shape[0], watch.fresh.size
-    waves, inner = np.empty_like(tables.rates), np.empty_like(tables.rates)
-    z = np.empty((_HALVINGS + 2, p, 3))
+    waves, inner = complex_zeros(tables.rates.shape), complex_zeros(tables.rates.shape)
+    z = zeros((_HALVINGS + 2, p, 3))
     j, passed = interval_of(knots, t), 0
     while passed < most and t < end:
         until, width, following = _next(tables, knots, j, t, end)
@@ -178,8 +181,8 @@ def _look(
     `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end; the rest is room
     for what lies between, the nearest last.
     """
-    ends, halvings = np.empty(_HALVINGS + 2), np.zeros(_HALVINGS + 2, dtype=np.int64)
-    bounds = np.empty((3, z.shape[1]))
+    ends, halvings = zeros(_HALVINGS + 2), int_zeros(_HALVINGS + 2)
+    bounds = zeros((3, z.shape[1]))
     ends[0], ends[1], top = since, width, 1
     begin = z[0].copy()
     while top > 0:
@@ -274,7 +277,7 @@ def account(
         Deepest penetration of each so far, m; raised.
     """
     p, stops = tables.places.shape[0], closed.size
-    sums, waves, z = np.zeros(p), np.empty_like(tables.rates), np.empty((2, p, 3))
+    sums, waves, z = zeros(p), complex_zeros(tables.rates.shape), zeros((2, p, 3))
     j, begun = interval_of(knots, t), False
     while t < end:
         until, width, following = _next(tables, knots, j, t, end)
@@ -311,8 +314,8 @@ def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: Flo
     its maximum is at an end, or where its rate passes through 0.  The others are halved.
     """
     u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
-    waves, z = np.empty_like(tables.rates), np.empty((tables.places.shape[0], 3))
-    ends, points = np.empty(_DEEP + 2), np.empty((_DEEP + 2, 3))
+    waves, z = complex_zeros(tables.rates.shape), zeros((tables.places.shape[0], 3))
+    ends, points = zeros(_DEEP + 2), zeros((_DEEP + 2, 3))
     for i in range(2):
         ends[i] = width * i
         points[i] = sign * limits[i, u]
@@ -348,7 +351,7 @@ def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: Flo
 def _top(tables: RampTables, it: Interval, k: int, lo: float, hi: float, rate: float, rate_end: float) -> float:
     """The maximum, m, of a penetration whose rate falls through 0, by Newton's method kept between the ends."""
     u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
-    waves, z = np.empty_like(tables.rates), np.empty((tables.places.shape[0], 3))
+    waves, z = complex_zeros(tables.rates.shape), zeros((tables.places.shape[0], 3))
     s, value = lo + (hi - lo) * rate / (rate - rate_end), -np.inf
     for _ in range(_NEWTON):
         places_at(tables, it, s, waves, z)
@@ -391,7 +394,7 @@ def coordinates_at(
     result : FloatArray, shape (m, n)
         kg^1/2 m over s^order; written.
     """
-    m, i, waves = times.size, 0, np.empty_like(tables.rates)
+    m, i, waves = times.size, 0, complex_zeros(tables.rates.shape)
     j = interval_of(knots, t)
     while i < m:
         until, width, following = _next(tables, knots, j, t, np.inf)

@@ -7,9 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fe_lapjoint.march.system import ComplexArray, IndexArray, System
+from lapjoint.by_reference import by_reference
 from lapjoint.problem import FloatArray
 
 
+@by_reference
 class RampTables(NamedTuple):
     """A contact state with ``n`` modes, ``P`` stops at ``p`` places, ``H`` harmonic loads and ``R`` sampled forces.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.options import problem_options, solver_options
 
 
@@ -20,7 +21,9 @@ from lapjoint.cli.options import problem_options, solver_options
 )
 @click.option("--from", "first", type=float, required=True, help="One end of its range, SI units.")
 @click.option("--to", "last", type=float, required=True, help="The other end.")
-@click.option("-o", "--out", required=True, metavar="FILE", help="Where it goes: .nc; resumed if not finished.")
+@click.option(
+    "-o", "--out", required=True, metavar="FILE", type=FILE, help="Where it goes: .nc; resumed if not finished."
+)
 @click.option(
     "--max-period-multiple",
     type=int,

@@ -12,6 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.by_reference import by_reference
+from lapjoint.compiled_arrays import int_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -31,6 +33,7 @@ _TIGHT = 0.5
 """Share of the distance at the ends of an interval that must be certain within it, or else it is divided."""
 
 
+@by_reference
 class Motion(NamedTuple):
     """An orbit of ``S`` segments as sums of ``K`` terms at the ``U`` places of ``P`` stops."""
 
@@ -50,6 +53,7 @@ class Motion(NamedTuple):
     """+1 where a stop is open, -1 where it is closed, shape ``(S, P)``."""
 
 
+@by_reference
 class Stops(NamedTuple):
     """The ``P`` stops that are watched."""
 
@@ -81,7 +85,7 @@ def slopes_at_switches(
     tuple of ndarray, shape (J,)
         |h'| before each switch, m/s, and the larger |h''| of both sides of it, m/s2.
     """
-    rate, curvature = np.empty(which.size), np.empty(which.size)
+    rate, curvature = zeros(which.size), zeros(which.size)
     for j in range(which.size):
         i, other = which[j] + 1, stop[j]
         if i == motion.duration.size:
@@ -134,7 +138,7 @@ def unrolled(
     for j in range(stops.size):
         own += stops[j] == stop
         others += stops[j] == beyond
-    when, index = np.empty(own + 2 * others), np.empty(own + 2 * others, dtype=np.intp)
+    when, index = zeros(own + 2 * others), int_zeros(own + 2 * others)
     before, now, after = 0, others, others + own
     for j in range(stops.size):
         if stops[j] == beyond:
@@ -168,7 +172,7 @@ def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: f
     ndarray, shape (J,)
         Times, s; inf where there is no other.
     """
-    result = np.empty(times.size)
+    result = zeros(times.size)
     for stop in range(beyond.size):
         when, index = unrolled(times, stops, stop, beyond[stop], length)
         own = 0
@@ -198,12 +202,12 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
     tuple of ndarray, shape (I,)
         Segment of each point, and time from its start, s.
     """
-    count = np.empty(duration.size, dtype=np.intp)
+    count = int_zeros(duration.size)
     total = 0
     for s in range(duration.size):
         count[s] = max(_LEAST, math.ceil(duration[s] / width))
         total += count[s] + 1 + 2 * _HALVINGS
-    segment, tau = np.empty(total, dtype=np.intp), np.empty(total)
+    segment, tau = int_zeros(total), zeros(total)
     i = 0
     for s in range(duration.size):
         step, points = duration[s] / count[s], count[s] + 1 + 2 * _HALVINGS
@@ -243,9 +247,9 @@ def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray
         Distance at the nearer end of each interval, m, not less than 0; and by how much it may be less within, m.
     """
     count, places, terms = stops.sign.size, motion.weights.shape[1], motion.rates.shape[1]
-    nearer, miss = np.zeros((count, segment.size - 1)), np.zeros((count, segment.size - 1))
-    last, shift, now, bend = np.zeros(count), np.zeros(count), np.zeros(places), np.zeros(places)
-    before = np.zeros(places)
+    nearer, miss = zeros((count, segment.size - 1)), zeros((count, segment.size - 1))
+    last, shift, now, bend = zeros(count), zeros(count), zeros(places), zeros(places)
+    before = zeros(places)
     for i in range(segment.size):
         s, t = segment[i], tau[i]
         for u in range(places):
@@ -296,15 +300,15 @@ def refined(
         Least distance of each stop from its gap between two points, m.
     """
     nearer, miss = distances(motion, stops, segment, tau)
-    least = np.zeros(stops.sign.size)
+    least = zeros(stops.sign.size)
     for p in range(least.size):
         for i in range(nearer.shape[1]):
             least[p] = max(least[p], _NEGLIGIBLE * nearer[p, i])
     for _ in range(_ROUNDS):
         parts = _parts(segment, nearer, miss, least)
-        more = 0
+        more = -parts.size
         for i in range(parts.size):
-            more += parts[i] - 1
+            more += parts[i]
         if more == 0:
             break
         segment, tau = _divided(segment, tau, parts, more)
@@ -321,7 +325,9 @@ def _parts(segment: IndexArray, nearer: FloatArray, miss: FloatArray, least: Flo
 
     A chord of a part of the width misses by the square of that part.  Distances up to `least`, ``(P,)``, do not count.
     """
-    parts = np.ones(segment.size - 1, dtype=np.intp)
+    parts = int_zeros(segment.size - 1)
+    for i in range(parts.size):
+        parts[i] = 1
     for p in range(least.size):
         for i in range(parts.size):
             if segment[i] == segment[i + 1] and nearer[p, i] > least[p]:
@@ -333,7 +339,7 @@ def _parts(segment: IndexArray, nearer: FloatArray, miss: FloatArray, least: Flo
 @njit_inner()
 def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int) -> tuple[IndexArray, FloatArray]:
     """Points of intervals that are divided into equal parts, `more` points in all."""
-    where, when = np.empty(segment.size + more, dtype=np.intp), np.empty(segment.size + more)
+    where, when = int_zeros(segment.size + more), zeros(segment.size + more)
     j = 0
     for i in range(segment.size):
         where[j], when[j] = segment[i], tau[i]
@@ -368,8 +374,8 @@ def among_switches(
         Index of the stop's last switch, or -1; time since then, s, or inf; the same of its next one.
     """
     shape = (beyond.size, start.size)
-    before, after = np.empty(shape, dtype=np.intp), np.empty(shape, dtype=np.intp)
-    since, until = np.empty(shape), np.empty(shape)
+    before, after = int_zeros(shape), int_zeros(shape)
+    since, until = zeros(shape), zeros(shape)
     tiny = 1e-12 * length  # ends of intervals that are switches are so to rounding
     for stop in range(beyond.size):
         when, index = unrolled(times, which, stop, beyond[stop], length)

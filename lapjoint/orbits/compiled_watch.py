@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.compiled_arrays import bool_zeros, zeros
 from lapjoint.compiling import njit_called
 from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
@@ -39,7 +40,7 @@ def terms_at_points(
         What a chord of it misses between two points, over the size of its amplitude.
     """
     places = weights.shape[1]
-    terms, misses = np.empty((2, places, tau.size, count)), np.zeros((places, tau.size - 1, count))
+    terms, misses = zeros((2, places, tau.size, count)), zeros((places, tau.size - 1, count))
     for i in range(tau.size):
         s = segment[i]
         width = tau[i + 1] - tau[i] if i + 1 < tau.size and segment[i + 1] == s else 0.0
@@ -87,12 +88,12 @@ def largest_motion(
         Takes the bounds, m; intervals in the order of time.
     """
     count, columns = terms.shape[3], amplitudes.shape[3]
-    size = np.empty((amplitudes.shape[1], count, columns))
+    size = zeros((amplitudes.shape[1], count, columns))
     for s in range(size.shape[0]):
         for k in range(count):
             for c in range(columns):
                 size[s, k, c] = math.sqrt(amplitudes[0, s, k, c] ** 2 + amplitudes[1, s, k, c] ** 2)
-    last, now, bound = np.zeros(columns), np.zeros(columns), np.zeros(columns)
+    last, now, bound = zeros(columns), zeros(columns), zeros(columns)
     for u in range(terms.shape[1]):
         j = -1
         for i in range(segment.size):
@@ -162,7 +163,9 @@ def sound_columns(
         Whether each deviation does.
     """
     share, shifts, change = limits
-    shift, sound = np.empty(at_switches.shape), np.ones(largest.shape[1], dtype=np.bool_)
+    shift, sound = zeros(at_switches.shape), bool_zeros(largest.shape[1])
+    for c in range(sound.size):
+        sound[c] = True
     for j in range(rate.size):
         for c in range(sound.size):
             moved = abs(at_switches[j, c])

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.compiled_arrays import complex_zeros, int_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
@@ -50,9 +51,9 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
     """
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]
-    before, now = np.zeros(places), np.zeros(places)
-    waves, factors = np.zeros(terms, dtype=np.complex128), np.zeros(terms, dtype=np.complex128)
-    loud, active = np.zeros(terms, dtype=np.intp), 0
+    before, now = zeros(places), zeros(places)
+    waves, factors = complex_zeros(terms), complex_zeros(terms)
+    loud, active = int_zeros(terms), 0
     for s in range(motion.duration.size):
         duration = motion.duration[s]
         tau, step, left = 0.0, 0.0, 0
@@ -97,8 +98,8 @@ def _loud(motion: Motion, s: int, tau: float, waves: ComplexArray, loud: IndexAr
     `loud`, ``(K,)``, takes their indices, and `waves`, ``(K,)``, their rates there.
     """
     places, terms = motion.weights.shape[1], waves.size
-    all_waves, sizes = np.zeros(terms, dtype=np.complex128), np.zeros((places, terms))
-    largest = np.zeros(places)
+    all_waves, sizes = complex_zeros(terms), zeros((places, terms))
+    largest = zeros(places)
     for k in range(terms):
         all_waves[k] = motion.amplitudes[s, k] * motion.rates[s, k] * np.exp(motion.rates[s, k] * tau)
         for u in range(places):

@@ -63,7 +63,7 @@ def test_branch_writes_a_dataset_once_and_plot_draws_it() -> None:
     refused = run("plot", "branch.nc", "--wide")
     assert (refused.exit_code, refused.stderr) == (
         2,
-        "lapjoint: --wide: a diagram of branches is one column wide; leave it out\n",
+        "lapjoint: --wide: a diagram of branches has one look; leave it out\n",
     )
 
 

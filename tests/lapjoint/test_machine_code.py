@@ -1,0 +1,111 @@
+"""What LLVM is spared: code that works all the same, from a file too, and nothing of what others compile."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+from numba import njit
+from numba.core import codegen, config
+
+from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.machine_code import KNOWN, Sparing, spare_llvm
+
+MODULE = """
+import math
+from lapjoint.compiling import njit_called, njit_inner
+
+@njit_inner()
+def ratio(x, y):
+    return x / y
+
+@njit_inner()
+def root(x, y):
+    if y > 3.0:
+        raise ValueError("y is large")
+    return math.sqrt(ratio(x, y))
+
+@njit_called()
+def one(x, y):
+    return root(x, y)
+
+@njit_called()
+def two(x, y):
+    return root(x, y) + one(x, y)
+"""
+USE = """
+import sys, made
+from lapjoint.machine_code import Sparing
+print(getattr(made, sys.argv[1])(8.0, 2.0), sum(getattr(made, sys.argv[1]).stats.cache_hits.values()), Sparing.on)
+for y in (0.0, 4.0):
+    try:
+        getattr(made, sys.argv[1])(1.0, y)
+    except (ZeroDivisionError, ValueError) as error:
+        print(type(error).__name__, error)
+"""
+
+
+def test_functions_that_only_compiled_ones_call_work_from_a_file_too(tmp_path: Path) -> None:
+    (tmp_path / "made.py").write_text(MODULE, encoding="utf-8")
+    (tmp_path / "use.py").write_text(USE, encoding="utf-8")
+    said = [
+        subprocess.run(
+            [sys.executable, str(tmp_path / "use.py"), name], capture_output=True, text=True, check=True, cwd=tmp_path
+        ).stdout.splitlines()
+        for name in ("one", "two", "two")
+    ]
+    errors = ["ZeroDivisionError division by zero", "ValueError y is large"]
+    assert said == [["2.0 0 False", *errors], ["4.0 0 False", *errors], ["4.0 1 False", *errors]]
+
+
+@njit_inner()
+def _half(x: float) -> float:
+    return x / 2
+
+
+@njit_called()
+def _sum_of_halves(x: np.ndarray) -> float:
+    total = 0.0
+    for i in range(x.size):
+        total += _half(x[i])
+    return total
+
+
+def test_only_what_python_calls_becomes_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[str] = []
+    add = codegen.JITCPUCodegen._add_module
+    monkeypatch.setattr(
+        codegen.JITCPUCodegen, "_add_module", lambda self, module: (made.append(module.name), add(self, module))[1]
+    )
+    seen: list[tuple[bool, int]] = []
+    optimise = codegen.JITCodeLibrary._optimize_final_module
+    monkeypatch.setattr(
+        codegen.JITCodeLibrary,
+        "_optimize_final_module",
+        lambda self: (seen.append((Sparing.on, config.LOOP_VECTORIZE)), optimise(self))[1],
+    )
+    vectorised = config.LOOP_VECTORIZE
+    fresh, inner = njit_called()(_sum_of_halves.py_func), _half  # type: ignore[attr-defined]
+    fresh._cache, inner._cache = type(fresh)(fresh.py_func)._cache, type(fresh)(fresh.py_func)._cache
+    assert fresh(np.arange(4.0)) == 3.0
+    assert (len(made) == 1) == numba.__version__.startswith(KNOWN)
+    assert set(seen) == {(True, 0)}
+    seen.clear()
+    assert njit(lambda x: x + 1)(1) == 2  # of another project
+    assert seen == [(False, vectorised)]
+    assert (Sparing.on, config.LOOP_VECTORIZE) == (False, vectorised)
+
+
+@pytest.mark.parametrize("why", ["another release", "built otherwise"])
+def test_a_numba_that_has_not_been_tried_is_left_as_it_is(why: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    if why == "another release":
+        monkeypatch.setattr(numba, "__version__", "0.99.0")
+    else:
+        monkeypatch.delattr(codegen.JITCPUCodegen, "set_env")
+    before = dict(vars(codegen.JITCodeLibrary))
+    assert not spare_llvm()
+    assert dict(vars(codegen.JITCodeLibrary)) == before
