@@ -381,7 +381,8 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     if beyond is None:
         return Graze(extremum.stop, value, "ends", graze, coming.rate, index), None
     before, after = graze.place.going_on_from(here), beyond.place.going_on_from(here)
-    kind = "persists" if before.tangent[-1] * after.tangent[-1] > 0 else "folds"
+    came, goes = before.tangent[-1], after.tangent[-1]
+    kind = "persists" if came * goes > 0 else "folds"
     return Graze(extremum.stop, value, kind, graze, coming.rate, index), after
 
 
