@@ -175,7 +175,7 @@ class _Search:
     ) -> None:
         self._plan, self._journal, self._workers, self._progress = plan, journal, workers, progress
         self._parts: dict[str, dict[str, Any]] = {} if journal is None else journal.parts
-        self._known_of = plan.size
+        self._known_of = plan.size + 1  # one branch at least is to be expected
 
     def run(self) -> list[dict[str, Any]]:
         """All branches, as `solve_branch` gives them, in the sequence in which they were accepted."""
@@ -184,6 +184,7 @@ class _Search:
         starts: list[Part] = [(f"start {i}", solve_start, i) for i in range(self._plan.size)]
         waiting = [seed for found in self._done(starts) for seed in found["seeds"]]
         branches: list[dict[str, Any]] = []
+        self._known_of -= 1
         seen, together = 0, 1 if self._workers == 1 else _ROUND
         while waiting:
             now: list[tuple[int, dict[str, Any]]] = []
