@@ -38,6 +38,7 @@ autosummary_context = {
 html_theme = "furo"
 html_title = "lapjoint"
 html_show_sourcelink = False
+html_show_copyright = False  # LICENSE has it
 html_copy_source = False
 
 myst_enable_extensions = ["dollarmath"]
@@ -79,10 +80,15 @@ def _included(app: Any, relative_path: Any, parent_docname: str, content: list[s
 
 
 def _finished(app: Any, error: Exception | None) -> None:
-    """What Sphinx leaves out for those who use no mouse: levels of headings, and boxes that scroll by the keyboard."""
+    """What Sphinx leaves out for those who do not see, or use no mouse.
+
+    Levels of headings, names of what stands beside a page, and boxes that scroll by the keyboard.
+    """
     for page in () if error else Path(app.outdir).rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         text = text.replace('class="caption" role="heading">', 'class="caption" role="heading" aria-level="2">')
+        for beside, name in (("sidebar-drawer", "All pages"), ("toc-drawer", "On this page")):
+            text = re.sub(rf'<aside class="{beside}([^"]*)">', rf'<aside class="{beside}\1" aria-label="{name}">', text)
         page.write_text(re.sub(r"<pre>", '<pre tabindex="0">', text), encoding="utf-8")
 
 

@@ -2,6 +2,7 @@
 
 numba compiles a function when it is first called, and keeps the machine code in a file beside its source, or in the
 user's own cache where the package's folder may not be written to.  Where neither may be, each process compiles anew.
+What is kept is valid for one content of all that was compiled in: see `lapjoint.compiled_cache`.
 
 numba writes two more functions for each, by which Python and C call it.  What only other compiled functions call does
 without them, and is spared more, see `lapjoint.machine_code`: it is `njit_inner`.
@@ -17,11 +18,13 @@ from __future__ import annotations
 import gc
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, TypeVar
 
 from numba import njit
 from numba.core import config, event
 
+from lapjoint.compiled_cache import ContentCache
 from lapjoint.machine_code import Sparing, spare_llvm
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -54,12 +57,12 @@ def njit_called(**options: Any) -> Callable[[F], F]:
     compiler: Any = njit
 
     def compiled(function: F) -> F:
-        try:
-            made: F = compiler(cache=True, no_cfunc_wrapper=True, **options)(function)
-        except RuntimeError:  # no folder to keep the machine code in
-            made = compiler(no_cfunc_wrapper=True, **options)(function)
+        made = compiler(no_cfunc_wrapper=True, **options)(function)
+        with suppress(RuntimeError):  # no folder to keep the machine code in
+            made._cache = ContentCache(made)
         _OWN.add(function)
-        return made
+        result: F = made
+        return result
 
     return compiled
 

@@ -4,13 +4,14 @@ numba makes machine code of each function that it compiles, though of one that o
 it: they have it in their own, and optimise it there once more.  Here such a function is neither optimised nor made
 machine code of by itself; it is kept as LLVM's bitcode, for those that call it.  That halves LLVM's time.
 
-This stands on how numba is built inside.  Where it is built otherwise, `spare_llvm` leaves all as it is.
+This stands on how the releases `KNOWN` of numba are built inside.  With any other, `spare_llvm` leaves all as it is.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import numba
 from numba.core import codegen
 
 _NEEDED = {
@@ -27,6 +28,8 @@ _NEEDED = {
     "JITCPUCodegen": ("set_env",),
 }
 """What is relied on, or put in place of, in `numba.core.codegen`."""
+KNOWN = ("0.68.",)
+"""How the releases of numba begin with which this has been tried."""
 _WRAPPERS = "_ZN7cpython", "cfunc."
 """How the names of functions begin by which Python and C call a compiled one."""
 
@@ -43,8 +46,10 @@ def spare_llvm() -> bool:
     Returns
     -------
     bool
-        Whether they do; not if numba is built otherwise.
+        Whether they do; not with a release that is not `KNOWN`, or if numba is built otherwise.
     """
+    if not numba.__version__.startswith(KNOWN):
+        return False
     for name, members in _NEEDED.items():
         if not all(hasattr(getattr(codegen, name, None), member) for member in members):
             return False

@@ -1,4 +1,4 @@
-"""Text from files and arguments, made harmless for those that would take a part of it for a command.
+"""Plain text: a duration in words, and text from files and arguments, made harmless for who would obey a part of it.
 
 A terminal obeys control sequences, and a spreadsheet computes formulas.  Titles and names come from files, which others
 may have written.
@@ -52,3 +52,22 @@ def no_formula(cell: object) -> object:
 def _number(sign: str) -> str:
     code = ord(sign)
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def duration_text(seconds: float) -> str:
+    """A duration for a person.
+
+    Parameters
+    ----------
+    seconds : float
+        s.
+
+    Returns
+    -------
+    str
+        As ``40 s``, ``12 min`` or ``3 h 20 min``.
+    """
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"

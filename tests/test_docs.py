@@ -44,6 +44,38 @@ def test_links_between_pages_lead_somewhere(page: Path) -> None:
             assert (page.parent / link.split("#")[0]).is_file(), link
 
 
+def anchors(page: Path) -> set[str]:
+    """The headings of a page as links name them, what it includes too."""
+    text = re.sub(r"^```\{include\} (\S+)$", lambda m: (page.parent / m[1]).read_text("utf-8"), page.read_text("utf-8"))
+    headings = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.MULTILINE), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+BESIDE = [DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md")]
+
+
+@pytest.mark.parametrize("page", [*PAGES, *BESIDE], ids=lambda page: page.name)
+def test_links_to_headings_name_headings(page: Path) -> None:
+    for link, heading in re.findall(r"\]\((?!https)([^)#\s]*)#([^)]+)\)", page.read_text(encoding="utf-8")):
+        assert heading in anchors(page.parent / link if link else page), (link, heading)
+
+
+def test_the_glossary_explains_the_words_that_the_house_uses() -> None:
+    """All that CONTRIBUTING.md names, each once, and what a certificate or a verdict is called."""
+    from lapjoint import Outcome
+    from validation.verdict import Verdict
+
+    text = (DOCS / "glossary.md").read_text(encoding="utf-8").lower()
+    words = re.findall(r"^### (.+)\n\n\S", text, re.MULTILINE)
+    assert len(words) == len(set(words)) == text.count("\n### ")
+    (listed,) = re.findall(r"\*\*Words of the field\*\*: ([^.]+)\.", (BESIDE[1]).read_text(encoding="utf-8"))
+    for word in listed.replace("\n", " ").split(","):
+        assert " ".join(word.split()) in words
+    called = {outcome.name.lower().replace("quasiperiodic", "quasi-periodic") for outcome in Outcome} - {"no_contact"}
+    for word in (*called, *(verdict.value for verdict in Verdict)):
+        assert word in text, word
+
+
 def test_the_index_lists_every_page() -> None:
     index = (DOCS / "index.md").read_text(encoding="utf-8")
     linked = {link.split("#")[0] for link in re.findall(r"\((\S+\.md(?:#\S+)?)\)", index)}
@@ -82,6 +114,44 @@ def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: py
             assert float(numbers[1][0]) == pytest.approx(float(numbers[0][0]), rel=0.25)
     exec(compile(draws, "docs", "exec"), {})
     assert Path("forces.pdf").stat().st_size > 1000
+
+
+ALL_PAGES = {name_of(page): page for page in PAGES} | {page.name: page for page in BESIDE}
+SHOWN = [
+    pytest.param(line.partition(" #")[0].strip().removesuffix("&").strip(), id=f"{name}: {line[:50].strip()}")
+    for name, page in ALL_PAGES.items()
+    for block in CONSOLE.findall(page.read_text(encoding="utf-8"))
+    for line in re.findall(r"^\$ ((?:\.venv/bin/)?(?:lapjoint|dask) .*)$", block, re.MULTILINE)
+]
+
+
+@pytest.mark.parametrize("line", SHOWN)
+def test_every_command_that_a_page_shows_has_these_options(line: str) -> None:
+    """It is parsed, not run: a name or an option that is gone is an error."""
+    program, name, *words = shlex.split(line)
+    if program == "dask":
+        module = pytest.importorskip(f"distributed.cli.dask_{name}")
+        module.main.make_context(name, words)
+        return
+    context = main.make_context("lapjoint", [name, *words])
+    command = main.get_command(context, name)
+    assert command is not None, name
+    with command.make_context(name, words, parent=context) as parsed:
+        assert parsed.params
+
+
+def test_every_option_that_a_page_names_is_one() -> None:
+    """Those in the text, as `--set`, are of some command, or of pip, pytest or dask where the page says so."""
+    context = main.make_context("lapjoint", ["--help"], resilient_parsing=True)
+    commands = [main.get_command(context, name) for name in main.list_commands(context)]
+    known = {option for command in commands if command for one in command.params for option in one.opts}
+    known |= {option for command in commands if command for one in command.params for option in one.secondary_opts}
+    known |= {"--help", "--version", "--page"}  # the last is of `python -m validation.faults.mutants`
+    for name, page in ALL_PAGES.items():
+        text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+        for code in re.findall(r"`([^`]+)`", text):
+            for option in re.findall(r"(?:^|(?<=\s))--[a-z][a-z-]*", code):
+                assert option in known or code.startswith(("pip ", "dask ")), (name, code)
 
 
 TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from lapjoint.cli.main import main
 from lapjoint.problem.files import from_toml
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -44,6 +47,32 @@ def test_its_code_runs_and_prints(
     assert len(code.split("\n\n")) == 2
     exec(compile(code, "README.md", "exec"), {})
     assert re.search(r"\d\.\d", capsys.readouterr().out)
+
+
+def test_its_session_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (session,) = blocks("pycon")
+    lines = re.findall(r"^>>> (.*)$", session, re.MULTILINE)
+    names: dict[str, object] = {}
+    for line in lines[:-1]:
+        exec(line, names)
+    assert "impulse" in str(eval(lines[-1], names))
+
+
+def test_a_problem_of_ones_own_takes_the_commands_that_it_shows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (block,) = (block for block in blocks("console") if "lapjoint init" in block)
+    commands = [shlex.split(line.removeprefix("$ "), comments=True) for line in block.splitlines()]
+    assert commands[0] == ["source", ".venv/bin/activate"]
+    assert [command[:2] for command in commands[1:]] == [
+        ["lapjoint", name] for name in ("init", "modes", "steady", "validate")
+    ]
+    for _, *words in commands[1:]:
+        result = CliRunner().invoke(main, words)
+        assert result.exit_code == 0, result.output
+    assert Path("report/report.html").is_file()
 
 
 def test_from_problem_to_impulse_takes_five_lines() -> None:

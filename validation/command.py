@@ -10,18 +10,28 @@ from typing import Literal
 
 import click
 
+from lapjoint.cli.completing import DIRECTORY, PROBLEM, SOLVER, Offering
 from lapjoint.cli.echo import echo
 
 
+def _cases() -> tuple[str, ...]:
+    from validation import suite
+
+    return tuple(suite.case_names())
+
+
 @click.command()
-@click.argument("problem", required=False)
+@click.argument("problem", type=PROBLEM, required=False)
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable.")
-@click.option("--case", "cases", multiple=True, metavar="NAME", help="Run this case only; repeatable.")
+@click.option(
+    "--case", "cases", multiple=True, metavar="NAME", type=Offering(_cases), help="Run this case only; repeatable."
+)
 @click.option(
     "--peers",
     "peers",
     multiple=True,
     metavar="NAME",
+    type=SOLVER,
     help="Compare with this solver too, as opensees, or opensees:dt=2e-5,elements=20; repeatable: adds the case peers.",
 )
 @click.option("--quick", "level", flag_value="quick", help="Less refinement.")
@@ -33,7 +43,14 @@ from lapjoint.cli.echo import echo
 )
 @click.option("--workers", type=click.IntRange(1), metavar="N", help="Faults that are tried at a time; all processors.")
 @click.option(
-    "-o", "--out", "output", default="report", show_default=True, metavar="DIR", help="Where the report goes."
+    "-o",
+    "--out",
+    "output",
+    default="report",
+    show_default=True,
+    metavar="DIR",
+    type=DIRECTORY,
+    help="Where the report goes.",
 )
 @click.option("--list", "list_cases", is_flag=True, help="List the cases and stop.")
 def validate(

@@ -53,7 +53,7 @@ class Branch:
     """Its bifurcations, in the same sequence."""
     ends: tuple[str, str]
     """Why it ends at its first and at its last point: ``boundary`` of the range, ``closed`` to a ring, ``graze``,
-    ``bifurcation`` from which it springs, ``lost`` or ``most points``."""
+    ``bifurcation`` from which it springs, ``lost``, or the ``effort`` that was allowed."""
 
     @property
     def period_multiple(self) -> int:

@@ -24,7 +24,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.files import to_toml
 from lapjoint.problem.plane import Plane
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Progress, Solver, make_solver
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -259,7 +259,9 @@ class BasinPlan:
         prepared(self, 0, "[]")
         return solver
 
-    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Chunk, None]:
+    def answer(
+        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
+    ) -> tuple[Chunk, None]:
         """Find where the starts of a cell end. See `lapjoint.campaigns.campaign.Campaign.answer`."""
         from lapjoint.campaigns.basin_solving import solve_chunk
 

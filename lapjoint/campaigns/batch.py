@@ -10,7 +10,7 @@ from typing import Any
 
 from lapjoint.campaigns.campaign import Campaign, Point
 from lapjoint.one_thread import in_one_thread
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Progress, Solver, make_solver
 
 BATCH_SECONDS = 1.0
 """Time after which a batch is handed back, finished or not, s: it is as much work as a crash can lose."""
@@ -46,7 +46,7 @@ class Solved:
 
 
 @in_one_thread
-def solve_batch(plan: Campaign, batch: Batch) -> Solved:
+def solve_batch(plan: Campaign, batch: Batch, progress: Progress | None = None) -> Solved:
     """Solve the cells of a batch until all are done or `BATCH_SECONDS` are over, and at least one.
 
     Parameters
@@ -55,6 +55,8 @@ def solve_batch(plan: Campaign, batch: Batch) -> Solved:
         The work.
     batch : Batch
         Cells to be solved, in their sequence.
+    progress : callable, optional
+        Called now and then with how much of the cell that is solved is done and the whole, where it takes long.
 
     Returns
     -------
@@ -71,7 +73,7 @@ def solve_batch(plan: Campaign, batch: Batch) -> Solved:
     points: dict[int, Point] = {}
     section = batch.section
     for cell in batch.cells:
-        points[cell], section = plan.answer(cell, solver, section if batch.chained else None)
+        points[cell], section = plan.answer(cell, solver, section if batch.chained else None, progress)
         if time.monotonic() > deadline:
             break
     return Solved(points, section, after(batch, len(points), section))

@@ -221,6 +221,7 @@ def _attributes(plan: BranchPlan) -> dict[str, Any]:
         "starts": plan.starts,
         "seed": plan.seed,
         "errors": int(plan.errors),
+        "max_points": plan.max_points,
         **{f"version_{name}": number for name, number in identity["versions"].items()},
         "fingerprint": plan.fingerprint,
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -13,6 +13,7 @@ from lapjoint.campaigns.point import plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.continuation import Limits
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.seeds import on_branch, seed_from
 from lapjoint.orbits.branches.tracing import Seed, trace
@@ -60,7 +61,7 @@ def _family(key: _Known) -> Family:
 
 
 @in_one_thread
-def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
+def solve_start(plan: BranchPlan, number: int, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
     """The motion that a start leads to.
 
     Parameters
@@ -69,6 +70,8 @@ def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
         The plan.
     number : int
         Number of the start.
+    progress : callable, optional
+        Not called: a start takes no time.
 
     Returns
     -------
@@ -85,7 +88,9 @@ def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
 
 
 @in_one_thread
-def solve_branch(plan: BranchPlan, plain: Mapping[str, Any]) -> dict[str, Any]:
+def solve_branch(
+    plan: BranchPlan, plain: Mapping[str, Any], progress: Callable[[float], None] | None = None
+) -> dict[str, Any]:
     """The branch of a motion.
 
     Parameters
@@ -94,6 +99,8 @@ def solve_branch(plan: BranchPlan, plain: Mapping[str, Any]) -> dict[str, Any]:
         The plan.
     plain : mapping
         The motion, as `plain_seed` gives it.
+    progress : callable, optional
+        Called with the share of the range, or of the effort, that is behind.
 
     Returns
     -------
@@ -102,7 +109,13 @@ def solve_branch(plan: BranchPlan, plain: Mapping[str, Any]) -> dict[str, Any]:
         of its motions; ``bifurcations``; and ``ends``.  Without points if there is none; then ``message`` says why.
     """
     try:
-        found = trace(family_of(plan), seed_of(plain), most_multiple=plan.max_period_multiple, errors=plan.errors)
+        found = trace(
+            family_of(plan),
+            seed_of(plain),
+            most_multiple=plan.max_period_multiple,
+            errors=plan.errors,
+            limits=Limits(plan.max_points, progress),
+        )
     except SolverError as error:
         return {"seeds": [], "points": [], "message": str(error)}
     if found is None:

@@ -16,6 +16,10 @@ from lapjoint.problem import Problem
 from lapjoint.problem.files import to_toml
 from lapjoint.solver import Solver, make_solver
 
+MAX_POINTS = 5000
+"""Default of the largest number of points of a branch: the paper's joint from 1 to 5000 rad/s has some 1200."""
+MOST_POINTS = 1_000_000
+"""Largest number of points of a branch that may be asked for."""
 MOST_MULTIPLE = 64
 """Largest period multiple of branches."""
 
@@ -44,6 +48,8 @@ class BranchPlan:
         Seed of the random starts.
     errors : bool
         Whether to estimate the errors of the bifurcations.
+    max_points : int
+        Largest number of points of a branch.
 
     Raises
     ------
@@ -64,10 +70,12 @@ class BranchPlan:
     starts: int = 0
     seed: int = 0
     errors: bool = True
+    max_points: int = MAX_POINTS
 
     def __post_init__(self) -> None:
         check_integer("max_period_multiple", self.max_period_multiple, 1, MOST_MULTIPLE)
         check_integer("starts", self.starts, 0, MOST_STARTS)
+        check_integer("max_points", self.max_points, 2, MOST_POINTS)
         check_integer("seed", self.seed, 0, 2**63 - 1)
         for name, value in (("from", self.first), ("to", self.last)):
             if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
@@ -155,6 +163,7 @@ class BranchPlan:
             "starts": self.starts,
             "seed": self.seed,
             "errors": self.errors,
+            "max_points": self.max_points,
             "versions": versions(),
         }
 

@@ -1,7 +1,8 @@
 """Runs a search for branches: starts first, then the branches of the motions that they lead to, and so on.
 
-Branches are followed in rounds of a few.  After each round, motions that lie on a branch that is known are left out;
-so neither the number of workers nor an interruption changes what is found, or in what sequence.
+Several processes follow branches in rounds of a few, one process one after the other.  Motions that lie on a branch
+that is known are left out, by the sequence of the motions and not of the work; so neither the number of workers nor an
+interruption changes what is found, or in what sequence.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.branch_journal import BranchJournal
-from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.branch_plan import MAX_POINTS, BranchPlan
 from lapjoint.campaigns.running import stored
 from lapjoint.campaigns.workers import check_workers
 from lapjoint.errors import InputError
@@ -26,9 +27,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _ROUND = 4
-"""Number of branches that are followed before those that came out the same are told apart."""
-Part = tuple[str, Callable[[BranchPlan, Any], dict[str, Any]], Any]
-"""A part of the work: its name, the function that does it, and what it takes besides the plan."""
+"""Number of branches that several processes follow before those that came out the same are told apart."""
+Part = tuple[str, Callable[..., dict[str, Any]], Any]
+"""A part of the work: its name, the function that does it, and what it takes besides the plan and a progress."""
 
 
 def branch(
@@ -43,6 +44,7 @@ def branch(
     starts: int = 0,
     seed: int = 0,
     errors: bool = True,
+    max_points: int = MAX_POINTS,
     workers: int = 1,
     out: str | Path | None = None,
     force: bool = False,
@@ -72,6 +74,9 @@ def branch(
         Seed of the random starts.
     errors : bool
         Whether to estimate the errors of the bifurcations, by finer selves of the solver.
+    max_points : int
+        Largest number of points of a branch; one that needs more, or more tries than go with so many, ends as
+        ``effort``.
     workers : int
         Number of processes, -1 for all processors.
     out : str or Path, optional
@@ -80,7 +85,8 @@ def branch(
     force : bool
         Whether something else in `out` may be thrown away.
     progress : callable, optional
-        Called with the number of parts of the work done, and the number known of.
+        Called with the number of parts of the work done, a branch under way as the share that is followed, and the
+        number known of.
 
     Returns
     -------
@@ -97,7 +103,7 @@ def branch(
         After Ctrl-C.
     """
     plan = BranchPlan(
-        problem, path, first, last, solver, dict(options or {}), max_period_multiple, starts, seed, errors
+        problem, path, first, last, solver, dict(options or {}), max_period_multiple, starts, seed, errors, max_points
     )
     found = None if out is None else stored(plan, out, force=force)
     if found is not None:
@@ -126,7 +132,8 @@ def find_branches(
     force : bool
         Whether the journal of something else may be thrown away.
     progress : callable, optional
-        Called with the number of parts of the work done, and the number known of.
+        Called with the number of parts of the work done, a branch under way as the share that is followed, and the
+        number known of.
 
     Returns
     -------
@@ -177,17 +184,17 @@ class _Search:
         starts: list[Part] = [(f"start {i}", solve_start, i) for i in range(self._plan.size)]
         waiting = [seed for found in self._done(starts) for seed in found["seeds"]]
         branches: list[dict[str, Any]] = []
-        followed = 0
+        seen, together = 0, 1 if self._workers == 1 else _ROUND
         while waiting:
-            now: list[dict[str, Any]] = []
-            while waiting and len(now) < _ROUND:
+            now: list[tuple[int, dict[str, Any]]] = []
+            while waiting and len(now) < together:
                 seed = waiting.pop(0)
                 if not self._is_known(seed, branches):
-                    now.append(seed)
-            parts: list[Part] = [(f"branch {followed + i}", solve_branch, seed) for i, seed in enumerate(now)]
-            followed += len(now)
+                    now.append((seen, seed))
+                seen += 1
+            parts: list[Part] = [(f"branch {number}", solve_branch, seed) for number, seed in now]
             self._known_of += len(now)
-            for seed, found in zip(now, self._done(parts), strict=True):
+            for (_, seed), found in zip(now, self._done(parts), strict=True):
                 if found["points"] and not self._is_known(seed, branches):
                     branches.append(found)
                     waiting += found["seeds"]
@@ -214,11 +221,11 @@ class _Search:
         """Results, in any sequence."""
         if self._workers == 1 or len(missing) < 2:
             for name, function, what in missing:
-                yield name, function(self._plan, what)
+                yield name, function(self._plan, what, self._say)
             return
         # The first makes numba compile the march and store the machine code, which the processes then load.
         name, function, what = missing[0]
-        yield name, function(self._plan, what)
+        yield name, function(self._plan, what, self._say)
         with process_pool(min(self._workers, len(missing) - 1)) as pool:
             with interrupts_held():
                 futures = {
@@ -227,6 +234,6 @@ class _Search:
             for future in as_completed(futures):
                 yield futures[future], future.result()
 
-    def _say(self) -> None:
+    def _say(self, share: float = 0.0) -> None:
         if self._progress is not None:
-            self._progress(len(self._parts), self._known_of)
+            self._progress(len(self._parts) + share, self._known_of)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lapjoint.solver import Solver
+from lapjoint.solver import Progress, Solver
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,7 +83,9 @@ class Campaign(Kept, Protocol):
             If something is not allowed.
         """
 
-    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Any, dict[str, Any] | None]:
+    def answer(
+        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
+    ) -> tuple[Any, dict[str, Any] | None]:
         """Solve a cell.
 
         Parameters
@@ -94,6 +96,8 @@ class Campaign(Kept, Protocol):
             The solver.
         section : dict or None
             Where the cell starts, if it is chained.
+        progress : callable, optional
+            Called now and then with how much of the cell is done and the whole, where it takes long.
 
         Returns
         -------

@@ -25,7 +25,7 @@ from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 from lapjoint.problem.files import to_toml
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Progress, Solver, make_solver
 from lapjoint.summaries.of_orbit import check_names
 
 if TYPE_CHECKING:
@@ -185,7 +185,9 @@ class Plan:
         self.grid.check()
         return solver
 
-    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Point, dict[str, Any] | None]:
+    def answer(
+        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
+    ) -> tuple[Point, dict[str, Any] | None]:
         """What was found for a cell, and where the next one starts: at the cell's own start where the solver gave up.
 
         See `lapjoint.campaigns.campaign.Campaign.answer`.

@@ -156,10 +156,12 @@ class Realisations:
             return self.problem
         return self.problem.with_seeds(lambda own: (own + number) % (LARGEST_SEED + 1))
 
-    def answer(self, cell: int, solver: Solver, section: dict[str, Any] | None) -> tuple[Realised, None]:
+    def answer(
+        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
+    ) -> tuple[Realised, None]:
         """The sums of a realisation. See `lapjoint.campaigns.campaign.Campaign.answer`."""
         try:
-            return Realised(sums_of(self.measure(solver), solver, self.realisation(cell)).plain()), None
+            return Realised(sums_of(self.measure(solver), solver, self.realisation(cell), progress).plain()), None
         except SolverError as error:
             return Realised(message=str(error)), None
 
@@ -280,7 +282,8 @@ def statistics(
     force : bool
         Whether other statistics in `out` may be thrown away.
     progress : callable, optional
-        Called with the number of realisations done and the number of all.
+        Called with the number of realisations done and the number of all; in one process, where realisations come one
+        after the other, also with parts of the one that is marched.
 
     Returns
     -------

@@ -10,6 +10,7 @@ from lapjoint.campaigns.batch import after, batches, solve_batch, solver_of
 from lapjoint.campaigns.campaign import Campaign, Kept
 from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.journal import Journal
+from lapjoint.campaigns.pace import Pace
 from lapjoint.campaigns.plan import Plan, Start
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
 from lapjoint.errors import InputError
@@ -275,11 +276,14 @@ def delivery(
         if progress is not None:
             progress(len(points), plan.size)
 
+    pace = Pace(plan.noun)
+
     def deliver(solved: Solved) -> None:
         if journal is None:
             points.update(solved.points)
         else:
             journal.append(solved.points, solved.section)
+        pace.take(solved.points.values(), plan.size - len(points))
         say()
 
     say()
@@ -312,16 +316,27 @@ def all_cells(
         Called with the number of cells done and the number of all.
     """
 
+    def part_of_a_cell(done: float, total: float) -> None:
+        if progress is not None and done < total:
+            progress(len(points) + done / total, plan.size)
+
     deliver = delivery(plan, points, journal, progress)
     length = plan.longest_batch
     if isinstance(workers, int):
         length = max(1, min(length, plan.size // (4 * workers)))
     todo = list(batches(plan, set(points), journal.sections if journal else {}, length))
     if todo:
-        send(plan, todo, workers, scheduler, deliver)
+        send(plan, todo, workers, scheduler, deliver, part_of_a_cell)
 
 
-def send(plan: Campaign, todo: list[Batch], workers: Workers, scheduler: str | None, deliver: Deliver) -> None:
+def send(
+    plan: Campaign,
+    todo: list[Batch],
+    workers: Workers,
+    scheduler: str | None,
+    deliver: Deliver,
+    progress: Progress | None = None,
+) -> None:
     """Send batches to the workers.
 
     Parameters
@@ -336,6 +351,8 @@ def send(plan: Campaign, todo: list[Batch], workers: Workers, scheduler: str | N
         Address of a dask scheduler whose workers do it instead.
     deliver : callable
         Takes each `Solved`, in any sequence.
+    progress : callable, optional
+        Called now and then with how much of a cell is done and the whole, where this process solves them.
     """
     if scheduler is not None:
         from lapjoint.campaigns.cluster import work_on_cluster
@@ -346,7 +363,7 @@ def send(plan: Campaign, todo: list[Batch], workers: Workers, scheduler: str | N
     elif workers > 1:
         work_in_processes(plan, _after_first_cell(plan, todo, deliver), workers, deliver)
     else:
-        work_here(plan, todo, deliver)
+        work_here(plan, todo, deliver, progress)
 
 
 def _after_first_cell(plan: Campaign, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:

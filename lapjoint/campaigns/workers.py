@@ -18,6 +18,7 @@ from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_
 from lapjoint.campaigns.campaign import Campaign
 from lapjoint.errors import InputError
 from lapjoint.processes import end_pool, interrupts_held, new_pool
+from lapjoint.solver import Progress
 
 Deliver = Callable[[Solved], None]
 """Takes what was solved of a batch."""
@@ -55,7 +56,7 @@ def check_workers(workers: Workers) -> Workers:
     return len(os.sched_getaffinity(0)) if workers == -1 else workers
 
 
-def work_here(plan: Campaign, batches: Iterable[Batch], deliver: Deliver) -> None:
+def work_here(plan: Campaign, batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
     """Solve all batches in this process, one after the other.
 
     Parameters
@@ -66,11 +67,13 @@ def work_here(plan: Campaign, batches: Iterable[Batch], deliver: Deliver) -> Non
         The work.
     deliver : callable
         Takes each `Solved`.
+    progress : callable, optional
+        Called as `solve_batch` says.
     """
     for batch in batches:
         left: Batch | None = batch
         while left is not None:
-            solved = solve_batch(plan, left)
+            solved = solve_batch(plan, left, progress)
             deliver(solved)
             left = solved.left
 

@@ -84,8 +84,10 @@ def options_from(n_modes: int | None, elements: int | None, options: tuple[str, 
     return chosen
 
 
-def axes_from(first: float | None, last: float | None, step: float, fields: tuple[str, ...]) -> tuple[Axis, ...]:
-    """The axes of a sweep: the excitation frequency if it is given, then the other fields in their order."""
+def axes_from(
+    first: float | None, last: float | None, step: float, fields: tuple[str, ...], hz: bool = False
+) -> tuple[Axis, ...]:
+    """The axes of a sweep: the excitation frequency if it is given, in rad/s or Hz, then the other fields in order."""
     if (first is None) != (last is None):
         raise InputError(f"--{'to' if last is None else 'from'}: is missing; give both --from and --to, or neither")
     if first is None and not fields:
@@ -93,20 +95,21 @@ def axes_from(first: float | None, last: float | None, step: float, fields: tupl
     axes = [axis_from(field) for field in fields]
     if first is None or last is None:
         return tuple(axes)
-    return (Axis(FREQUENCY, frequencies(first, last, step)), *axes)
+    return (Axis(FREQUENCY, frequencies(first, last, step, hz)), *axes)
 
 
-def frequencies(first: float, last: float, step: float) -> tuple[float, ...]:
-    """Frequencies from `first` to `last`, both included where the step allows."""
+def frequencies(first: float, last: float, step: float, hz: bool = False) -> tuple[float, ...]:
+    """Angular frequencies from `first` to `last`, both included where the step allows; given in rad/s or in Hz."""
+    unit, radians = ("Hz", 2 * math.pi) if hz else ("rad/s", 1.0)
     for option, value in (("--from", first), ("--to", last), ("--step", step)):
         if not 0 < value < float("inf"):
-            raise InputError(f"{option} {value:g}: must be positive and finite, in rad/s")
+            raise InputError(f"{option} {value:g}: must be positive and finite, in {unit}")
     if last < first:
-        raise InputError(f"--to {last:g}: must be at least --from, {first:g} rad/s")
+        raise InputError(f"--to {last:g}: must be at least --from, {first:g} {unit}")
     steps = (last - first) / step * (1 + 1e-12) + 1e-9
     if steps >= MOST_POINTS:
         raise InputError(f"--step {step:g}: makes {steps:.3g} points; at most {MOST_POINTS} are allowed")
-    return tuple(first + i * step for i in range(int(steps) + 1))
+    return tuple((first + i * step) * radians for i in range(int(steps) + 1))
 
 
 def axis_from(text: str) -> Axis:

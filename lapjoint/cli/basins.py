@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.options import FIGURES, problem_options, solver_options
 
@@ -34,9 +35,14 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
 @click.option("--values", type=int, help="Number of its values.")
 @click.option("--effort", type=int, metavar="PERIODS", help="Most periods marched from a start.  [default: 4000]")
 @click.option(
-    "-o", "--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished."
+    "-o",
+    "--out",
+    required=True,
+    metavar="FILE",
+    type=FILE,
+    help="Where the dataset goes: .nc; resumed if not finished.",
 )
-@click.option("--figure", metavar="FILE", help="Draw the basins to FILE: .png, .svg or .pdf.")
+@click.option("--figure", metavar="FILE", type=FILE, help="Draw the basins to FILE: .png, .svg or .pdf.")
 @click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
 @click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
 @click.option("--force", is_flag=True, help="Throw away something else that is in FILE.")

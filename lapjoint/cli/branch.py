@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.options import problem_options, solver_options
 
 
@@ -20,7 +21,9 @@ from lapjoint.cli.options import problem_options, solver_options
 )
 @click.option("--from", "first", type=float, required=True, help="One end of its range, SI units.")
 @click.option("--to", "last", type=float, required=True, help="The other end.")
-@click.option("-o", "--out", required=True, metavar="FILE", help="Where it goes: .nc; resumed if not finished.")
+@click.option(
+    "-o", "--out", required=True, metavar="FILE", type=FILE, help="Where it goes: .nc; resumed if not finished."
+)
 @click.option(
     "--max-period-multiple",
     type=int,
@@ -35,6 +38,13 @@ from lapjoint.cli.options import problem_options, solver_options
     default=True,
     show_default=True,
     help="Estimate the errors of the bifurcations, by finer selves of the solver.",
+)
+@click.option(
+    "--max-points",
+    type=int,
+    default=5000,
+    show_default=True,
+    help="Most points of a branch; one that needs more ends as `effort`.",
 )
 @click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
 @click.option("--force", is_flag=True, help="Throw away something else that is in FILE.")
@@ -53,6 +63,7 @@ def branch(
     starts: int,
     seed: int,
     errors: bool,
+    max_points: int,
     workers: int,
     force: bool,
 ) -> None:
@@ -70,8 +81,9 @@ def branch(
     arguments.check_file("--out", out, ".nc")
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
-    plan = BranchPlan(this, path, first, last, solver_name, numerics, max_period_multiple, starts, seed, errors)
+    how = max_period_multiple, starts, seed, errors, max_points
+    plan = BranchPlan(this, path, first, last, solver_name, numerics, *how)
     found = found_or_stored(plan, "branch", "these branches", find_branches, out=out, force=force, workers=workers)
     print_branches(found)
     ends = [*found.branch_first_end.values, *found.branch_last_end.values]
-    click.get_current_context().exit(1 if not ends or "lost" in ends else 0)
+    click.get_current_context().exit(1 if not ends or {"lost", "effort"} & set(ends) else 0)

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import click
 
+from lapjoint.cli.completing import DIRECTORY, FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.motions import find_motions
 from lapjoint.cli.options import large_allowed, motion_options, problem_options, solver_options
@@ -15,7 +16,7 @@ from lapjoint.cli.options import large_allowed, motion_options, problem_options,
 @problem_options
 @solver_options
 @motion_options
-@click.option("-o", "--out", "directory", required=True, metavar="DIR", help="Where the files go.")
+@click.option("-o", "--out", "directory", required=True, metavar="DIR", type=DIRECTORY, help="Where the files go.")
 @click.option(
     "--state", help="Write mode shapes instead: of closed stops (P2+P4), free, 1-9, or all; --modes says how many."
 )
@@ -90,7 +91,12 @@ def export(
 @solver_options
 @motion_options
 @click.option(
-    "-o", "--out", "output", metavar="FILE", help="A picture (.png) or a film (.gif, .mp4).  [default: a window]"
+    "-o",
+    "--out",
+    "output",
+    metavar="FILE",
+    type=FILE,
+    help="A picture (.png) or a film (.gif, .mp4).  [default: a window]",
 )
 @click.option("--at", type=float, help="Time of a picture, s.  [default: when the stops push hardest]")
 @click.option("--frames", type=int, help="Number of frames of a film, or of a window.  [default: 60]")

@@ -25,6 +25,7 @@ import click
 
 from lapjoint.cli.basins import basins
 from lapjoint.cli.branch import branch
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
@@ -167,7 +168,7 @@ def schema() -> None:
 
 
 @main.command()
-@click.argument("file", default="-")
+@click.argument("file", type=FILE, default="-")
 @click.option("--force", is_flag=True, help="Overwrite FILE if it is there.")
 def init(file: str, force: bool) -> None:
     """Write a commented example of a problem to FILE, or to standard output."""

@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 
 import click
 
+from lapjoint.cli.completing import FILE, PROBLEM, SOLVER
+
 FIGURES = (".png", ".svg", ".pdf")
 DRAWINGS = {
     "motion": "plot_motion",
@@ -63,7 +65,7 @@ problem_options = together(
         help="Change one value of the problem, e.g. base_motion.angular_frequency=820, stops.P2.gap=2e-3 "
         "or stops.*.gap=2e-3; repeatable.",
     ),
-    click.argument("problem"),
+    click.argument("problem", type=PROBLEM),
 )
 """PROBLEM, --set to change parts of it, and --large to allow what takes long or much room."""
 
@@ -80,6 +82,7 @@ solver_options = together(
     click.option(
         "--solver",
         "solver_name",
+        type=SOLVER,
         default="analytic",
         show_default=True,
         help="analytic, fe, or another installed.",
@@ -94,7 +97,7 @@ figure_options = together(
         help="What the figure shows: motion (the default), phase portrait, Poincare section, impulses of the "
         "contacts, contact states over time, or amplitude spectrum.",
     ),
-    click.option("--figure", metavar="FILE", help="Draw the answer to FILE: .png, .svg or .pdf."),
+    click.option("--figure", metavar="FILE", type=FILE, help="Draw the answer to FILE: .png, .svg or .pdf."),
 )
 """--figure, and --draw to say what it shows."""
 
@@ -114,7 +117,7 @@ series_options = together(
         help="Places of --series, of a figure, and of what steady prints, m.  [default: the stops and the free ends; "
         "of a spectrum, where it moves most]",
     ),
-    click.option("--series", "series_path", metavar="FILE", help="Write time series to FILE: .nc or .csv."),
+    click.option("--series", "series_path", metavar="FILE", type=FILE, help="Write time series to FILE: .nc or .csv."),
 )
 """--series, and what it holds."""
 
@@ -137,6 +140,7 @@ motion_options = together(
     click.option(
         "--beside",
         metavar="NAME",
+        type=SOLVER,
         help="Another solver, whose motion stands beside: fe, or fe:elements=80 with options of its own.",
     ),
     click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead."),

@@ -14,7 +14,7 @@ from lapjoint.answers.contact_state import state_label
 from lapjoint.answers.series import written
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
-from lapjoint.figures.text import apart, cut_to, error_text, plain
+from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
 from lapjoint.output_files import write_file
 from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 COLUMNS = 80
 """Width of a terminal that nobody has widened, characters."""
 _NUMBER = 12  # characters of a number, with the space before it
+_TIMES = 2049
+"""Times of a period at which the way to the stops is looked at: to 3e-5 for ten half waves, alike in both halves."""
 ROWS_SHOWN = 20
 STATES_SHOWN = 32
 FAILURES_SHOWN = 5
@@ -68,6 +70,7 @@ def print_history(history: History) -> None:
     names, width = stop_column(problem)
     echo(plain(problem.title) or "Untitled problem")
     echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
+    _print_excitation(problem)
     for path, part in (problem.records | problem.random).items():
         echo(f"{path}: {part.remark}")
     if contacts:
@@ -85,10 +88,18 @@ def print_history(history: History) -> None:
         print_source(history.error_source)
 
 
+def _print_excitation(problem: Problem) -> None:
+    """Print the one frequency at which the excitation repeats, if there is one."""
+    omega = problem.excitation_frequency
+    if omega is not None:
+        echo(f"Excitation: {frequency_text(omega)}")
+
+
 def print_steady_state(found: SteadyState, at: list[float] | None = None) -> None:
     """Print what was found and how, and peaks at places, m, or at those by default."""
     echo(plain(found.problem.title) or "Untitled problem")
     echo(f"{found.solver}: {found.outcome.value}")
+    _print_excitation(found.problem)
     if found.period_multiple:
         multiple = f"{found.period_multiple} excitation period" + "s" * (found.period_multiple > 1)
         mirrored = ", mirrored after half of them" if found.symmetric else ""
@@ -103,6 +114,8 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
             echo("Nearby motions come together: it repeats, but after more periods than max_period_multiple")
     if found.acceptance is not None and found.acceptance.sensitive:
         echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
+    if found.problem.stops and not found.history.contacts:
+        _print_nearest(found.history)
     errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
     _print_summary(found, at)
@@ -146,6 +159,18 @@ def _print_summary(found: SteadyState, at: list[float] | None) -> None:
 def print_source(source: str) -> None:
     """Print how errors were estimated, or why there are none."""
     echo(f"Numerical errors (+-): {source}")
+
+
+def _print_nearest(history: History) -> None:
+    """Print which stop a motion without contact comes nearest to, as a part of its gap."""
+    stops = history.problem.stops
+    t = np.linspace(history.start, history.end, _TIMES)
+    sides = np.array([stop.sign for stop in stops])[:, None]
+    reach = (sides * history.displacement(np.array([stop.x for stop in stops]), t)).max(axis=1)
+    percent = 100 * np.maximum(reach, 0.0) / np.maximum([stop.gap for stop in stops], np.finfo(float).tiny)
+    nearest = int(percent.round(6).argmax())  # of two that rounding alone tells apart, the first
+    names, _ = stop_column(history.problem)
+    echo(f"Nearest to a stop: {names[nearest]}, {percent[nearest]:.3g} % of its gap of {stops[nearest].gap:g} m")
 
 
 def _sensitivity(acceptance: Acceptance) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from lapjoint.cli.echo import echo
+from lapjoint.plain_text import duration_text
 from lapjoint.solver import Progress
 
 
@@ -65,36 +67,43 @@ def shown_points(title: str) -> Iterator[Progress]:
         yield progress
 
 
+EARLY = 10.0
+"""Time, s, after which the first line comes where a twentieth of the work takes longer."""
+A_FEW = 3
+"""Points that must be done for that line, or a hundredth of few: less tells little of the rest."""
+
+
 def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic) -> Progress:
     """A callback that prints a line each time another twentieth is done, with the time that is left.
 
-    The first call says where the work begins: what was done before does not count as quick.
+    The first call says where the work begins: what was done before does not count as quick.  Until the first twentieth
+    is done, lines come after `EARLY` and ever twice as long, but not before `A_FEW` points.
     """
     began: tuple[float, float] | None = None
     shown = 0
+    early: float | None = EARLY
 
     def progress(done: float, total: float) -> None:
-        nonlocal began, shown
+        nonlocal began, shown, early
         share = int(20 * done / total + 1e-9) if total > 0 else 0
         if began is None:
             began, shown = (clock(), done), share
             if done:
                 echo(f"{title}: goes on from {done:g} of {total:g}", err=True)
-        elif share > shown:
-            shown = share
-            left = (clock() - began[0]) * (total - done) / (done - began[1]) if done > began[1] else 0.0
-            tail = f", {duration_text(left)} left" if done < total else ""
-            echo(f"{title}: {5 * share} %, {done:g} of {total:g}{tail}", err=True)
+            return
+        spent, found = clock() - began[0], done - began[1]
+        soon = early is not None and spent >= early and found >= min(A_FEW, 0.01 * total)
+        if not (share > shown or (soon and done < total)):
+            return
+        early = None if share > shown else 2 * spent
+        left = spent * (total - done) / found if found > 0 else 0.0
+        tail = f", {duration_text(left)} left" if done < total else ""
+        percent = f"{5 * share}" if share > shown else f"{100 * done / total:.2g}"
+        of = f", {math.floor(done)} of {total:g}" if total > 1 else ""
+        shown = share
+        echo(f"{title}: {percent} %{of}{tail}", err=True)
 
     return progress
-
-
-def duration_text(seconds: float) -> str:
-    """A duration for a person: ``40 s``, ``12 min``, ``3 h 20 min``."""
-    if seconds < 100:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"
 
 
 class _Lines(logging.Handler):
@@ -105,9 +114,13 @@ class _Lines(logging.Handler):
         echo(f"lapjoint: {record.getMessage()}", err=True)
 
 
-def tell_of_compiling() -> None:
-    """Say on standard error when compiling begins, from now on; see `lapjoint.compiling`."""
-    logger = logging.getLogger("lapjoint.compiling")
-    if not any(isinstance(handler, _Lines) for handler in logger.handlers):
-        logger.addHandler(_Lines())
-    logger.setLevel(logging.INFO)
+def tell_of_delays() -> None:
+    """Say on standard error, from now on, when compiling begins, and what points cost that do not repeat.
+
+    `lapjoint.compiling` and `lapjoint.campaigns.pace` say when.
+    """
+    for name in ("lapjoint.compiling", "lapjoint.campaigns.pace"):
+        logger = logging.getLogger(name)
+        if not any(isinstance(handler, _Lines) for handler in logger.handlers):
+            logger.addHandler(_Lines())
+        logger.setLevel(logging.INFO)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.motions import find_motion, find_steady_state
 from lapjoint.cli.options import (
     DRAWINGS,
@@ -29,9 +30,12 @@ SERIES = (".nc", ".csv")
 @solver_options
 @click.option("--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all.")
 @click.option("--hz", is_flag=True, help="Print frequencies in Hz, not angular frequencies in rad/s.")
-@click.option("--json", "json_path", metavar="FILE", help="Write the frequencies to FILE as JSON too.")
+@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the frequencies to FILE as JSON too.")
 @click.option(
-    "--figure", metavar="FILE", help="Draw the mode shapes (of several states the first three): .png, .svg or .pdf."
+    "--figure",
+    metavar="FILE",
+    type=FILE,
+    help="Draw the mode shapes (of several states the first three): .png, .svg or .pdf.",
 )
 def modes(
     problem: str,
@@ -59,14 +63,17 @@ def modes(
     if figure:
         from lapjoint.figures import plot_mode_shapes, plot_state_shapes, save
 
-        save(plot_mode_shapes(this, answers[0]) if len(answers) == 1 else plot_state_shapes(this, answers), figure)
+        one = len(answers) == 1
+        save(plot_mode_shapes(this, answers[0], hz=hz) if one else plot_state_shapes(this, answers, hz=hz), figure)
 
 
 @click.command()
 @problem_options
 @solver_options
 @click.option("--duration", type=float, help="Time to simulate from the initial state, s; by default a record's.")
-@click.option("--contacts", "contacts_path", metavar="FILE", help="Write all contacts to FILE: .csv or .json.")
+@click.option(
+    "--contacts", "contacts_path", metavar="FILE", type=FILE, help="Write all contacts to FILE: .csv or .json."
+)
 @series_options
 @errors_option
 @figure_options
@@ -103,11 +110,13 @@ def simulate(
 @click.command()
 @problem_options
 @solver_options
-@click.option("--contacts", "contacts_path", metavar="FILE", help="Write the contacts to FILE: .csv or .json.")
+@click.option(
+    "--contacts", "contacts_path", metavar="FILE", type=FILE, help="Write the contacts to FILE: .csv or .json."
+)
 @series_options
 @errors_option
 @figure_options
-@click.option("--json", "json_path", metavar="FILE", help="Write the impulses to FILE as JSON.")
+@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the impulses to FILE as JSON.")
 def steady(
     problem: str,
     overrides: tuple[str, ...],

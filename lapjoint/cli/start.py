@@ -67,9 +67,9 @@ def main() -> None:
     interrupts = _Interrupts()
     try:
         from lapjoint.cli.main import main as command
-        from lapjoint.cli.progress import tell_of_compiling
+        from lapjoint.cli.progress import tell_of_delays
 
-        tell_of_compiling()
+        tell_of_delays()
         command()
     except SystemExit as end:
         interrupts.ended(end.code)

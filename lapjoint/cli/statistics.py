@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.options import campaign_options, problem_options, solver_options
 
 
@@ -22,8 +23,8 @@ from lapjoint.cli.options import campaign_options, problem_options, solver_optio
 )
 @click.option("--settle", type=float, help="Start that is left out, s.  [default: 7 decay times of the slowest mode]")
 @click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in its period]")
-@click.option("-o", "--out", metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished.")
-@click.option("--json", "json_path", metavar="FILE", help="Write the statistics to FILE as JSON too.")
+@click.option("-o", "--out", metavar="FILE", type=FILE, help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the statistics to FILE as JSON too.")
 @campaign_options
 def statistics(
     problem: str,

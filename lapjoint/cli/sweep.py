@@ -7,6 +7,7 @@ from typing import Literal
 
 import click
 
+from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.options import FIGURES, campaign_options, problem_options, solver_options
 
@@ -17,6 +18,7 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
 @click.option("--from", "first", type=float, help="First excitation frequency, rad/s.")
 @click.option("--to", "last", type=float, help="Last excitation frequency, rad/s.")
 @click.option("--step", type=float, default=1.0, show_default=True, help="Step between them, rad/s.")
+@click.option("--hz", is_flag=True, help="--from, --to and --step are in Hz; the file holds rad/s all the same.")
 @click.option(
     "--over",
     "fields",
@@ -26,7 +28,12 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
     "damping.ratio=0.02,0.08; repeatable: all combinations.",
 )
 @click.option(
-    "-o", "--out", required=True, metavar="FILE", help="Where the dataset goes: .nc; resumed if not finished."
+    "-o",
+    "--out",
+    required=True,
+    metavar="FILE",
+    type=FILE,
+    help="Where the dataset goes: .nc; resumed if not finished.",
 )
 @click.option(
     "--start",
@@ -61,6 +68,7 @@ def sweep(
     first: float | None,
     last: float | None,
     step: float,
+    hz: bool,
     fields: tuple[str, ...],
     out: str,
     start: Literal["rest", "up", "down", "random"],
@@ -82,7 +90,7 @@ def sweep(
     from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", out, ".nc")
-    axes = arguments.axes_from(first, last, step, fields)
+    axes = arguments.axes_from(first, last, step, fields, hz)
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
     further = () if summary is None else arguments.names_from(summary)
@@ -95,10 +103,18 @@ def sweep(
 
 
 @click.command()
-@click.argument("curve")
-@click.option("-o", "--out", "figure", metavar="FILE", help="Where the figure goes; by default CURVE with .pdf.")
+@click.argument("curve", type=FILE)
+@click.option(
+    "-o", "--out", "figure", metavar="FILE", type=FILE, help="Where the figure goes; by default CURVE with .pdf."
+)
 @click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
-def plot(curve: str, figure: str | None, wide: bool) -> None:
+@click.option("--hz", is_flag=True, help="Draw the frequencies of a sweep in Hz.")
+@click.option(
+    "--variable",
+    metavar="NAME",
+    help="Of a sweep, draw this instead of the impulses: what its --summary put into CURVE, as stress_peak.",
+)
+def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | None) -> None:
     """Draw what a sweep, `lapjoint branch` or `lapjoint basins` found, from its file CURVE.
 
     Of a sweep and of branches, the impulse of each stop over what was changed; of basins, which motion each start ends
@@ -109,18 +125,21 @@ def plot(curve: str, figure: str | None, wide: bool) -> None:
     from lapjoint.campaigns.dataset import read_result
     from lapjoint.campaigns.plan import Plan
     from lapjoint.cli import arguments
-    from lapjoint.figures import plot_basins, plot_branches, plot_curve, plot_curve_wide, save
+    from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_curve, plot_curve_wide, save
+    from lapjoint.figures.sweep_variables import IMPULSE
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
     arguments.check_file("--out", path, *FIGURES)
     dataset = read_result(curve, Plan.noun, BranchPlan.noun, BasinPlan.noun)
     of = dataset.attrs.get("result_of")
     if of == BranchPlan.noun:
-        arguments.refuse("a diagram of branches is one column wide", wide=wide)
+        arguments.refuse("a diagram of branches has one look", wide=wide, hz=hz, variable=variable)
         save(plot_branches(dataset), path)
     elif of == BasinPlan.noun:
-        arguments.refuse("a figure of basins has one size", wide=wide)
+        arguments.refuse("a figure of basins has one look", wide=wide, hz=hz, variable=variable)
         save(plot_basins(dataset), path)
     else:
-        save(plot_curve_wide(dataset) if wide else plot_curve(dataset), path)
+        dataset = in_hertz(dataset) if hz else dataset
+        what = variable or IMPULSE
+        save(plot_curve_wide(dataset, variable=what) if wide else plot_curve(dataset, variable=what), path)
     echo(f"Wrote {path}")

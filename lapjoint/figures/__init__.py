@@ -17,8 +17,10 @@ from lapjoint.figures.phase_portrait import plot_phase_portrait, plot_poincare_s
 from lapjoint.figures.sketch import plot_joint
 from lapjoint.figures.spectrum import plot_spectrum
 from lapjoint.figures.style import new_axes, new_panels, save
+from lapjoint.figures.sweep_axes import in_hertz
 
 __all__ = [
+    "in_hertz",
     "new_axes",
     "new_panels",
     "plot_basins",

@@ -1,4 +1,4 @@
-"""The impulses that a sweep found, drawn one column wide, as in Figure 4 of the paper.
+"""The impulses that a sweep found, or other numbers of its motions, drawn one column wide, as in the paper's Figure 4.
 
 Several starts are drawn as points.  A second swept field is drawn as one line for each of its values, the last one
 darkest.  A line ends where the motion becomes another one, or the impulse jumps; what does not repeat is marked.
@@ -13,6 +13,7 @@ import numpy as np
 
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, STYLES, THIN, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
+from lapjoint.figures.sweep_variables import IMPULSE, curves, ordinate, where
 from lapjoint.figures.text import legend_label
 from lapjoint.problem import FloatArray
 
@@ -29,8 +30,10 @@ _SHOWN = 4  # values of a second field in the legend; of more, the first and the
 
 
 @style()
-def plot_curve(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str = IMPULSE) -> Axes:
     """Draw the impulse of every stop over the first swept field, top positive, bottom negative, one column wide.
+
+    Other numbers of the motions are drawn likewise: of each stop, or where they are largest along the beam.
 
     Parameters
     ----------
@@ -38,35 +41,50 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
         Dataset of a sweep, as `lapjoint.campaigns.sweep` returns it.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
+    variable : str
+        What is drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
 
     Returns
     -------
     matplotlib.axes.Axes
         The axes drawn on, impulses in N s.
+
+    Raises
+    ------
+    InputError
+        If the dataset has no such variable.
     """
     axes = new_axes(COLUMN_WIDTH, 2.7) if axes is None else axes
     dataset = in_order(dataset)
+    lines = curves(dataset, variable)
     first, second = fields(dataset)
     kinds = each_line(motion_kinds(dataset), second)
-    for stop, name in enumerate(dataset.stop_name.values):
-        for i, impulse in enumerate(each_line(dataset.impulse.isel(stop=stop), second)):
-            label = legend_label(str(name)) if i == len(kinds) - 1 else None
+    for stop, (name, values) in enumerate(lines):
+        for i, line in enumerate(each_line(values, second)):
+            label = legend_label(name) if name and i == len(kinds) - 1 else None
             colour, pattern = COLOURS[stop % len(COLOURS)], STYLES[stop % len(STYLES)]
-            draw_line(axes, dataset[first].values, impulse, colour, pattern, label, kinds[i], _opacity(i, len(kinds)))
+            draw_line(axes, dataset[first].values, line, colour, pattern, label, kinds[i], _opacity(i, len(kinds)))
     _name_shades(axes, dataset, second)
     _name_marks(axes, kinds)
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_xlabel(axis_label(dataset, first))
-    axes.set_ylabel("impulse in a period [N s]")
+    axes.set_ylabel(ordinate(dataset, variable))
     limit(axes, dataset[first].values)
-    if not dataset.sizes["stop"]:
+    if not lines:
         axes.set_ylim(-1.0, 1.0)
         axes.set_yticks([0.0])
-        axes.text(0.5, 0.6, "no stops, no impulses", transform=axes.transAxes, ha="center", color=GREY)
+        axes.text(
+            0.5,
+            0.6,
+            "no stops, no impulses" if variable == IMPULSE else "no stops",
+            transform=axes.transAxes,
+            ha="center",
+            color=GREY,
+        )
         entitle(axes, ", ".join(constant_fields(dataset)))
     else:
         shades = "" if second is None else f"{short_name(dataset, second)} [{units(dataset, second)}], paler to darker"
-        entitle(axes, ", ".join([*([shades] if shades else []), *constant_fields(dataset)]))
+        entitle(axes, ", ".join(filter(None, [where(dataset, variable), shades, *constant_fields(dataset)])))
     return axes
 
 
@@ -137,7 +155,7 @@ def draw_line(
     x : FloatArray, shape (n,)
         Swept values, in the unit of their field.
     y : FloatArray, shape (n,) or (n, starts)
-        Impulses, N s.
+        Impulses, N s, or other values.
     colour : str
         Colour of the line or points, as matplotlib names it.
     pattern : str

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from lapjoint.figures.impulse_curve import draw_line, limit, motion_kinds
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
 from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
+from lapjoint.figures.sweep_variables import IMPULSE, curves, ordinate, where
 from lapjoint.figures.text import apart, literal, shortened, wrapped
 from lapjoint.problem import FloatArray
 
@@ -42,7 +43,7 @@ _LABELS = {"no_contact": "no contact", "periodic": "periodic, 1", "periodic_n": 
 
 
 @style()
-def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
+def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Axes, ...]:
     """Draw a panel for each stop, and below them a strip with the outcome at each point, as wide as a page.
 
     A second swept field is drawn as one line for each of its values, or as a map if it has more than `MOST_LINES`.
@@ -51,15 +52,23 @@ def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
     ----------
     dataset : xarray.Dataset
         Dataset of a sweep, as `lapjoint.campaigns.sweep` returns it.
+    variable : str
+        What is drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
 
     Returns
     -------
     tuple of matplotlib.axes.Axes
-        The panels of the stops, in their order, and last the strip.
+        The panels of the stops, in their order, or one of the beam, and last the strip.
+
+    Raises
+    ------
+    InputError
+        If the dataset has no such variable.
     """
     dataset = in_order(dataset)
     first, second = fields(dataset)
-    stops = dataset.sizes["stop"]
+    lines = curves(dataset, variable)
+    stops = len(lines)
     as_map = second is not None and dataset.sizes[second] > MOST_LINES
     strip = max(0.18, 1.5 if as_map else 0.14 * _rows(dataset, first))  # inches high
     heights = [1.15] * stops + [strip]
@@ -67,21 +76,23 @@ def plot_curve_wide(dataset: xr.Dataset) -> tuple[Axes, ...]:
     panels = new_panels(stops + 1, 1, PAGE_WIDTH, height, sharex=True, height_ratios=heights)
     figure = figure_of(panels)
     names = apart(
-        [str(name) for name in dataset.stop_name.values], lambda name: shortened(name, _NAME_ROOM, STYLE["font.size"])
+        [name or where(dataset, variable) for name, _ in lines],
+        lambda name: shortened(name, _NAME_ROOM, STYLE["font.size"]),
     )
+    label = "impulse [N s]" if variable == IMPULSE else ordinate(dataset, variable)
     for stop, axes in enumerate(panels[:-1]):
-        impulse = dataset.impulse.isel(stop=stop)
+        values = lines[stop][1]
         if as_map:
-            _map(figure, axes, dataset, impulse, first, second or "")
+            _map(figure, axes, dataset, values, label, first, second or "")
         else:
-            _panel(axes, dataset, impulse, first, second, legend=stop == 0)
+            _panel(axes, dataset, values, label, first, second, legend=stop == 0)
         axes.set_title(literal(names[stop]), pad=2)
     _certificate_strip(figure, panels[-1], dataset, first, second)
     panels[-1].set_xlabel(axis_label(dataset, first))
     limit(panels[-1], dataset[first].values)
     if constant_fields(dataset):
-        lines = wrapped(", ".join(constant_fields(dataset)), PAGE_WIDTH - 0.5, STYLE["font.size"])
-        figure.suptitle("\n".join(literal(line) for line in lines), fontsize=STYLE["font.size"])
+        text = wrapped(", ".join(constant_fields(dataset)), PAGE_WIDTH - 0.5, STYLE["font.size"])
+        figure.suptitle("\n".join(literal(line) for line in text), fontsize=STYLE["font.size"])
     return panels
 
 
@@ -108,27 +119,29 @@ def certificates(dataset: xr.Dataset) -> IntArray:
 
 
 def _panel(
-    axes: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str | None, legend: bool
+    axes: Axes, dataset: xr.Dataset, values: xr.DataArray, name: str, first: str, second: str | None, legend: bool
 ) -> None:
     kinds = each_line(motion_kinds(dataset), second)
-    for i, line in enumerate(each_line(impulse, second)):
+    for i, line in enumerate(each_line(values, second)):
         label = None if second is None else f"{dataset[second].values[i]:.4g}"
         colour, pattern = COLOURS[i % len(COLOURS)], STYLES[i % len(STYLES)]
         draw_line(axes, dataset[first].values, line, colour, pattern, label, kinds[i])
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
-    axes.set_ylabel("impulse [N s]")
+    axes.set_ylabel(name)
     if second is not None and legend:
         title = literal(f"{short_name(dataset, second)} [{units(dataset, second)}]")
         axes.legend(title=title, title_fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.05))
 
 
-def _map(figure: Figure, axes: Axes, dataset: xr.Dataset, impulse: xr.DataArray, first: str, second: str) -> None:
-    values = impulse.mean("start") if "start" in impulse.dims else impulse
+def _map(
+    figure: Figure, axes: Axes, dataset: xr.Dataset, values: xr.DataArray, name: str, first: str, second: str
+) -> None:
+    values = values.mean("start") if "start" in values.dims else values
     mesh = axes.pcolormesh(
         _edges(dataset[first].values), _edges(dataset[second].values), values.values.T, cmap="cividis", rasterized=True
     )
     bar = figure.colorbar(mesh, ax=axes, pad=0.01)
-    bar.set_label("impulse [N s]")
+    bar.set_label(name)
     axes.set_ylabel(axis_label(dataset, second))
     axes.grid(False)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,9 @@ _POINTS_AT_BEAM = {"bottom": 6, "top": 7}
 
 
 @style()
-def plot_mode_shapes(problem: Problem, modes: Modes, axes: Axes | None = None, *, samples: int = 401) -> Axes:
+def plot_mode_shapes(
+    problem: Problem, modes: Modes, axes: Axes | None = None, *, samples: int = 401, hz: bool = False
+) -> Axes:
     """Draw the mass-normalised mode shapes (16)-(17) of one contact state over the beam, and mark the closed stops.
 
     The sign of a mode is arbitrary; each mode is drawn with its largest deflection upwards.
@@ -57,6 +60,8 @@ def plot_mode_shapes(problem: Problem, modes: Modes, axes: Axes | None = None, *
         Where to draw; by default on a new figure.
     samples : int
         Number of equidistant positions.
+    hz : bool
+        Whether natural frequencies are written in Hz, not in rad/s.
 
     Returns
     -------
@@ -64,14 +69,19 @@ def plot_mode_shapes(problem: Problem, modes: Modes, axes: Axes | None = None, *
         The axes drawn on, positions in m and shapes in kg^(-1/2).
     """
     axes = new_axes() if axes is None else axes
-    _draw_shapes(axes, problem, [modes], len(modes.angular_frequencies), samples)
-    entitle(axes, f"{problem.title}\n{group_title(problem, [modes])}".strip())
+    _draw_shapes(axes, problem, [modes], len(modes.angular_frequencies), samples, hz)
+    entitle(axes, f"{problem.title}\n{group_title(problem, [modes], hz)}".strip())
     return axes
 
 
 @style()
 def plot_state_shapes(
-    problem: Problem, states_modes: Sequence[Modes], axes: Sequence[Axes] | None = None, *, count: int = 3
+    problem: Problem,
+    states_modes: Sequence[Modes],
+    axes: Sequence[Axes] | None = None,
+    *,
+    count: int = 3,
+    hz: bool = False,
 ) -> tuple[Axes, ...]:
     """Draw the first mode shapes of every contact state, with a panel for each group of states that share them.
 
@@ -88,6 +98,8 @@ def plot_state_shapes(
         Where to draw: a panel for each group, or an array of panels; by default on a new figure.
     count : int
         Number of modes drawn in a panel.
+    hz : bool
+        Whether natural frequencies are written in Hz, not in rad/s.
 
     Returns
     -------
@@ -111,8 +123,8 @@ def plot_state_shapes(
     rows = -(-len(groups) // columns)
     panels = new_panels(rows, columns, PAGE_WIDTH, 0.3 + 2.1 * rows) if axes is None else given
     for panel, group in zip(panels, groups, strict=False):
-        _draw_shapes(panel, problem, group, count, 401)
-        entitle(panel, group_title(problem, group))
+        _draw_shapes(panel, problem, group, count, 401, hz)
+        entitle(panel, group_title(problem, group, hz))
     if axes is None:
         _tidy(panels, len(groups), columns)
     return panels[: len(groups)]
@@ -176,7 +188,7 @@ def upright(shape: FloatArray) -> FloatArray:
     return shape * (-1.0 if shape[np.argmax(np.abs(shape))] < 0 else 1.0)
 
 
-def group_title(problem: Problem, group: Sequence[Modes]) -> str:
+def group_title(problem: Problem, group: Sequence[Modes], hz: bool = False) -> str:
     """The title of a panel: the group's states by the paper's numbers, if they have some, and by their closed stops.
 
     Parameters
@@ -185,6 +197,8 @@ def group_title(problem: Problem, group: Sequence[Modes]) -> str:
         The beam and its stops.
     group : sequence of Modes
         The modes of the states of one group.
+    hz : bool
+        Whether the legend has Hz, not rad/s.
 
     Returns
     -------
@@ -196,7 +210,7 @@ def group_title(problem: Problem, group: Sequence[Modes]) -> str:
     word = "States" if len(group) > 1 else "State"
     if is_paper_joint(problem):
         word += " " + ", ".join(str(paper_state_number(problem, modes.state)) for modes in group)
-    return f"{word}: {text}\nmode: natural frequency [rad/s]"
+    return f"{word}: {text}\nmode: natural frequency [{'Hz' if hz else 'rad/s'}]"
 
 
 def _unbroken(name: str) -> str:
@@ -204,7 +218,7 @@ def _unbroken(name: str) -> str:
     return name.replace(" ", "\u00a0") if len(name) <= _UNBROKEN else cut_to(name, _LONGEST)
 
 
-def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: int, samples: int) -> None:
+def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: int, samples: int, hz: bool) -> None:
     x = np.linspace(0.0, problem.beam.length, samples)
     modes = group[0]
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
@@ -214,7 +228,7 @@ def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: in
             upright(shape),
             color=COLOURS[i % len(COLOURS)],
             linestyle=STYLES[i % len(STYLES)],
-            label=f"{i + 1}: {omega:.4g}",
+            label=f"{i + 1}: {omega / (2 * math.pi) if hz else omega:.4g}",
         )
     for place, side in sorted(
         {(problem.stops[s].x, problem.stops[s].side) for each in group for s in each.state.closed}

@@ -14,7 +14,7 @@ from lapjoint.answers.modes import Modes
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.figures.motion import plot_motion
 from lapjoint.figures.style import new_axes, svg_of
-from lapjoint.figures.text import error_text
+from lapjoint.figures.text import error_text, frequency_text
 
 CONTACTS_SHOWN = 8
 MODES_SHOWN = 12
@@ -90,6 +90,9 @@ def html_of_steady_state(found: SteadyState) -> str:
         HTML.
     """
     lines = [f"{found.solver}: {found.outcome.value}"]
+    omega = found.problem.excitation_frequency
+    if omega is not None:
+        lines.append(f"Excitation: {frequency_text(omega)}")
     if found.period_multiple:
         lines.append(
             f"It repeats after {found.period_multiple} excitation period{'s' * (found.period_multiple > 1)}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, figure_of, new_axes, style
-from lapjoint.figures.text import SMALL, cut_to, literal, width_of
+from lapjoint.figures.text import SMALL, cut_to, frequency_text, literal, width_of
 from lapjoint.problem import FloatArray, Problem, Stop, Support
 from lapjoint.problem.excitation import StepLoad
 
@@ -196,9 +196,9 @@ def _said_of_base(problem: Problem) -> str:
     assert base is not None
     omega = problem.excitation_frequency
     if base.kind == "sine":
-        return f"base: {base.amplitude:g} m at\n{_frequency(base.angular_frequency)}"
+        return f"base: {base.amplitude:g} m at\n{frequency_text(base.angular_frequency)}"
     if omega is not None:
-        return f"base: {len(base.waves)} harmonics of\n{_frequency(omega)}"
+        return f"base: {len(base.waves)} harmonics of\n{frequency_text(omega)}"
     return f"base: {base.kind}"
 
 
@@ -212,10 +212,6 @@ def _draw_positions(page: _Page, problem: Problem, scale: float) -> None:
         page.line([place * scale] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)
         if place != problem.beam.length:
             page.say(place * scale, _BELOW - 0.42, f"{place:.4g}", GREY, "center")
-
-
-def _frequency(omega: float) -> str:
-    return f"{omega:g} rad/s ({omega / (2 * math.pi):.4g} Hz)"
 
 
 def _number(symbol: str, value: float, unit: str) -> str:

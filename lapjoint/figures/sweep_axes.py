@@ -5,6 +5,7 @@ A figure shows two swept fields.  A third one is drawn at its first value.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from lapjoint.figures.text import cut_to, literal
@@ -15,6 +16,27 @@ if TYPE_CHECKING:
 
 _LONGEST = 20
 """Largest number of characters of a stop's name within the name of its field, for labels to stay short."""
+
+
+def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with its frequencies in Hz, for figures.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a sweep.
+
+    Returns
+    -------
+    xarray.Dataset
+        Fields that were in rad/s are in Hz.
+    """
+    turned = {
+        str(name): (value.dims, value.values / (2 * math.pi), {**value.attrs, "units": "Hz"})
+        for name, value in dataset.coords.items()
+        if value.attrs.get("units") == "rad s-1"
+    }
+    return dataset.assign_coords(turned)
 
 
 def in_order(dataset: xr.Dataset) -> xr.Dataset:
@@ -108,8 +130,9 @@ def axis_label(dataset: xr.Dataset, name: str) -> str:
     str
         The label, ready for matplotlib.
     """
-    text = "angular frequency ω" if name == "angular_frequency" else short_name(dataset, name)
-    return literal(f"{text} [{units(dataset, name)}]")
+    unit = units(dataset, name)
+    text = "angular frequency ω" if name == "angular_frequency" and unit == "rad/s" else short_name(dataset, name)
+    return literal(f"{text} [{unit}]")
 
 
 def units(dataset: xr.Dataset, name: str) -> str:
@@ -148,6 +171,7 @@ def short_name(dataset: xr.Dataset, name: str) -> str:
     group, _, rest = str(dataset[name].attrs.get("path", name)).partition(".")
     which, _, field = rest.rpartition(".")
     if not field or group not in ("stops", "supports"):
-        return name.replace("_", " ")
+        text = name.replace("_", " ")
+        return text.replace("angular frequency", "frequency") if units(dataset, name) == "Hz" else text
     which = f"all {group}" if which == "*" else f"{cut_to(which, _LONGEST)} {group[:-1]}"
     return f"{field.replace('_', ' ')} ({which})"

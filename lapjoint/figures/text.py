@@ -5,6 +5,7 @@ Widths are measured in matplotlib's own font, because a W is four times as wide 
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -70,9 +71,25 @@ def error_text(error: float | None) -> str:
     str
         A question mark where none can be stated, nothing where none was estimated.
     """
-    if error is None:
-        return ""
+    if not error:
+        return "" if error is None else "0"
     return f"{error:.1e}" if error < float("inf") else "?"
+
+
+def frequency_text(angular_frequency: float) -> str:
+    """A frequency in both units.
+
+    Parameters
+    ----------
+    angular_frequency : float
+        rad/s.
+
+    Returns
+    -------
+    str
+        As ``190 rad/s (30.24 Hz)``.
+    """
+    return f"{angular_frequency:g} rad/s ({angular_frequency / (2 * math.pi):.4g} Hz)"
 
 
 def legend_label(name: str) -> str:

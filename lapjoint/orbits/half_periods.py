@@ -60,6 +60,27 @@ class HalfPeriods:
         """Half periods of the finest map: 1 if the problem is its own mirror image, else 2."""
         return 2 if self.twins is None else 1
 
+    @cached_property
+    def _unit_norms(self) -> dict[int, FloatArray]:
+        return {}
+
+    def unit_norms(self, n: int) -> FloatArray:
+        """Size of a unit of each coordinate of a deviation.
+
+        Parameters
+        ----------
+        n : int
+            Number of coordinates.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            `PeriodMap.norm` of the units.
+        """
+        if n not in self._unit_norms:
+            self._unit_norms[n] = np.array([self.map.norm(unit) for unit in np.eye(n)])
+        return self._unit_norms[n]
+
     def marched(self, point: SectionPoint, count: int) -> SectionPoint:
         """March over some half periods.
 

@@ -15,6 +15,7 @@ peak; of what is faster, a peak that no sample comes near is missed, and the pea
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,8 +33,8 @@ AT_ONCE = 1024
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
-def sample_times(rate: float, start: float, end: float) -> FloatArray:
-    """One time in each interval of 1 / rate, counted from 0.
+def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
+    """One time in each interval of 1 / rate, counted from 0, a few at once.
 
     Parameters
     ----------
@@ -42,14 +43,18 @@ def sample_times(rate: float, start: float, end: float) -> FloatArray:
     start, end : float
         First time, s, and the time before which all lie.
 
-    Returns
-    -------
+    Yields
+    ------
     FloatArray, shape (m,)
-        The times, s, ascending; they do not depend on how a motion is cut.
+        `AT_ONCE` of the times or fewer, s, ascending; the times do not depend on how a motion is cut.
     """
-    k = np.arange(math.floor(start * rate), math.ceil(end * rate))
-    t = (k + k * _GOLDEN % 1.0) / rate
-    return t[(t >= start) & (t < end)]
+    last = math.ceil(end * rate)
+    for first in range(math.floor(start * rate), last, AT_ONCE):
+        k = np.arange(first, min(first + AT_ONCE, last))
+        t = (k + k * _GOLDEN % 1.0) / rate
+        inside = t[(t >= start) & (t < end)]
+        if inside.size:
+            yield inside
 
 
 class Collector:
@@ -113,11 +118,9 @@ class Collector:
 
     def _take_samples(self, history: History, unit: int, lo: float, hi: float) -> None:
         """Add samples between two times, s, of a unit, and look for the peaks among them."""
-        sums, t = self.sums, sample_times(self._rate, lo, hi)
+        sums = self.sums
         largest, when = np.zeros_like(sums.peak[unit]), np.zeros_like(sums.peak[unit])
-        for part in np.split(t, range(AT_ONCE, t.size, AT_ONCE)):
-            if not part.size:
-                continue
+        for part in sample_times(self._rate, lo, hi):
             values, force = self._selection.values(history, part)
             sums.samples[unit] += part.size
             sums.total[unit] += values.sum(axis=-1)

@@ -31,6 +31,8 @@ LEAST_SAMPLES = 4096
 """Samples of a motion by default, at least."""
 LEAST_IN_UNIT = 16
 """Samples in a unit, at least."""
+MOST_SAMPLES = 1e10
+"""Samples of a motion, at most: to take them costs a day."""
 _MODES = 8
 """Lowest modes of the free joint among which the slowest to decay is looked for."""
 
@@ -110,6 +112,10 @@ def measure(
         rate = max(SAMPLES_A_PERIOD * slowest / (2 * math.pi), LEAST_SAMPLES / left)
     if not 0 < rate < math.inf:
         raise InputError(f"rate = {rate:g}: must be positive and finite, in Hz")
+    if rate * duration > MOST_SAMPLES:
+        raise InputError(
+            f"rate = {rate:g} Hz: gives {rate * duration:.3g} samples of a motion; at most {MOST_SAMPLES:g} are allowed"
+        )
     most = math.ceil(UNITS / seeds)
     units = max(1, min(most, math.floor(left * decay / LONG))) if decay else most
     if rate * left < units * LEAST_IN_UNIT:

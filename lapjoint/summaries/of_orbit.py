@@ -22,7 +22,7 @@ from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
-from lapjoint.summaries.quantities import IndexArray, Selection, selection
+from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, selection
 
 MOST = 1 << 15
 """Samples of a motion, at most."""
@@ -143,6 +143,8 @@ def summarise(
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
         if name in OF_STOPS:
             errors[name][unknown] = math.inf
+        else:
+            errors[name][(value == 0) & (finer[name] == 0)] = 0.0  # a condition that both fulfil, as of a free end
     return OrbitSummary(what, means, errors)
 
 
@@ -191,6 +193,8 @@ def _of_periods(history: History, what: Selection, periods: int) -> dict[str, Fl
         time[p, contact.stop] += contact.duration
         force_peak[p, contact.stop] = max(force_peak[p, contact.stop], contact.peak_force)
         count[p, contact.stop] += not contact.open_start
+    nothing = is_rounding(peaks.max(axis=0))
+    peaks[:, nothing], squares[:, nothing] = 0.0, 0.0
     found = {}
     for q, one in enumerate(what.quantities):
         found[f"{one.name}_peak"] = peaks[:, q]

@@ -19,6 +19,10 @@ IndexArray = npt.NDArray[np.intp]
 
 STATIONS = 33
 """Equidistant places along the beam, of which the one where a quantity is largest is told."""
+ROUNDING = 1e-11
+"""Part of a quantity's largest magnitude along the beam below which it is rounding, and told as zero: as the moment at
+a free end, or the displacement at a fixed one.  In 104 random joints with 6 to 400 modes, rounding was 1e-13 of it or
+less, and all else 1e-5 or more."""
 DEFAULT = ("displacement", "velocity", "absolute_acceleration", "moment", "stress")
 """What is summarised by default; stress only where the beam has a section."""
 
@@ -88,6 +92,22 @@ class Selection:
                 row += history.base(t, one.dt)
         at, sign, gap, stiffness = self._stops
         return result, -sign * stiffness * np.maximum(sign * found[0, 0][at] - gap, 0.0)
+
+
+def is_rounding(peaks: FloatArray) -> npt.NDArray[np.bool_]:
+    """Where along the beam a quantity is nothing but rounding, see `ROUNDING`.
+
+    Parameters
+    ----------
+    peaks : FloatArray, shape (..., X)
+        Its largest magnitude at all places.
+
+    Returns
+    -------
+    ndarray of bool, shape (..., X)
+        Whether it is.
+    """
+    return np.asarray(peaks <= ROUNDING * peaks.max(axis=-1, keepdims=True))
 
 
 def selection(

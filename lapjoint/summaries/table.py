@@ -18,6 +18,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.summaries import intervals
 from lapjoint.summaries.distributions import edges
 from lapjoint.summaries.measure import ENOUGH, LONG, Measure
+from lapjoint.summaries.quantities import is_rounding
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
 
 if TYPE_CHECKING:
@@ -149,7 +150,9 @@ def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
     found: dict[str, Variable] = {}
     number, here = sums.samples[:, None], ("x",)
     for q, one in enumerate(what.selection.quantities):
-        mean, squares, peak = sums.total[:, q] / number, sums.squares[:, q] / number, sums.peak[:, q]
+        known = ~is_rounding(sums.peak[:, q].max(axis=0))
+        mean, squares = sums.total[:, q] / number * known, sums.squares[:, q] / number * known
+        peak = sums.peak[:, q] * known
         if one.dt == 0:
             text = f"mean of the {one.text}"
             found |= _valued(f"{one.name}_mean", here, mean.mean(axis=0), intervals.of_mean(mean), one.units, text)

@@ -9,18 +9,17 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import pytest
-from population import harmonic_joint, randomly_driven_joint, recorded_joint
+from population import driven_joint
 
 import analytic
 import fe_lapjoint
-from lapjoint import Problem
 from lapjoint.answers import Contact
 from lapjoint.errors import RecordWarning
 
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (analytic.Solver(), fe_lapjoint.Solver(elements=24))
 SEED, COUNT = 271, 200
 FEW = (0, 1, 2, 3, 4, 5, 37)  # two of each kind of excitation, and a record with a load that is a sine
-CONTACTS, PERIODS = 3, 4  # of a motion that begins at rest: compared, and marched under harmonics
+CONTACTS = 3  # of a motion that begins at rest
 MARGIN = 3.0  # of both stated errors together, which are estimates
 ROUNDING = 1e-9  # of the duration, and of the largest impulse: what errors of truncation do not count
 FAR = 10.0  # times what the errors allow: so far off is none
@@ -39,19 +38,11 @@ class Compared:
     """Empty, or which contact the two do not share."""
 
 
-def drawn(index: int) -> tuple[Problem, float]:
-    """A problem and a duration, s; the kind of excitation goes by the index."""
-    if index % 3 == 0:
-        problem = harmonic_joint(SEED, index)
-        return problem, PERIODS * problem.require_excitation_period("test")
-    return (recorded_joint, randomly_driven_joint)[index % 3 - 1](SEED, index)
-
-
 def compared(index: int) -> Compared:
     """Both solvers on one problem."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)
-        problem, duration = drawn(index)
+        problem, duration = driven_joint(SEED, index)
         every = [solver.simulate(problem, duration).contacts for solver in SOLVERS]
     size = max((abs(c.impulse) for contacts in every for c in contacts), default=0.0)
     one, other = ([c for c in contacts if abs(c.impulse) > GRAZE * size][:CONTACTS] for contacts in every)

@@ -51,6 +51,7 @@ from lapjoint.problem import (
 BASE = 1e-3  # m, amplitude of the base
 BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
 RECORDED_PERIODS = 6  # of the sine that a record takes the place of
+HARMONIC_PERIODS = 4  # of the fundamental, that a motion under harmonics is marched for
 _MODES = 12  # of the sum that gives the amplitude without contact: excitation is below the fourth or fifth
 _POINTS = 2001  # of the quadrature over the beam
 _MOVES = 0.05  # of the largest amplitude along the beam: a stop where it moves by less is placed elsewhere
@@ -200,6 +201,14 @@ def randomly_driven_joint(seed: int, index: int) -> tuple[Problem, float]:
     density = size**2 / (high - low)
     base = RandomBaseMotion(psd=[[low, density], [high, density]], seed=int(rng.integers(0, 10**6)))
     return problem.replace(title=f"{problem.title}, random", base_motion=base), RECORDED_PERIODS / frequency
+
+
+def driven_joint(seed: int, index: int) -> tuple[Problem, float]:
+    """A joint under harmonics, a record or a random motion, which goes by the index, and a duration, s."""
+    if index % 3 == 0:
+        problem = harmonic_joint(seed, index)
+        return problem, HARMONIC_PERIODS * problem.require_excitation_period("test")
+    return (recorded_joint, randomly_driven_joint)[index % 3 - 1](seed, index)
 
 
 def random_cantilever(rng: np.random.Generator) -> Problem:

@@ -66,7 +66,8 @@ def test_compiled_functions_read_and_write_what_python_holds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("block", np.zeros((2, 3, 4), complex).T), ("row", np.zeros(6)[::2]), ("scale", 1)]
+    ("name", "value"),
+    [("block", np.zeros((2, 3, 4), complex).T), ("row", np.zeros(6)[::2]), ("scale", 1), ("row", "x")],
 )
 def test_what_has_no_such_layout_is_refused(name: str, value: object) -> None:
     with pytest.raises(TypeError, match=rf"Several\.{name} is neither an array in C order nor a float"):

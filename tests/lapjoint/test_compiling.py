@@ -9,7 +9,7 @@ import numba.core.caching
 import pytest
 
 from lapjoint import compiling
-from lapjoint.cli.progress import tell_of_compiling
+from lapjoint.cli.progress import tell_of_delays
 from lapjoint.compiling import LOGGER, MESSAGE, njit_called, njit_inner
 
 
@@ -42,8 +42,8 @@ def test_while_numba_compiles_garbage_is_looked_for_rarely_and_as_before_when_it
 def test_the_command_line_says_once_on_standard_error_that_it_compiles(capsys: pytest.CaptureFixture[str]) -> None:
     level = LOGGER.level
     try:
-        tell_of_compiling()
-        tell_of_compiling()
+        tell_of_delays()
+        tell_of_delays()
         listener = compiling._Listener()
         for _ in range(2):
             listener.on_start(None)

@@ -54,15 +54,29 @@ def complete(history: History, count: int) -> list[Contact]:
 def contact_estimates(
     contacts: Sequence[Sequence[Contact]], ratio: float, order: float, refined: Refined, i: int
 ) -> dict[str, Estimate]:
-    """Start, end and impulse of the i-th contact from refined solutions, coarse to fine."""
-    same = [run[i] for run in contacts]
-    found = {}
-    for field in ("start", "end", "impulse"):
-        estimate = refined_estimate([getattr(c, field) for c in same], ratio, order, refined)
-        floor = EVENT_FLOOR if field != "impulse" else 0.0
-        parts = (*estimate.parts, (ErrorSource.EVENT_TIMES, floor))
-        found[field] = replace(estimate, uncertainty=estimate.uncertainty + floor, parts=parts)
+    """Start, end and impulse of the i-th contact from refined solutions, coarse to fine.
+
+    Errors are carried on: none is taken for surer than those before it, where changes may cancel by chance.
+    """
+
+    def estimate(field: str, j: int) -> Estimate:
+        return refined_estimate([getattr(run[j], field) for run in contacts], ratio, order, refined)
+
+    times = [estimate(field, j) for j in range(i + 1) for field in ("start", "end")]
+    impulses = [estimate("impulse", j) for j in range(i + 1)]
+    found = {"start": _carried(times[:-1]), "end": _carried(times), "impulse": _carried(impulses)}
+    for field in ("start", "end"):
+        parts = (*found[field].parts, (ErrorSource.EVENT_TIMES, EVENT_FLOOR))
+        found[field] = replace(found[field], uncertainty=found[field].uncertainty + EVENT_FLOOR, parts=parts)
     return found
+
+
+def _carried(estimates: Sequence[Estimate]) -> Estimate:
+    """The last of some numbers of a motion, with the largest of their uncertainties."""
+    last, worst = estimates[-1], max(estimates, key=lambda estimate: estimate.uncertainty)
+    if worst.uncertainty == last.uncertainty:
+        return last
+    return replace(worst, value=last.value, how=f"{worst.how}, at an earlier contact")
 
 
 def compare_contacts(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import analytic
 import fe_lapjoint
 from lapjoint import Outcome, Problem, contact_states
@@ -33,13 +35,21 @@ def frequencies(problem: Problem, level: Level, say: Say) -> CaseResult:
             )
             b = refined_estimate([float(f[i]) for f in found], 2.0, FE_ORDER, elements(meshes[-1]), 1e-8)
             checks.append(Check(f"{state.name(problem)}: omega_{i + 1}", "rad/s", a, b))
-            rows.append((state.name(problem), i + 1, a.value, b.value, f"{checks[-1].relative:.1e}"))
+            rows.append(
+                (state.name(problem), i + 1, a.value, b.value, f"{checks[-1].relative:.1e}", a.value / (2 * math.pi))
+            )
     return CaseResult(
         "frequencies",
         "Natural frequencies of the contact states",
         "Analytic frequencies against those of three meshes.",
         checks=tuple(checks),
-        tables=(table("Natural angular frequencies, rad/s", ("state", "mode", "analytic", "FE", "difference"), rows),),
+        tables=(
+            table(
+                "Natural angular frequencies, rad/s, and frequencies, Hz",
+                ("state", "mode", "analytic", "FE", "difference", "Hz"),
+                rows,
+            ),
+        ),
     )
 
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from validation.faults.fault import Fault
 from validation.faults.in_analytic import ANALYTIC
+from validation.faults.in_branches import BRANCHES
 from validation.faults.in_fe import FE
 from validation.faults.in_ground import GROUND
+from validation.faults.in_random import RANDOM
+from validation.faults.in_summaries import SUMMARIES
 
-FAULTS: tuple[Fault, ...] = (*ANALYTIC, *FE, *GROUND)
+FAULTS: tuple[Fault, ...] = (*ANALYTIC, *FE, *GROUND, *RANDOM, *SUMMARIES, *BRANCHES)
 
 CONTROL = Fault(
     "control",

@@ -1,8 +1,7 @@
-"""A copy of the packages with one module changed, and without what was compiled from the sound one.
+"""A copy of the packages with one module changed; compiled functions that depend on the change are compiled again.
 
-numba keeps compiled functions beside the source, and looks only at the file that a function stands in: what it calls,
-and the constants that it reads, may change unnoticed.  So the compiled functions that depend on the change are removed
-from the copy; they are found by the names that they mention, which are more than those that they need.
+`lapjoint.compiled_cache` sees to that.  Here it is only asked whether there are any, since to compile takes time: they
+are found by the names that they mention, which are more than those that they need.
 """
 
 from __future__ import annotations
@@ -79,7 +78,7 @@ def copied_tree(tree: Path, target: Path) -> None:
 
 
 def change(tree: Path, module: str, source: str) -> bool:
-    """Change a module of a copy, and remove the compiled functions that depend on the change.
+    """Change a module of a copy.
 
     Parameters
     ----------
@@ -100,11 +99,7 @@ def change(tree: Path, module: str, source: str) -> bool:
     file.write_text(source)
     for kept in (file.parent / "__pycache__").glob(f"{file.stem}.*.pyc"):
         kept.unlink()
-    depending = _depending(tree, names)
-    for path, name in depending:
-        for kept in (path.parent / "__pycache__").glob(f"{path.stem}.{name}-*.nb*"):
-            kept.unlink()
-    return bool(depending) or "njit" in source
+    return "njit" in source or _compiled_from(tree, names)
 
 
 def changed_names(old: str, new: str) -> set[str]:
@@ -140,16 +135,16 @@ def _definitions(tree: ast.Module) -> Iterator[tuple[str, ast.stmt]]:
                         yield part.id, node
 
 
-def _depending(tree: Path, names: set[str]) -> list[tuple[Path, str]]:
-    """Compiled functions, by file and name, that mention a name, or what depends on it."""
+def _compiled_from(tree: Path, names: set[str]) -> bool:
+    """Whether any compiled function mentions a name, or what depends on it."""
     paths = [path for package in PACKAGES for path in sorted((tree / package).rglob("*.py"))]
-    found = [(path, *one) for path in paths for one in _mentioning(path.read_text())]
+    found = [one for path in paths for one in _mentioning(path.read_text())]
     known: set[str] = set()
     reached = set(names)
     while reached != known:
         known = set(reached)
-        reached |= {name for _, name, _, mentions in found if mentions & known}
-    return [(path, name) for path, name, compiled, _ in found if compiled and name in reached]
+        reached |= {name for name, _, mentions in found if mentions & known}
+    return any(compiled and name in reached for name, compiled, _ in found)
 
 
 @cache

@@ -80,9 +80,10 @@ class Outcome:
 
 
 def reasons() -> dict[str, str]:
-    """Why mutants change no answer, by their identity."""
+    """Why mutants change no answer, by their identity; by what it was before its function was moved, too."""
     text = (Path(str(files("validation.faults"))) / REASONS).read_text()
-    return {entry["mutant"]: entry["reason"] for entry in tomllib.loads(text).get("equivalent", [])}
+    entries = tomllib.loads(text).get("equivalent", [])
+    return {name: entry["reason"] for entry in entries for name in (entry["mutant"], *entry.get("formerly", ()))}
 
 
 def record_path() -> Path:

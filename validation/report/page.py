@@ -255,6 +255,22 @@ def short(value: float, digits: int = 2) -> str:
     return f"{value:.{digits}g}"
 
 
+def hertz(angular_frequency: float) -> str:
+    """A frequency in Hz, to four digits.
+
+    Parameters
+    ----------
+    angular_frequency : float
+        rad/s.
+
+    Returns
+    -------
+    str
+        The number.
+    """
+    return f"{angular_frequency / (2 * math.pi):.4g}"
+
+
 def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:
     """The figure for the first screen.
 
@@ -303,7 +319,7 @@ def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str
     environment = Environment(
         loader=PackageLoader("validation.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
-    environment.filters.update(short=short)
+    environment.filters.update(short=short, hertz=hertz)
     digest = base64.b64encode(hashlib.sha256(PRINT_SCRIPT.encode()).digest()).decode()
     return environment.get_template("report.html.j2").render(
         views=shown,

@@ -281,7 +281,8 @@ def _values(path: str, value: object) -> Iterator[str]:
         for key, part in value.items():
             yield from _values(f"{path}.{key}" if path else str(key), part)
     elif isinstance(value, float):
-        yield f"{path} = {value:.10g}"
+        hertz = f" ({value / (2 * math.pi):.4g} Hz)" if path.endswith("angular_frequency") else ""
+        yield f"{path} = {value:.10g}{hertz}"
     elif isinstance(value, Sequence) and not isinstance(value, str):
         yield f"{path} = {_row(value)}"
     else:

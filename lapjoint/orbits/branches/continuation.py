@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum
-from lapjoint.orbits.branches.grazing import OnExtremum, approaching, beyond_graze, flipped, located_graze
+from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze
+from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 
 _FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
 """Arc length of the first step, and of the longest and shortest: motions change by so much of their size."""
-_TURN = 0.12
-"""Angle between a step and the tangent at its end that is aimed at, rad: the curve is then known to some 1e-3 of a step
+_TURN = 0.2
+"""Angle between a step and the tangent at its end that is aimed at, rad: the curve is then known to some 1e-2 of a step
 between its points."""
-_WIDEST = 0.35
+_WIDEST = 0.45
 """Largest angle, rad: a wider one may be due to another curve."""
+_STEEP = 0.1
+"""Share of the number in a step from which on the number is held while Newton's method leads back to the curve."""
 _STRETCH = 1.4
 """Largest ratio of the step made and the step meant."""
+_GROWS = 4.0
+"""By how much a step is lengthened at most."""
 _SHORTER = 1 / 3
 """By how much a step is shortened that is not taken."""
 _AFRESH = 2e-3
@@ -31,22 +36,40 @@ _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
 _JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
 """Widths, over the scale of the number, of parts that are left out where a curve cannot be followed."""
+_LATELY = 1.0
+"""Distance from such a part, over its width, within which another one is due to the same cause."""
 _FEW = 40
-"""Number of places after such a part within which another one is due to the same cause."""
+"""Number of places after such a part within which a curve that comes back to it folds there."""
 _JUMP_FAR = 0.05
 """Largest distance, over the size of the motion, of the motions on both sides of such a part."""
 _SETTLING = 8
 """Number of the motion's periods that are marched to settle beyond such a part."""
 _DISTINCT = 1e-4
 """Length of a step up to which grazes of several stops are taken as they come."""
+_TOWARDS = 0.8
+"""Share of the way to a graze, as the rates have it, that a step takes that is not to cross it."""
+_SLOWER = 2.0
+"""Largest ratio of the way to a graze and of what the rates had."""
+_TRIES = 4
+"""Number of steps that may be tried for each point that is allowed: in the hardest ranges known two are needed."""
+_GRAZE_TRIES = 5
+"""Number of steps that the search for a graze counts for, as it takes about as long."""
+_AT_GRAZE = 1e-5
+"""Arc length to a graze up to which the curve is at it, before or behind."""
+_TOO_NEAR = 1e-4
+"""Arc length to a graze that cannot be located within which what lies around it is left out."""
+_TRIED_AGAIN = 0.2
+"""By how much nearer a graze must be that was not crossed, until it is tried again."""
 
 
 @dataclass(frozen=True)
 class Limits:
     """How far a branch is followed."""
 
-    most: int = 20_000
-    """Number of its points in one direction, at most."""
+    most: int = 5000
+    """Largest number of its points."""
+    progress: Callable[[float], None] | None = None
+    """Called with the share of the range, or of the effort, that is behind."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +84,8 @@ class Graze:
     """``persists``, ``folds`` or ``ends``."""
     before: OnExtremum = field(repr=False)
     """The motion just before."""
+    rate: float
+    """Change of the extremum's value with the arc length before it, m."""
     index: int
     """Number of places of the run before it."""
 
@@ -119,16 +144,18 @@ class _Follower:
     def __init__(self, family: Family, start: Place, limits: Limits) -> None:
         self._family, self._limits = family, limits
         self._places, self._grazes, self._jumps = [start], list[Graze](), list[Jump]()
+        self._rates = rates_of(family, start)
         self._step = _FIRST
-        self._end = ""
+        self._refused = math.inf
+        self._end, self._tries = "", 0
 
     def run(self) -> Run:
         """Follow it to its end."""
         if _outward(self._family, self._places[0]):
             self._end = "boundary"
         while not self._end:
-            if len(self._places) >= self._limits.most:
-                self._end = "most points"
+            if len(self._places) >= self._limits.most or self._tries >= _TRIES * self._limits.most:
+                self._end = "effort"
             elif len(self._places) > _ROUND and _closed(self._family, self._places[0], self._here, self._step):
                 self._end = "closed"
             else:
@@ -141,22 +168,63 @@ class _Follower:
 
     def _advance(self) -> None:
         """Take a step, or a shorter one next time; where none can be taken, go across what is in the way."""
+        self._tries += 1
+        soon = coming(self._here, self._rates)
+        if soon is not None and soon.length <= self._step:
+            if self._cross(soon, _SLOWER * soon.length):
+                return
+            if soon.length <= _TOO_NEAR and self._jump(self._widened()):
+                return
+            self._step = max(min(self._step, _TOWARDS * soon.length), 0.5 * _SHORTEST)
         new, angle = _stepped(self._family, self._here, self._step)
         if new is not None:
-            crossed = flipped(self._here.extrema, new.extrema)
-            if not crossed and self._here.extrema.closings == new.extrema.closings:
-                self._take(new, angle)
+            rates = rates_of(self._family, new)
+            seen = passed(self._here, self._rates, new, rates, self._step)
+            if seen.nothing:
+                self._take(new, rates, angle)
                 return
-            if len(crossed) == 1 or (crossed and self._step <= _DISTINCT):
-                passed = _across(self._family, self._here, crossed[0], len(self._places))
-                if passed is not None and passed[1] is not None:
-                    self._pass(*passed)
-                    return
+            if (len(seen.grazes) == 1 or (seen.grazes and self._step <= _DISTINCT)) and self._cross(
+                seen.grazes[0], self._step
+            ):
+                return
         self._step *= _SHORTER
         if self._step < _SHORTEST:
             self._pass_what_is_near()
 
-    def _take(self, new: Place, angle: float) -> None:
+    def _cross(self, graze: Coming, farthest: float) -> bool:
+        """Go across a graze, if it is the first and there is a motion beyond it; whether that was done."""
+        if graze.length > self._refused:  # it is another one
+            self._refused = math.inf
+        if graze.length > _TRIED_AGAIN * self._refused:
+            return False
+        self._refused = graze.length
+        self._tries += _GRAZE_TRIES
+        found = _across(self._family, self._here, graze, len(self._places))
+        if found is None:
+            return False
+        before = found[0].before.place.going_on_from(self._here)
+        chord = before.chord(self._family, self._here)
+        length = float(np.linalg.norm(chord))
+        if length > max(farthest, _AT_GRAZE):
+            return False
+        if float(chord @ before.tangent) < 0 and length > _AT_GRAZE:  # it lies behind
+            return False
+        if passed(self._here, self._rates, before, None, length).grazes:
+            return False
+        if found[1] is None:
+            return self._jump_over(before)
+        self._pass(*found)
+        return True
+
+    def _jump_over(self, before: Place) -> bool:
+        """Leave out what lies around a graze that the curve cannot be followed across; whether that was done."""
+        self._places.append(before)
+        if self._jump(self._widened()):
+            return True
+        self._places.pop()
+        return False
+
+    def _take(self, new: Place, rates: Rates, angle: float) -> None:
         """Take a step to a place with the same contacts."""
         if not self._family.low <= new.value <= self._family.high:
             self._places += _at_boundary(self._family, self._here, new)
@@ -166,8 +234,8 @@ class _Follower:
         elif self._turned_back(new):
             self._leave_out_more()
         else:
-            self._places.append(new)
-            self._step = min(self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, 2.0)), _LONGEST)
+            self._come_to(new, rates)
+            self._step = min(self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS)), _LONGEST)
 
     def _pass(self, graze: Graze, beyond: Place | None) -> None:
         """Go across a graze, or end there."""
@@ -175,29 +243,47 @@ class _Follower:
             self._end = "boundary"
             return
         self._grazes.append(graze)
+        self._refused = math.inf
         before = graze.before.place
-        self._places.append(before.along(self._here.tangent_at(self._family, before)))
+        self._places.append(before.going_on_from(self._here))
         if beyond is None:
             self._end = "graze"
         else:
-            self._places.append(beyond)
+            self._come_to(beyond)
             self._step = max(self._step, _AFRESH)
+
+    def _come_to(self, place: Place, rates: Rates | None = None) -> None:
+        """Go on from a place."""
+        self._places.append(place)
+        if self._limits.progress is not None:
+            self._limits.progress(self._share())
+        self._rates = rates_of(self._family, place) if rates is None else rates
+
+    def _share(self) -> float:
+        """Share of the range, or of the effort, that is behind."""
+        way = abs(self._here.value - self._places[0].value) / (self._family.high - self._family.low)
+        most = self._limits.most
+        return min(1.0, max(way, len(self._places) / most, self._tries / (_TRIES * most)))
 
     def _pass_what_is_near(self) -> None:
         """Go across the graze that is so near that no step leads past it, or leave out what cannot be resolved."""
-        near = self._places[-2] if len(self._places) > 1 else None
-        extremum = None if near is None else approaching(near, self._here)
-        passed = None if extremum is None else _across(self._family, self._here, extremum, len(self._places))
+        soon = coming(self._here, self._rates)
+        passed = None if soon is None else _across(self._family, self._here, soon, len(self._places))
         if passed is not None and passed[1] is not None:
             self._pass(*passed)
             return
-        lately = [jump.width for jump in self._jumps if len(self._places) - jump.index < _FEW]
-        if self._jump(max(lately, default=-1) + 1):
+        if self._jump(self._widened()):
             return
         if passed is not None:
             self._pass(*passed)
         else:
             self._end = "lost"
+
+    def _widened(self) -> int:
+        """Number of the width from which on a part is left out: wider than others just before, of the same cause."""
+        here = self._here.value
+        lately = [one.width for one in self._jumps if abs(here - one.last) <= _LATELY * abs(one.last - one.first)]
+        return min(max(lately, default=-1) + 1, len(_JUMPS) - 1)
 
     def _jump(self, width: int) -> bool:
         """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it."""
@@ -206,7 +292,7 @@ class _Follower:
             return False
         beyond, width = found
         self._jumps.append(Jump(self._here.value, beyond.value, len(self._places), width))
-        self._places.append(beyond)
+        self._come_to(beyond)
         self._step = _AFRESH
         return True
 
@@ -249,46 +335,51 @@ def _comes_to_shorter(here: Place, new: Place) -> bool:
 
 
 def _stepped(family: Family, here: Place, step: float) -> tuple[Place | None, float]:
-    """The next place of the curve, and the angle between the step and the tangent there; None if it is not found."""
+    """The next place of the curve, and the angle between the step and the tangent there; None if it is not found.
+
+    Another orientation than here shows that it is of another curve, or that a graze spoils its tangent.
+    """
     value, guess = here.moved(family, step * here.tangent)
-    new = corrected(family, value, guess, here.count)
+    steep = abs(here.tangent[-1]) > _STEEP
+    new = corrected(family, value, guess, here.count, fixed=steep and family.low <= value <= family.high)
     if new is None:
         return None, math.nan
     chord = new.chord(family, here)
     length = float(np.linalg.norm(chord))
     new = new.along(chord)
     angle = math.acos(min(1.0, float(chord @ new.tangent) / max(length, 1e-300)))
-    if angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
+    if new.orientation != here.orientation or angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
         return None, angle
     return new, angle
 
 
-def _across(family: Family, here: Place, extremum: Extremum, index: int) -> tuple[Graze, Place | None] | None:
+def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Graze, Place | None] | None:
     """A graze after a place, and the place beyond it; None if it is not found."""
-    graze = located_graze(family, here, extremum)
+    extremum = coming.extremum
+    graze = located_graze(family, here, extremum, coming.rate)
     if graze is None:
         return None
     value = graze.place.value - graze.rate * graze.extremum.value
-    beyond = beyond_graze(family, graze)
+    beyond = beyond_graze(family, graze, coming.rate)
     if beyond is None:
-        return Graze(extremum.stop, value, "ends", graze, index), None
-    chord = beyond.place.chord(family, graze.place)
-    came, goes = graze.place.along(here.tangent_at(family, graze.place)).tangent[-1], chord[-1]
-    kind = "persists" if came * goes > 0 else "folds"
-    return Graze(extremum.stop, value, kind, graze, index), beyond.place.along(chord)
+        return Graze(extremum.stop, value, "ends", graze, coming.rate, index), None
+    before, after = graze.place.going_on_from(here), beyond.place.going_on_from(here)
+    kind = "persists" if before.tangent[-1] * after.tangent[-1] > 0 else "folds"
+    return Graze(extremum.stop, value, kind, graze, coming.rate, index), after
 
 
 def _jumped(family: Family, here: Place, least: int) -> tuple[Place, int] | None:
     """The motion some way on that is much like this one, where the curve between them cannot be followed.
 
     If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it.  The widths
-    that are left out are tried in turn, from the one with number `least`; the number goes with the motion.
+    that are left out are tried in turn, from the one with number `least`; the number goes with the motion.  A motion
+    that is as stable as this one is preferred: just before a graze, where the map's derivative grows, it need not be.
     """
-    sign = math.copysign(1.0, here.tangent[-1])
+    sign, otherwise = math.copysign(1.0, here.tangent[-1]), None
     for width, share in list(enumerate(_JUMPS))[least:]:
         value = here.value + sign * share * family.scale(here.value)
         if not family.low <= value <= family.high:
-            return None
+            break
         guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
         point = family.adopted(value, here.point)
         if here.orbit.stable:
@@ -299,9 +390,12 @@ def _jumped(family: Family, here: Place, least: int) -> tuple[Place, int] | None
             if found is None:
                 continue
             chord = found.chord(family, here)
-            if float(np.linalg.norm(chord)) <= _JUMP_FAR and found.orbit.stable == here.orbit.stable:
-                return found.along(np.append(np.zeros(chord.size - 1), sign)), width
-    return None
+            beyond = found.along(np.append(np.zeros(chord.size - 1), sign)), width
+            if float(np.linalg.norm(chord)) <= _JUMP_FAR and beyond[0].orientation == here.orientation:
+                if found.orbit.stable == here.orbit.stable:
+                    return beyond
+                otherwise = otherwise or beyond
+    return otherwise
 
 
 def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:

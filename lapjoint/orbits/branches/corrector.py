@@ -93,7 +93,35 @@ class Place:
             The place.
         """
         sign = -1.0 if float(direction @ self.tangent) < 0 else 1.0
-        return Place(self.value, self.orbit, self.weights, sign * self.tangent, self.half_periods)
+        same = Place(self.value, self.orbit, self.weights, sign * self.tangent, self.half_periods)
+        if "extrema" in self.__dict__:  # they do not depend on the tangent
+            same.__dict__["extrema"] = self.extrema
+        return same
+
+    @cached_property
+    def orientation(self) -> int:
+        """The sign of the number's part in the tangent times that of det(1 - P_x): the same all along a curve.
+
+        It is the same across a graze, too: where an odd number of multipliers passes 1 there, the curve folds back.
+        """
+        matrix = self.orbit.last.matrix
+        sign, _ = np.linalg.slogdet(np.eye(matrix.shape[0]) - matrix)
+        return int(np.sign(self.tangent[-1]) * sign)
+
+    def going_on_from(self, other: Place) -> Place:
+        """The same with its tangent turned so that it goes on where a curve came to another of its places.
+
+        Parameters
+        ----------
+        other : Place
+            The other place, with its tangent.
+
+        Returns
+        -------
+        Place
+            The place.
+        """
+        return self.along(self.tangent if self.orientation == other.orientation else -self.tangent)
 
     def tangent_at(self, family: Family, other: Place) -> FloatArray:
         """The direction of this place's tangent in the coordinates of a neighbouring place.
@@ -262,4 +290,4 @@ def scaling(half: HalfPeriods, point: SectionPoint, n: int) -> FloatArray:
         Over the unit of each coordinate.
     """
     size = max(half.map.size(point), float(np.finfo(float).tiny))
-    return np.array([half.map.norm(unit) for unit in np.eye(n)]) / size
+    return half.unit_norms(n) / size

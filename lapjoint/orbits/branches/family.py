@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -16,9 +16,9 @@ from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import Refinement
 from lapjoint.problem import FloatArray, Problem
 
-_STEP = 1e-5
-"""Step of the differences over the scale of the number: rounding, 1e-16 / 1e-5, and curvature, 1e-10, leave ten
-digits."""
+_STEP = 3e-8
+"""Step of the differences over the scale of the number: rounding, 1e-15 / 3e-8, and curvature leave seven digits, and a
+graze that is ten times farther away does not come between."""
 _KEPT = 32
 """Number of period maps that are kept: a step, and the differences at its ends, return to the same values."""
 _LOOKED_AT = 9
@@ -151,6 +151,10 @@ class Family:
         tuple of Refinement and Family, or None
             None if the solver has no finer self.
         """
+        return self._finer
+
+    @cached_property
+    def _finer(self) -> tuple[Refinement, Family] | None:
         found = self.solver.finer(self.problem_at(self.high)) if isinstance(self.solver, Refines) else None
         if found is None:
             return None
@@ -188,6 +192,24 @@ class Family:
         """
         return self.at(value).map.adopted(point)
 
+    def beside(self, value: float, share: float = _STEP) -> tuple[float, ...]:
+        """Values so near that differences between the motions are derivatives, the one to be preferred first.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+        share : float
+            Their distance over the scale of the number.
+
+        Returns
+        -------
+        tuple of float
+            One or two, none of which leads out of the range: on the other side of a value a graze may lie.
+        """
+        step = share * self.scale(value)
+        return (value + step,) * (value + step <= self.high) + (value - step,) * (value - step >= self.low)
+
     def derivative(self, value: float, point: SectionPoint, count: int) -> FloatArray:
         """Derivative of a section point's image by the number, while the point stays where it is.
 
@@ -204,21 +226,23 @@ class Family:
         -------
         FloatArray, shape (n,)
             In the coordinates that belong to the point, over the unit of the number.  The solver gives it where it
-            can; else it comes from central differences.
+            can; else it comes from a difference, to a side where there are as many switches.
         """
         here = self.at(value)
-        if isinstance(here.map, FieldDerivatives):
-            end = here.map.march(point, count).end
-            if end.state == point.state:
-                known = here.map.derivative_by(self.path, point, count)
-                return -known if count % 2 else known
-        step, ends = _STEP * self.scale(value), []
-        values = max(value - step, self.low), min(value + step, self.high)
-        for other in values:
-            beside = self.at(other)
-            end = beside.marched(beside.map.adopted(point), count)
-            ends.append(here.map.difference(here.map.adopted(end), point))
-        return (ends[1] - ends[0]) / (values[1] - values[0])
+        march = here.map.march(point, count)
+        if isinstance(here.map, FieldDerivatives) and march.end.state == point.state:
+            known = here.map.derivative_by(self.path, point, count)
+            return -known if count % 2 else known
+        moved = here.map.difference(here.map.mirrored(march.end) if count % 2 else march.end, point)
+        column = np.zeros(moved.size)
+        for other in self.beside(value):
+            beside = self.at(other).map
+            there = beside.march(beside.adopted(point), count)
+            end = here.map.adopted(beside.mirrored(there.end) if count % 2 else there.end)
+            column = (here.map.difference(end, point) - moved) / (other - value)
+            if there.switches == march.switches:
+                break
+        return column
 
     def _made(self, value: float) -> HalfPeriods:
         return HalfPeriods(self.solver.period_map(self.problem_at(value)))

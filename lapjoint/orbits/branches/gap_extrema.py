@@ -8,6 +8,7 @@ or the lowest of a contact or of a flight, which is about to be parted in two, o
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +22,10 @@ from lapjoint.problem import FloatArray
 
 _PER_HALF_PERIOD = 64
 """Least number of points in half a period of the fastest excitation between which an extremum is looked for."""
+_STEPS = 12
+"""Most steps of Newton's method from the phase of an extremum of a neighbouring motion."""
+_EXACT = 1e-10
+"""Last of these steps over the length of the segment: the value is wrong by the square of this."""
 _POLISHED = 4
 """Steps of Newton's method by which an extremum is found in a motion of which samples alone are known."""
 
@@ -59,6 +64,32 @@ class Extrema:
     """How often each stop closes, a stop and its twin together where the motion goes on mirrored, ``P`` of them."""
     duration: float
     """Length of the motion, s."""
+    switch_stop: IndexArray
+    """The stop of each switch, as in `Extremum.stop`, shape ``(J,)``."""
+    switch_time: FloatArray
+    """When, s, shape ``(J,)``."""
+    closes: npt.NDArray[np.bool_]
+    """Whether a contact begins there, and does not end, shape ``(J,)``."""
+
+    @cached_property
+    def kind(self) -> IndexArray:
+        """Stop and kind of each extremum as one number, shape ``(m,)``."""
+        return np.asarray(2 * self.stop + self.highest)
+
+    @cached_property
+    def phase(self) -> FloatArray:
+        """When each extremum is, over the length of the motion, shape ``(m,)``."""
+        return self.time / self.duration
+
+    @cached_property
+    def switch_kind(self) -> IndexArray:
+        """Stop and kind of each switch as one number, shape ``(J,)``."""
+        return np.asarray(2 * self.switch_stop + self.closes)
+
+    @cached_property
+    def switch_phase(self) -> FloatArray:
+        """When each switch is, over the length of the motion, shape ``(J,)``."""
+        return self.switch_time / self.duration
 
     def __getitem__(self, i: int) -> Extremum:
         return Extremum(
@@ -105,7 +136,8 @@ def extrema_of(found: Return) -> Extrema:
     duration = found.count * half_periods.map.period / 2
     if not problem.stops:
         none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
-        return Extrema(index, index, none, none, none.astype(bool), (), duration)
+        never = none.astype(bool)
+        return Extrema(index, index, none, none, never, (), duration, index, none, never)
     _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
     stops = Stops(
         sign=np.array([stop.sign for stop in problem.stops], dtype=float),
@@ -115,32 +147,73 @@ def extrema_of(found: Return) -> Extrema:
     )
     width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
     at, time, value, highest = gap_extrema(stacked(segments, first), stops, width)
-    closings = np.zeros(len(problem.stops), dtype=int)
-    for segment in segments:
-        if segment.switched >= 0 and not segment.closed[segment.switched]:
-            closings[segment.switched] += 1
+    ends = [segment for segment in segments if segment.switched >= 0]
+    switched = np.array([segment.switched for segment in ends], dtype=np.intp)
+    closes = np.array([not segment.closed[segment.switched] for segment in ends], dtype=bool)
+    closings = np.bincount(switched[closes], minlength=len(problem.stops))
     stop, twins = at, half_periods.twins
     if found.count % 2 and twins is not None:
         closings = closings + closings[list(twins)]
-        stop = np.minimum(at, np.array(twins)[at])
-    return Extrema(stop, at, time, value, highest, tuple(closings.tolist()), duration)
+        stop, switched = (np.minimum(one, np.array(twins)[one]) for one in (at, switched))
+    when = np.array([segment.end for segment in ends], dtype=float)
+    return Extrema(
+        stop, at, time, value, highest, tuple(closings.tolist()), duration, switched.astype(np.intp), when, closes
+    )
 
 
-def polished(found: Return, extremum: Extremum) -> Extremum:
-    """An extremum found more exactly, where a solver gives no motion in closed form between switches.
+def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremum | None:
+    """The extremum of a motion that is that of a neighbouring motion.
 
     Parameters
     ----------
     found : Return
         The march over the motion's half periods.
     extremum : Extremum
-        As `extrema_of` found it.
+        Of the neighbouring motion.
+    duration : float
+        Length of that motion, s.
 
     Returns
     -------
-    Extremum
-        The same where the solver gives its own derivative; else from the solver's History.
+    Extremum, or None
+        The one that Newton's method finds from the same phase, or else the nearest of its kind; None if there is none.
     """
+    if isinstance(found.half_periods.map, Tangent):
+        t = extremum.time / duration * found.count * found.half_periods.map.period / 2
+        near = _polished_between_switches(found.linearised.segments, extremum, t)
+        if near is not None:
+            sign, gap = (getattr(found.half_periods.map.problem.stops[extremum.at], name) for name in ("sign", "gap"))
+            return replace(extremum, time=near[0], value=sign * near[1] - gap)
+    match = extrema_of(found).matching(extremum, duration)
+    return None if match is None else _polished(found, match)
+
+
+def _polished_between_switches(
+    segments: tuple[Segment, ...], extremum: Extremum, t: float
+) -> tuple[float, float] | None:
+    """Time and displacement of an extremum near a time, s and m; None if it is not in the same segment."""
+    one = next((s for s in segments if s.start <= t <= s.end), segments[-1])
+    wave, p = one.weights[extremum.at] * one.amplitudes, one.polynomial[extremum.at]
+    tau, last = t - one.start, np.inf
+    for _ in range(_STEPS):
+        now = wave * np.exp(one.rates * tau)
+        rate = float((now @ one.rates).real) + p[1] + 2 * tau * p[2]
+        bend = float((now @ one.rates**2).real) + 2 * p[2]
+        if bend == 0.0:
+            return None
+        step = -rate / bend
+        tau += step
+        if not (0.0 <= tau <= one.end - one.start) or abs(step) > last:
+            return None
+        if abs(step) <= _EXACT * (one.end - one.start):
+            z = float((wave * np.exp(one.rates * tau)).real.sum()) + p[0] + tau * (p[1] + tau * p[2])
+            return one.start + tau, z
+        last = abs(step)
+    return None
+
+
+def _polished(found: Return, extremum: Extremum) -> Extremum:
+    """An extremum found more exactly, where a solver gives no motion in closed form between switches."""
     half_periods = found.half_periods
     if isinstance(half_periods.map, Tangent):
         return extremum

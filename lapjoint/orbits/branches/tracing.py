@@ -101,7 +101,8 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
     ahead = follow(family, start.along(up), limits)
     if ahead.end == "closed":
         return ahead, Run([start], [], [], "closed")
-    return ahead, follow(family, start.along(-up), limits)
+    left = replace(limits, most=max(limits.most - len(ahead.places), 1))
+    return ahead, follow(family, start.along(-up), left)
 
 
 def _joined(back: Run, ahead: Run) -> Run:
@@ -147,7 +148,9 @@ def _smooth(family: Family, one: Located, index: int, errors: bool) -> Bifurcati
 def _grazing(family: Family, graze: Graze, errors: bool) -> Bifurcation:
     place, known = graze.before.place, Stated(graze.value, np.inf)
     if errors:
-        known = stated(family, place, graze.value, graze_finder(graze.before.extremum, place.extrema.duration))
+        known = stated(
+            family, place, graze.value, graze_finder(graze.before.extremum, graze.rate, place.extrema.duration)
+        )
     return Bifurcation("grazing", known.value, known.error, graze.index, graze.stop, graze.kind, _impulses(place))
 
 

@@ -107,13 +107,15 @@ def smooth_finder(kind: Kind) -> Finder:
     return find
 
 
-def graze_finder(extremum: Extremum, duration: float) -> Finder:
+def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
     """Finds a graze.
 
     Parameters
     ----------
     extremum : Extremum
         The extremum that vanishes there, as the coarsest solver has it just before.
+    rate : float
+        Change of its value with the arc length before it, m.
     duration : float
         Length of the motion there, s.
 
@@ -126,7 +128,7 @@ def graze_finder(extremum: Extremum, duration: float) -> Finder:
     def find(family: Family, place: Place) -> tuple[Place, float] | None:
         near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
         mine = None if near is None else near.extrema.matching(extremum, duration)
-        graze = None if near is None or mine is None else located_graze(family, near, mine)
+        graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
         if graze is None:
             return None
         return graze.place, graze.place.value - graze.rate * graze.extremum.value

@@ -68,7 +68,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
     whole, solved = basins(MIRROR, **PLANE), list[int]()
     answer = BasinPlan.answer
 
-    def counted(self: BasinPlan, cell: int, solver: Solver, section: Any) -> tuple[Chunk, None]:
+    def counted(self: BasinPlan, cell: int, solver: Solver, section: Any, *more: Any) -> tuple[Chunk, None]:
         if len(solved) == 2:
             raise KeyboardInterrupt
         solved.append(cell)

@@ -92,10 +92,49 @@ def test_an_interrupted_search_resumes(
     xr.testing.assert_identical(made, found)
 
 
+def test_a_branch_ends_with_the_effort_that_is_allowed(problem: Problem) -> None:
+    shares: list[float] = []
+    short = lapjoint.branch(
+        problem,
+        AMPLITUDE,
+        LOW,
+        HIGH,
+        options=OPTIONS,
+        errors=False,
+        max_points=8,
+        progress=lambda done, total: shares.append(done / total),
+    )
+    assert "effort" in [*short.branch_first_end.values, *short.branch_last_end.values]
+    assert np.bincount(short.branch.values).max() <= 8 + 2  # a graze is two points
+    assert any(0 < share < 1 for share in shares)
+    assert max(shares) == 1
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_start_that_leads_to_a_known_branch_costs_one_process_nothing(
+    problem: Problem, found: xr.Dataset, workers: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, solve_branch = [], branch_parts.solve_branch
+
+    def counted(*args: object) -> dict[str, object]:
+        made.append(args)
+        return solve_branch(*args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(branch_parts, "solve_branch", counted)
+    if workers == 1:
+        again = lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False)
+        assert len(made) == 1
+    else:
+        monkeypatch.setattr(branch_parts, "solve_branch", solve_branch)
+        again = lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False, workers=workers)
+    xr.testing.assert_identical(again, found)
+
+
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
         ({"max_period_multiple": 0}, "max_period_multiple = 0: must be an integer from 1 to 64"),
+        ({"max_points": 1}, "max_points = 1: must be an integer from 2 to"),
         ({"starts": -1}, "starts = -1: must be an integer from 0 to"),
         ({"last": LOW}, "must differ from 0.0003, where the range begins"),
         ({"first": np.nan}, "from = nan: must be a finite number"),

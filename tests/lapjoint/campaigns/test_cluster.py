@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -18,9 +20,10 @@ import pytest
 import xarray as xr
 from counting_solver import installed
 
-from lapjoint import paper_joint
+from lapjoint import Beam, ModalDamping, Problem, Stop, Support, paper_joint, statistics
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.errors import InputError, SolverError
+from lapjoint.problem.random_motion import RandomBaseMotion
 
 pytest.importorskip("distributed")
 JOINT = paper_joint()
@@ -93,6 +96,39 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: tuple[str, l
     found = sweep(JOINT, axes, solver="counting", options={"dies_at": 102.0}, scheduler=cluster[0])
     assert found.outcome.values.tolist() == [1, 1, -1, 1]
     assert found.message.values.tolist() == ["", "", "the workers that solved it died", ""]
+
+
+def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(
+    cluster: tuple[str, list[int], int], tmp_path: Path
+) -> None:
+    shaken = Problem(
+        beam=Beam(length=1.0, bending_stiffness=200.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        stops=(Stop(x=1.0, side="top", gap=1e-4, stiffness=1e4),),
+        damping=ModalDamping(ratio=0.1),
+        base_motion=RandomBaseMotion(psd=[[5.0, 1.0], [40.0, 1.0]]),
+    )
+    scheduler, workers, _ = cluster
+    killed: list[float] = []
+
+    def kill_one(done: float, total: float) -> None:
+        if done >= 2 and not killed:
+            killed.append(done)
+            kill_group(workers[0])
+
+    given: dict[str, Any] = {"duration": 1.5, "seeds": 8, "options": {"n_modes": 2}}
+    found = statistics(shaken, scheduler=scheduler, out=tmp_path / "stats.nc", progress=kill_one, **given)
+    assert killed
+    xr.testing.assert_identical(found, statistics(shaken, **given))
+
+
+@pytest.mark.slow
+def test_the_script_of_the_page_on_clusters_runs(tmp_path: Path) -> None:
+    page = (Path(__file__).resolve().parents[3] / "docs" / "many-points.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"^```py\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    (tmp_path / "script.py").write_text(script, encoding="utf-8")
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
 
 
 def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

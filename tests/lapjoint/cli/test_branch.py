@@ -63,8 +63,15 @@ def test_branch_writes_a_dataset_once_and_plot_draws_it() -> None:
     refused = run("plot", "branch.nc", "--wide")
     assert (refused.exit_code, refused.stderr) == (
         2,
-        "lapjoint: --wide: a diagram of branches is one column wide; leave it out\n",
+        "lapjoint: --wide: a diagram of branches has one look; leave it out\n",
     )
+
+
+@pytest.mark.usefixtures("here")
+def test_a_branch_that_takes_too_much_effort_says_so_by_its_status() -> None:
+    result = run("branch", "bar.toml", *OVER, "--from", "3e-4", "--to", "4e-4", "--max-points", "6", "--out", "b.nc")
+    assert result.exit_code == 1, result.output
+    assert "effort" in result.stdout
 
 
 @pytest.mark.usefixtures("here")
@@ -76,6 +83,7 @@ def test_branch_writes_a_dataset_once_and_plot_draws_it() -> None:
         (("--from", "0", "--to", "1", "--out", "b.nc"), "base_motion.angular_frequency"),
         (("--over", "beam.colour", "--from", "1", "--to", "2", "--out", "b.nc"), "beam.colour"),
         (("--from", "1", "--to", "2", "--out", "b.nc", "--starts", "-1"), "starts = -1"),
+        (("--from", "1", "--to", "2", "--out", "b.nc", "--max-points", "0"), "max_points = 0"),
         (("--from", "1", "--to", "2", "--out", "b.nc", "--workers", "0"), "workers = 0"),
     ],
 )

@@ -13,7 +13,7 @@ import xarray as xr
 from command_line import FEW, PAPER, assert_refused, run, run_well
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Stop, paper_joint, read_problem, time_series
+from lapjoint import FREE, ContactState, Outcome, Stop, paper_joint, read_problem, time_series
 from lapjoint.cli.options import DRAWINGS
 from lapjoint.figures.text import error_text
 from lapjoint.problem.example import commented_example
@@ -97,11 +97,12 @@ def test_errors_are_left_out_if_asked() -> None:
     for command in (("simulate", PAPER, "--duration", "0.02"), ("steady", PAPER)):
         printed = run_well(*command, *FEW, "--no-errors")
         assert "Numerical errors (+-): no errors were estimated" in printed
+        assert "\nExcitation: 515 rad/s (81.96 Hz)\n" in printed
     assert printed.count("+-") == 1
 
 
 def test_an_error_that_cannot_be_stated_is_a_question_mark() -> None:
-    assert [error_text(error) for error in (None, 1.23e-5, math.inf)] == ["", "1.2e-05", "?"]
+    assert [error_text(error) for error in (None, 1.23e-5, math.inf, 0.0)] == ["", "1.2e-05", "?", "0"]
 
 
 @pytest.mark.parametrize("drawing", DRAWINGS)
@@ -123,9 +124,11 @@ def test_a_steady_state_is_drawn(tmp_path: Path) -> None:
 def test_the_shapes_of_all_states_are_drawn_in_one_figure(tmp_path: Path) -> None:
     figure = tmp_path / "shapes.svg"
     run_well("modes", PAPER, "--modes", "2", "--figure", figure)
-    assert all(
-        text in figure.read_text() for text in ("State 1:", "States 2, 4:", "States 3, 5:", "States 6, 7, 8, 9:")
-    )
+    titles = ("State 1:", "States 2, 4:", "States 3, 5:", "States 6, 7, 8, 9:", "natural frequency [rad/s]")
+    assert all(text in figure.read_text() for text in titles)
+    printed = run_well("modes", PAPER, "--modes", "2", "--figure", figure, "--hz", "--state", "free")
+    assert "natural frequency [Hz]" in figure.read_text()
+    assert f"1: {float(printed.splitlines()[1].split()[-2]):.4g}" in figure.read_text()
 
 
 def test_steady_prints_the_impulse_of_every_stop(tmp_path: Path) -> None:
@@ -248,3 +251,15 @@ def test_many_states_are_cut_and_it_says_how_to_see_the_rest(tmp_path: Path) -> 
     printed = run_well("modes", path, "--modes", "1")
     assert len(printed.splitlines()) == 34
     assert "... and 96 more states (--json writes all, --state prints one)" in printed
+
+
+def test_a_motion_that_touches_nothing_says_how_near_it_comes() -> None:
+    changes = ("--set", "stops.*.gap=1.0", "--set", "stops.P5.gap=0.5")
+    printed = run_well("steady", PAPER, *FEW, "--no-errors", *changes)
+    found = Solver(n_modes=8).steady_state(paper_joint(gap=1.0), errors=False)
+    t = np.linspace(found.history.start, found.history.end, 20001)
+    tip, middle = found.history.displacement([2.5, 1.25], t).max(axis=1)
+    assert found.outcome is Outcome.NO_CONTACT
+    stop, part, gap = ("P5", middle / 0.5, 0.5) if middle / 0.5 > tip else ("P2", tip, 1.0)
+    assert f"\nNearest to a stop: {stop}, {100 * part:.3g} % of its gap of {gap:g} m\n" in printed
+    assert "Nearest" not in run_well("steady", PAPER, *FEW, "--no-errors")

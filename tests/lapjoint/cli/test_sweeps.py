@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
@@ -12,8 +14,11 @@ from command_line import PAPER, assert_refused, run, run_well
 
 from analytic import Solver
 from lapjoint import SteadyState, paper_joint
-from lapjoint.cli.progress import duration_text, lines_of_progress, lines_with_time_left
+from lapjoint.campaigns.pace import Pace
+from lapjoint.campaigns.point import Point
+from lapjoint.cli.progress import lines_of_progress, lines_with_time_left, tell_of_delays
 from lapjoint.errors import SolverError
+from lapjoint.plain_text import duration_text
 
 SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--modes", "4", "--out", "curve.nc")
 
@@ -94,6 +99,72 @@ def test_progress_of_a_sweep_says_how_much_time_is_left() -> None:
         "sweep: 100 %, 5000 of 5000",
     ]
     assert [duration_text(seconds) for seconds in (40.4, 700.0, 12000.0)] == ["40 s", "12 min", "3 h 20 min"]
+
+
+@pytest.mark.parametrize(
+    ("total", "done", "lines"),
+    [
+        (  # slow points: a line after a few, then ever more rarely, until a twentieth is done
+            5000,
+            (0, 1, 2, 3, 4, 5, 6, 8, 250, 251, 5000),
+            ["0.06 %, 3 of 5000", "0.12 %, 6 of 5000", "5 %, 250 of 5000", "100 %, 5000 of 5000"],
+        ),
+        (1, (0.0, 0.005, 0.02, 0.03, 0.06, 1.0), ["2 %, 18 min left", "5 %, 11 min left", "100 %"]),
+        (4, (0.0, 0.1, 0.5, 1.0, 4.0), ["2.5 %, 0 of 4, 7 min left", "10 %, 0 of 4", "25 %, 1 of 4", "100 %, 4 of 4"]),
+    ],
+)
+def test_what_takes_long_says_early_what_is_left(total: float, done: tuple[float, ...], lines: list[str]) -> None:
+    now = 0.0
+
+    @click.command()
+    def work() -> None:
+        nonlocal now
+        progress = lines_with_time_left("work", lambda: now)
+        for so_far in done:
+            progress(so_far, total)
+            now += 10.75
+
+    printed = CliRunner().invoke(work).stderr.splitlines()
+    assert len(printed) == len(lines), printed
+    for line, expected in zip(printed, lines, strict=True):
+        assert line.startswith(f"work: {expected}")
+
+
+@pytest.fixture
+def loggers() -> Iterator[None]:
+    """What tells of delays, as it was before."""
+    those = [logging.getLogger(name) for name in ("lapjoint.compiling", "lapjoint.campaigns.pace")]
+    before = [(logger.level, logger.handlers[:]) for logger in those]
+    yield
+    for logger, (level, handlers) in zip(those, before, strict=True):
+        logger.setLevel(level)
+        logger.handlers[:] = handlers
+
+
+@pytest.mark.usefixtures("loggers")
+def test_a_sweep_whose_first_points_do_not_repeat_says_what_it_will_take() -> None:
+    now = 0.0
+
+    def said(*multiples: int, each: float = 20.0) -> list[str]:
+        @click.command()
+        def work() -> None:
+            nonlocal now
+            tell_of_delays()
+            pace = Pace("sweep", lambda: now)
+            for i, multiple in enumerate(multiples):
+                now += each
+                pace.take([Point(period_multiple=multiple)], 1000 - i - 1)
+
+        return CliRunner().invoke(work).stderr.splitlines()
+
+    (line,) = said(0, 0, 1, 0, 0, 0, 0)
+    assert line == (
+        "lapjoint: sweep: 4 of the first 5 points do not repeat, which takes longest to establish: "
+        "20 s a point at this pace, 5 h 32 min for the other 995"
+    )
+    assert said(1, 0, 1, 0, 1, 0, 1, 0) == []
+    assert said(0, 0, 0, 0, 0, 0, each=0.01) == []
+    assert len(said(*[1] * 7, *[0] * 20)) == 1
 
 
 def test_progress_off_a_terminal_is_a_line_for_every_tenth() -> None:

@@ -11,7 +11,8 @@ from stretches import cut
 from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS
 
 from lapjoint import BaseMotion, History
-from lapjoint.summaries.collector import Collector, sample_times
+from lapjoint.problem import FloatArray
+from lapjoint.summaries.collector import AT_ONCE, Collector, sample_times
 from lapjoint.summaries.distributions import BINS, bins_of, edges
 from lapjoint.summaries.quantities import selection
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
@@ -24,6 +25,10 @@ def collected(history: History, times: list[float], *, settle: float = 0.0, unit
     for part in cut(history, times):
         collector.take(part)
     return collector.finish()
+
+
+def all_times(rate: float, start: float, end: float) -> FloatArray:
+    return np.concatenate(list(sample_times(rate, start, end)))
 
 
 def test_means_squares_and_peaks_are_those_of_the_closed_form(history: History) -> None:
@@ -78,7 +83,7 @@ def test_what_comes_before_the_settled_motion_is_left_out(history: History) -> N
     sums = collected(history, [], settle=settle, units=3)
     assert sums.contacts.sum(axis=0).tolist() == [0, 1]
     assert sums.time_in_contact.sum(axis=0) == pytest.approx([0.75 * above.duration, below.duration])
-    assert sums.samples.sum() == sample_times(RATE, settle, 1.0).size
+    assert sums.samples.sum() == all_times(RATE, settle, 1.0).size
     assert sums.duration == pytest.approx((1 - settle) / 3)
 
 
@@ -105,15 +110,21 @@ def test_bins_take_every_number() -> None:
 
 
 def test_one_time_lies_in_each_interval_and_none_depends_on_the_ends() -> None:
-    t = sample_times(10.0, 0.0, 50.0)
+    t = all_times(10.0, 0.0, 50.0)
     assert np.array_equal(np.floor(t * 10), np.arange(500))
-    parts = [sample_times(10.0, a, b) for a, b in ((0.0, 0.123), (0.123, 7.0), (7.0, 50.0))]
+    parts = [all_times(10.0, a, b) for a, b in ((0.0, 0.123), (0.123, 7.0), (7.0, 50.0))]
     assert np.array_equal(np.concatenate(parts), t)
+
+
+def test_times_come_a_few_at_once_whatever_the_rate() -> None:
+    first = next(sample_times(1e12, 0.0, 1.0))
+    assert 0 < first.size <= AT_ONCE
+    assert 0 <= first[0] <= first[-1] <= AT_ONCE / 1e12
 
 
 def test_a_periodic_motion_is_sampled_without_bias() -> None:
     for omega in (1.0, 20 * math.pi, 40 * math.pi):  # the last two: one and two periods in an interval
-        assert abs(np.mean(np.sin(omega * sample_times(10.0, 0.0, 400.0)))) < 0.01
+        assert abs(np.mean(np.sin(omega * all_times(10.0, 0.0, 400.0)))) < 0.01
 
 
 def test_sums_come_back_from_a_journal_with_the_same_bits(history: History) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,6 +60,7 @@ def test_units_are_long_against_the_correlation_and_no_more_than_needed() -> Non
         (CANTILEVER, {"settle": -1.0}, r"settle = -1: must be"),
         (CANTILEVER, {"settle": 200.0}, r"duration = 100: must be longer than the 200 s"),
         (CANTILEVER, {"rate": 0.0}, r"rate = 0: must be positive"),
+        (CANTILEVER, {"rate": 1e12}, r"rate = 1e\+12 Hz: gives .* samples of a motion; at most 1e\+10"),
         (CANTILEVER, {"rate": 0.1}, r"rate = 0.1 Hz: gives .* samples in each of"),
         (CANTILEVER, {"duration": math.nan}, r"duration = nan: must be positive"),
     ],
@@ -118,3 +120,13 @@ def test_the_table_holds_values_within_their_intervals_and_says_what_is_doubtful
     assert float(found.impulse_exceedance[0, 0]) == pytest.approx(float(found.contact_rate[0]), rel=0.1)
     ratio = found.stress_rms / found.moment_rms
     assert np.ptp(ratio.values[:-1]) < 1e-9 * float(ratio[0])  # at the tip both are zero
+
+
+def test_what_is_nothing_but_rounding_is_zero() -> None:
+    problem = paper_joint(angular_frequency=820.0)
+    what = measure(selection(problem, quantities=["displacement", "moment"]), SOLVER, 3.0, seeds=8, settle=1.0)
+    found = table(replace(what, units=2), sums_of(replace(what, units=2), SOLVER, problem))
+    for name, x in (("displacement", 0.0), ("moment", problem.beam.length)):
+        for of_it in ("rms", "peak", "maximum", "mean_interval", "rms_interval", "maximum_interval"):
+            assert not found[f"{name}_{of_it}"].sel(x=x).values.any(), (name, of_it)
+            assert found[f"{name}_{of_it}"].isel(x=5).values.all()

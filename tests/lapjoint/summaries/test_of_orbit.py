@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from population import joint as joint_of
 
 import analytic
 import fe_lapjoint
@@ -132,3 +133,21 @@ def test_unknown_names_are_refused(tmp_path: Path) -> None:
     assert "summary 'weight_peak': is unknown; allowed: displacement_peak" in result.stderr
     with pytest.raises(InputError, match="summary of the stress: the beam has no section"):
         sweep(SPRUNG, [Axis(FREQUENCY, [30.0])], summary=["stress_rms"])
+
+
+@pytest.mark.parametrize("index", range(6))
+def test_what_is_nothing_but_rounding_is_zero(index: int) -> None:
+    """Moments at free ends, displacements at fixed ones: exactly, in means and peaks, and their errors with them."""
+    problem = joint_of(7, index)
+    found = analytic.Solver(n_modes=8, max_periods=64).steady_state(problem)
+    summary = found.summary(quantities=["displacement", "moment"])
+    assert summary.errors is not None
+    fixed = [s.x for s in problem.supports if s.translational == math.inf]
+    free = {0.0, 1.0} - {s.x for s in problem.supports if s.torsional}
+    for name, places in (("displacement", fixed), ("moment", free)):
+        for what in ("peak", "rms"):
+            values, errors = summary.values[f"{name}_{what}"], summary.errors[f"{name}_{what}"]
+            here = np.isin(summary.selection.x, list(places))
+            assert values[here].tolist() == [0.0] * int(here.sum())
+            assert (values[~here] > 1e-6 * values.max()).all()
+            assert found.period_multiple == 0 or errors[here].tolist() == [0.0] * int(here.sum())

@@ -13,6 +13,7 @@ from validation.faults.mutants import Outcome, Run, commit_of, main
 from validation.faults.mutation import drawn
 from validation.faults.trial import Result, Seen
 
+ROOT = Path(__file__).resolve().parents[3]
 FIRST, SECOND = drawn(installed_tree(), 1, 2)
 
 
@@ -70,3 +71,11 @@ def test_no_page_is_made_of_source_that_is_no_commit(
     with pytest.raises(SystemExit):
         main(["--page", str(tmp_path / "page.md"), "-o", str(tmp_path / "out")])
     assert "the source is not that of a commit" in capsys.readouterr().err
+
+
+def test_the_page_is_that_of_the_record_and_nothing_survived_without_a_reason() -> None:
+    run = mutants.recorded_run()
+    assert len(run.outcomes) >= 100
+    assert (ROOT / "docs" / mutants.PAGE).read_text() == run.page
+    assert run.survivors == []
+    assert all(outcome.drawn and outcome.judged for outcome in run.outcomes)

@@ -10,7 +10,9 @@ import pytest
 import analytic
 from lapjoint import FREE, Beam, Problem, Support, ViscousDamping
 from validation.references.gibbs import Gibbs
+from validation.references.log_log_density import LogLogDensity
 from validation.references.shaken_cantilever import ShakenCantilever
+from validation.references.summed_up import Touch, of_counts, shared, student
 
 BEAM = ShakenCantilever(1.3, 210.0, 1.7, 4.0)
 SOFT = Gibbs(20.0, 4.0, 0.3, (0.05, 3000.0), (0.03, 900.0))
@@ -85,3 +87,26 @@ def test_a_march_by_tiny_steps_has_this_density() -> None:
     assert second / counted == pytest.approx(SOFT.mean(2), rel=0.03)
     assert beyond / counted == pytest.approx(SOFT.probability(SOFT.top[0], math.inf), rel=0.06)
     assert ups / (counted * dt * n) == pytest.approx(SOFT.upcrossings(0.02), rel=0.03)
+
+
+def test_integrals_of_a_log_log_density_are_those_in_closed_form() -> None:
+    flat, steep = LogLogDensity(((2.0, 3.0), (50.0, 3.0))), LogLogDensity(((2.0, 3.0), (8.0, 48.0)))
+    assert flat.integral(0) == pytest.approx(3.0 * 48.0, rel=1e-12)
+    assert flat.integral(1) == pytest.approx(3.0 * (2 * np.pi) ** 2 * (50.0**3 - 8.0) / 3, rel=1e-12)
+    assert steep.integral(0) == pytest.approx(3.0 / 4 * (8.0**3 - 8.0) / 3, rel=1e-12)  # 3 (f / 2)^2
+    assert steep.integral(-1) == pytest.approx(3.0 / 4 * 6.0 / (2 * np.pi) ** 2, rel=1e-12)
+    assert steep.integral(0, 2) == pytest.approx((3.0 / 4) ** 2 * (8.0**5 - 32.0) / 5, rel=1e-12)
+    np.testing.assert_allclose(steep.at(np.array([1.0, 4.0, 9.0])), [0.0, 12.0, 0.0])
+
+
+def test_intervals_are_those_of_the_tables() -> None:
+    # E. S. Pearson, H. O. Hartley, Biometrika Tables for Statisticians I, 1966, table 40, and Student's t of 4
+    np.testing.assert_allclose(of_counts(np.zeros(20)), [0.0, 3.69 / 20], atol=3e-4)
+    np.testing.assert_allclose(of_counts(np.repeat([1, 0], [10, 10])), np.array([4.80, 18.39]) / 20, atol=3e-4)
+    batches = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    np.testing.assert_allclose(student(batches), 3 + 2.776 * np.sqrt(2.5 / 5) * np.array([-1, 1]), atol=1e-3)
+
+
+def test_time_that_two_batches_share_is_parted() -> None:
+    touches = [Touch(0, 0.9, 1.2, 1.0, 1.0, 1.0), Touch(1, 0.0, 2.0, 1.0, 1.0, 1.0), Touch(0, 1.5, 1.6, 1.0, 1.0, 1.0)]
+    np.testing.assert_allclose(shared(touches, np.array([0.0, 1.0, 2.0]), 0), [0.1, 0.3])

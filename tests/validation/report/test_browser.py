@@ -4,34 +4,17 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from browser import DARK, LIGHT, browse, look_at, needs_browser
 from matplotlib.image import imread
 from report_sample import everything
 
 from validation.report.write import write_reports
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
-BROWSER = next(filter(None, map(shutil.which, NAMES)), None)
-pytestmark = pytest.mark.skipif(BROWSER is None, reason=f"no browser: none of {', '.join(NAMES)} is installed")
-QUIET = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars"),
-    *("--disable-background-networking", "--disable-sync", "--disable-component-update", "--disable-extensions"),
-)
-MEASURE = """<!doctype html><iframe id="page" src="report.html" style="width:{width}px;height:800px;border:0"></iframe>
-<script>
-document.getElementById("page").onload = (event) => {{
-  const page = event.target.contentDocument, folded = page.documentElement.scrollHeight;
-  for (const d of page.querySelectorAll("details")) d.open = true;
-  const width = page.documentElement.scrollWidth, boxes = [...page.querySelectorAll(".wide")];
-  const wide = boxes.filter((box) => box.scrollWidth > box.clientWidth + 1).length;
-  document.body.dataset.measured = `${{width}} ${{wide}} ${{boxes.length}} ${{folded}}`;
-}};
-</script>"""
+pytestmark = needs_browser
 WIDTHS = (1280, 768, 390, 360)
 
 
@@ -40,14 +23,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     output = tmp_path_factory.mktemp("report")
     write_reports(everything(), "quick", output, 1.0)
     return output
-
-
-def browse(profile: Path, page: Path, *options: str, fragment: str = "") -> str:
-    """What the browser prints for a page, in a profile of its own and without a network."""
-    assert BROWSER is not None
-    command = [BROWSER, *QUIET, f"--user-data-dir={profile}", "--host-resolver-rules=MAP * ~NOTFOUND", *options]
-    done = subprocess.run([*command, page.as_uri() + fragment], capture_output=True, text=True, timeout=120, check=True)
-    return done.stdout
 
 
 def requests(log: Path) -> set[str]:
@@ -72,16 +47,31 @@ def test_a_request_would_have_been_seen(tmp_path: Path) -> None:
     assert requests(log) == {"http://picture.invalid/x.png"}
 
 
-@pytest.mark.parametrize("width", WIDTHS)
-def test_every_table_fits_its_box_and_the_page_its_width(folder: Path, tmp_path: Path, width: int) -> None:
-    measure = folder / f"measure-{width}.html"
-    measure.write_text(MEASURE.format(width=width))
-    page = browse(tmp_path, measure, "--allow-file-access-from-files", "--dump-dom")
-    found = re.search(r'data-measured="(\d+) (\d+) (\d+) (\d+)"', page)
-    assert found, page[-300:]
-    assert int(found[1]) <= width
-    assert int(found[2]) == 0
-    assert int(found[3]) > 10  # or nothing was measured
+def test_every_table_fits_its_box_and_the_page_its_width(folder: Path, tmp_path: Path) -> None:
+    for seen in look_at(tmp_path, folder, ["report.html"], WIDTHS):
+        assert seen.page_width <= seen.width
+        assert seen.tables > 10  # or nothing was measured
+        assert (seen.beyond, seen.cut) == (0, [])
+
+
+@pytest.mark.parametrize(("scheme", "width"), [(LIGHT, 390), (DARK, 1280)])
+def test_an_accessibility_checker_finds_nothing_serious(folder: Path, tmp_path: Path, scheme: int, width: int) -> None:
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    (tmp_path / "open.html").write_text(re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page))
+    for seen in look_at(tmp_path / "profile", tmp_path, ["open.html"], (width,), checked=True, scheme=scheme):
+        assert seen.serious == []
+
+
+def test_the_checker_would_have_found_something(tmp_path: Path) -> None:
+    (tmp_path / "bad.html").write_text(
+        '<!doctype html><html lang="en"><title>Bad</title><p style="color:#999;background:#aaa">pale</p>'
+        '<img src="x.png">'
+        '<p style="width:600px">wide</p><p style="width:50px;overflow:hidden;white-space:nowrap">cut off at its end</p>'
+    )
+    (seen,) = look_at(tmp_path / "profile", tmp_path, ["bad.html"], (390,), checked=True)
+    assert {"color-contrast", "image-alt"} <= {rule for rule, *_ in seen.serious}
+    assert seen.page_width > 390
+    assert len(seen.cut) == 1
 
 
 def test_paper_holds_the_verdicts_and_not_the_evidence(folder: Path, tmp_path: Path) -> None:
@@ -102,7 +92,7 @@ def test_a_link_to_a_row_opens_the_table_that_holds_it(folder: Path, tmp_path: P
 
 def test_light_and_dark_differ(folder: Path, tmp_path: Path) -> None:
     brightness = []
-    for scheme in (1, 0):  # light, dark
+    for scheme in (LIGHT, DARK):
         picture = tmp_path / f"{scheme}.png"
         options = (f"--blink-settings=preferredColorScheme={scheme}", "--window-size=800,3000")
         browse(tmp_path / "profile", folder / "report.html", *options, f"--screenshot={picture}")

@@ -11,7 +11,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from report_sample import HOSTILE, checks, everything
+from report_sample import HOSTILE, checks, estimate, everything
 
 import validation.report.page
 from lapjoint import paper_joint
@@ -273,3 +273,13 @@ def test_text_stands_out_from_what_is_behind_it(scheme: int) -> None:
     for ink, paper in pairs:
         dark, light = sorted((luminance(found[ink]), luminance(found[paper])))
         assert (light + 0.05) / (dark + 0.05) >= 4.5, (ink, paper)
+
+
+def test_frequencies_stand_in_hz_too(tmp_path: Path) -> None:
+    both = estimate(300.0, 1e-3)
+    result = CaseResult("own", "Own", "Which?", checks=(Check("omega_1", "rad/s", both, both),))
+    write_reports([result], "quick", tmp_path, 1.0, paper_joint(angular_frequency=515.0))
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "omega_1 [rad/s]" in page
+    assert "47.75 Hz." in page
+    assert "angular_frequency = 515 (81.96 Hz)" in page

@@ -1,0 +1,61 @@
+"""What is said early of how long a sweep will take, where its first points are of the kind that costs most."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from lapjoint.plain_text import duration_text
+
+LOGGER = logging.getLogger(__name__)
+FEW = 4
+"""Points, after the first, from which the pace is read; the first one is also what compiling takes."""
+MANY = 64
+"""Points after which nothing more is said: progress tells it then."""
+WORTH_SAYING = 60.0
+"""Time that is left, s, below which nothing is said."""
+
+
+@dataclass
+class Pace:
+    """Looks at points as they are delivered, and says once what the others will take if most do not repeat."""
+
+    noun: str
+    """What the work is called."""
+    clock: Callable[[], float] = time.monotonic
+    _since: float | None = field(default=None, init=False)
+    _after: int = field(default=0, init=False)
+    _seen: int = field(default=0, init=False)
+    _wandering: int = field(default=0, init=False)
+    _told: bool = field(default=False, init=False)
+
+    def take(self, points: Iterable[Any], left: int) -> None:
+        """Take points that have just been found.
+
+        Parameters
+        ----------
+        points : iterable of Point
+            What was found; what has no period multiple is passed over.
+        left : int
+            Number of points that are left.
+        """
+        multiples = [point.period_multiple for point in points if hasattr(point, "period_multiple")]
+        now = self.clock()
+        self._seen += len(multiples)
+        self._wandering += multiples.count(0)
+        if self._since is None:
+            self._since, self._after = now, self._seen
+            return
+        found = self._seen - self._after
+        if self._told or found < FEW or self._seen > MANY or 2 * self._wandering <= self._seen:
+            return
+        each = (now - self._since) / found
+        if each * left >= WORTH_SAYING:
+            self._told = True
+            LOGGER.info(
+                f"{self.noun}: {self._wandering} of the first {self._seen} points do not repeat, which takes longest "
+                f"to establish: {each:.2g} s a point at this pace, {duration_text(each * left)} for the other {left}"
+            )

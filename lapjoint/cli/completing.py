@@ -1,0 +1,52 @@
+"""What the Tab key offers for a value: files, directories, presets, solvers.  The names of options click knows itself.
+
+The values themselves are plain text to click; what they mean is checked where they are used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import click
+from click.shell_completion import CompletionItem
+from click.types import StringParamType
+
+
+class Offering(StringParamType):
+    """A text, for which names are offered, and files or directories.
+
+    Parameters
+    ----------
+    names : callable, optional
+        Gives the names, when they are asked for.
+    paths : {"file", "dir"}, optional
+        What the shell is to offer besides.
+    """
+
+    def __init__(self, names: Callable[[], Iterable[str]] | None = None, paths: str | None = None) -> None:
+        self._names = names
+        self._paths = paths
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        """What is offered for a value that begins so."""
+        names = () if self._names is None else self._names()
+        found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
+        return found if self._paths is None else [*found, CompletionItem(incomplete, type=self._paths)]
+
+
+def _presets() -> list[str]:
+    from lapjoint.cli.arguments import PRESETS
+
+    return [f"preset:{name}" for name in PRESETS]
+
+
+def _solvers() -> tuple[str, ...]:
+    from lapjoint.solver import solver_names
+
+    return solver_names()
+
+
+FILE = Offering(paths="file")
+DIRECTORY = Offering(paths="dir")
+PROBLEM = Offering(_presets, "file")
+SOLVER = Offering(_solvers)

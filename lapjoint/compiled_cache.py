@@ -1,0 +1,133 @@
+"""The files in which compiled functions are kept: valid as long as nothing changes that went into the machine code.
+
+numba keeps what it compiled until the file changes that the function stands in.  What the function calls, and the
+constants that it reads, are compiled into it as well, and may stand elsewhere: where these change, the machine code is
+that of another program, and nothing says so.  Here the key under which it is kept holds the content of all of them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.core.caching import FunctionCache
+from numba.core.dispatcher import Dispatcher
+
+
+class ContentCache(FunctionCache):  # type: ignore[misc]
+    """What numba keeps of one function, under a key that holds the content of all that goes into it.
+
+    Parameters
+    ----------
+    dispatcher : Dispatcher
+        The function.
+
+    Raises
+    ------
+    RuntimeError
+        If there is no folder to keep it in.
+    """
+
+    def __init__(self, dispatcher: Any) -> None:
+        super().__init__(dispatcher.py_func)
+        self._dispatcher = dispatcher
+        self._content = ""
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        """The key of numba, the content, and names in tables; not before the first call, when all modules are there."""
+        if not self._content:
+            self._content = content_of(self._dispatcher)
+        return (*super()._index_key(sig, codegen), self._content, tuple(_fields(one) for one in sig))
+
+
+def content_of(dispatcher: Any) -> str:
+    """Digest of a compiled function: its code, its constants and options, and those of all that it calls.
+
+    Parameters
+    ----------
+    dispatcher : Dispatcher
+        The function.
+
+    Returns
+    -------
+    str
+        SHA-256 in hexadecimal digits.
+    """
+    digest = hashlib.sha256(_how())
+    for part in _of_dispatcher(dispatcher, set()):
+        digest.update(f"{len(part)} {part}".encode())
+    return digest.hexdigest()
+
+
+@cache
+def _how() -> bytes:
+    """The files that say how functions are compiled."""
+    return b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("compil*.py")))
+
+
+def _fields(kind: Any) -> tuple[Any, ...]:
+    """Names of what a named tuple holds, in their sequence, and those of what it holds; empty for all other types."""
+    if not isinstance(kind, types.NamedTuple | types.NamedUniTuple):
+        return ()
+    return (*kind.fields, *(_fields(one) for one in kind))
+
+
+def _of_dispatcher(dispatcher: Any, seen: set[Any]) -> Iterator[str]:
+    function: FunctionType = dispatcher.py_func
+    yield f"{function.__module__}.{function.__qualname__}"
+    if function in seen:
+        return
+    seen.add(function)
+    for option, value in sorted(dispatcher.targetoptions.items()):
+        yield f"{option} {_written(value)}"
+    yield _written(function.__defaults__)
+    for cell in function.__closure__ or ():
+        yield from _of_value(cell.cell_contents, (), seen)
+    yield from _of_code(function.__code__, function.__globals__, seen)
+
+
+def _of_code(code: CodeType, names: dict[str, Any], seen: set[Any]) -> Iterator[str]:
+    yield code.co_code.hex()
+    yield repr(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _of_code(constant, names, seen)
+        else:
+            yield _written(constant)
+    for name in code.co_names:
+        if name in names:
+            yield name
+            yield from _of_value(names[name], code.co_names, seen)
+
+
+def _of_value(value: Any, attributes: tuple[str, ...], seen: set[Any]) -> Iterator[str]:
+    """What a name stands for; `attributes` are the names that the code may ask a module for."""
+    if isinstance(value, Dispatcher):
+        yield from _of_dispatcher(value, seen)
+    elif isinstance(value, ModuleType):
+        yield value.__name__
+        for name in attributes:
+            if isinstance(getattr(value, name, None), Dispatcher | int | float | complex):
+                yield from _of_value(getattr(value, name), (), seen)
+    elif isinstance(value, np.ndarray):
+        yield f"{value.dtype} {value.shape} {value.tobytes().hex()}"
+    elif isinstance(value, tuple):
+        for one in value:
+            yield from _of_value(one, attributes, seen)
+    elif callable(value):
+        yield f"{getattr(value, '__module__', '')}.{getattr(value, '__qualname__', '')} {getattr(value, '_fields', '')}"
+    else:
+        yield _written(value)
+
+
+def _written(value: Any) -> str:
+    """A constant in words that are the same in every process."""
+    if isinstance(value, set | frozenset):
+        return f"{{{', '.join(sorted(map(_written, value)))}}}"
+    return repr(value)

@@ -1,0 +1,120 @@
+"""The variables of a sweep that are drawn over what was swept: impulses, and what ``--summary`` put into the file."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.answers.series import written
+from lapjoint.errors import InputError
+from lapjoint.figures.text import literal
+from lapjoint.summaries.of_orbit import SUMMARIES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+IMPULSE = "impulse"
+_NAMES = {
+    IMPULSE: "impulse in a period",
+    "contact_time": "share of time in contact",
+    "contact_rate": "contacts a second",
+}
+_KINDS = {"peak": "largest", "rms": "RMS of"}
+_PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}
+_PLAIN = 0.1, 1e4
+"""Largest magnitudes between which a unit has no prefix."""
+
+
+def drawable(dataset: xr.Dataset) -> tuple[str, ...]:
+    """The variables of a sweep that can be drawn.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a sweep.
+
+    Returns
+    -------
+    tuple of str
+        Their names; the first is `IMPULSE`.
+    """
+    return IMPULSE, *(name for name in SUMMARIES if name in dataset)
+
+
+def curves(dataset: xr.Dataset, variable: str) -> list[tuple[str, xr.DataArray]]:
+    """The curves of a variable: one of each stop, or one of the beam.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a sweep.
+    variable : str
+        One of `drawable`.
+
+    Returns
+    -------
+    list of tuple
+        The name of the stop, or nothing, and the values, in the unit of `ordinate`, without the dimension ``stop``.
+
+    Raises
+    ------
+    InputError
+        If there is no such variable.
+    """
+    if variable not in drawable(dataset):
+        there, more = ", ".join(drawable(dataset)), "--summary of a sweep adds more"
+        raise InputError(f"variable {variable!r}: is not in this file, which has {there}; {more}")
+    values = dataset[variable] / 10.0 ** _exponent(dataset, variable)
+    if "stop" not in values.dims:
+        return [("", values)]
+    return [(str(name), values.isel(stop=i)) for i, name in enumerate(dataset.stop_name.values)]
+
+
+def ordinate(dataset: xr.Dataset, variable: str) -> str:
+    """Name and unit of a variable, as the label of an axis.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a sweep.
+    variable : str
+        One of `drawable`.
+
+    Returns
+    -------
+    str
+        The label, ready for matplotlib: ``largest stress [MPa]``.
+    """
+    quantity, _, kind = variable.rpartition("_")
+    text = _NAMES.get(variable) or f"{_KINDS[kind]} {quantity.replace('_', ' ')}"
+    unit = _PREFIXES[_exponent(dataset, variable)] + written(str(dataset[variable].attrs["units"]))
+    return literal(text if unit == "1" else f"{text} [{unit}]")
+
+
+def _exponent(dataset: xr.Dataset, variable: str) -> int:
+    """Power of ten of the unit's prefix; impulses, and what has no unit to put it before, have none."""
+    size = float(np.nanmax(np.abs(dataset[variable].values), initial=0.0))
+    units = str(dataset[variable].attrs["units"])
+    if variable == IMPULSE or units in ("1", "s-1") or not 0 < size < np.inf or _PLAIN[0] <= size < _PLAIN[1]:
+        return 0
+    return int(np.clip(3 * math.floor(math.log10(size) / 3), min(_PREFIXES), max(_PREFIXES)))
+
+
+def where(dataset: xr.Dataset, variable: str) -> str:
+    """Where along the beam a variable is looked at.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of a sweep.
+    variable : str
+        One of `drawable`.
+
+    Returns
+    -------
+    str
+        Nothing for what belongs to a stop.
+    """
+    return "" if "stop" in dataset[variable].dims else "where it is largest along the beam"

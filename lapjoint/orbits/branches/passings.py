@@ -1,0 +1,200 @@
+r"""What happens to the contacts of a motion on the way to a neighbouring one: nothing, or a graze, or several.
+
+Along the curve each extremum h* of a gap function, and each switch, moves in phase, and h* changes its value: `Rates`,
+per unit of arc length, from the motion a little further along the tangent.  By these an extremum of one motion finds
+itself in the next, however many there are, and the curve sees a graze before it comes to it.
+
+Between two neighbours nothing happens if the switches of one are those of the other, each found where its rate leads,
+and if no extremum that is found again passes zero: neither with another sign at the end, nor on the way and back, by
+the cubic that has its values and rates at both ends.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.orbits.branches.compiled_extrema import nearest
+from lapjoint.orbits.branches.corrector import Place
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of
+from lapjoint.orbits.compiled_intervals import IndexArray
+from lapjoint.problem import FloatArray
+
+_BESIDE = 3e-6
+"""Largest arc length to the motion by which rates are found: curvature leaves five digits or more."""
+_SAME = 1e-4
+"""Change of phase on that way beyond which an event is another one: what moves so fast cannot be followed."""
+_REACH = 3.0
+"""Change of an extremum over what its rates make of it, up to which it may be due to this step: a rate may grow
+threefold in a step, and an extremum that changes by more is another one."""
+_TIMES = np.linspace(0.0, 1.0, 17)[1:-1]
+"""Where, between two motions, the cubic of an extremum is looked at."""
+
+
+@dataclass(frozen=True)
+class Rates:
+    """How the extrema and switches of a motion move along the curve, per unit of arc length."""
+
+    phase: FloatArray
+    """Of the phase of each extremum, shape ``(m,)``; 0 where it is not known."""
+    value: FloatArray
+    """Of the value of each extremum, m, shape ``(m,)``; 0 where it is not known."""
+    switch: FloatArray
+    """Of the phase of each switch, shape ``(J,)``; 0 where it is not known."""
+
+
+def rates_of(family: Family, place: Place) -> Rates:
+    """How the extrema and switches of a motion move along its tangent.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    Rates
+        In the direction of the tangent.
+
+    Raises
+    ------
+    SolverError
+        If the march beside it cannot go on.
+    """
+    share, here = place.tangent[-1] * family.scale(place.value), place.extrema
+    for value in family.beside(place.value):
+        length = (value - place.value) / (share or 1e-300)
+        if abs(length) > _BESIDE:  # the curve is about to fold
+            length = math.copysign(_BESIDE, length)
+            value = place.value + length * share
+        moved = place.half_periods.map.moved(place.point, length * place.tangent[:-1] / place.weights)
+        there = extrema_of(family.at(value).linearised(family.adopted(value, moved), place.count))
+        if there.closings == here.closings:
+            break
+    match, switch = _pairs(here, here.phase, here.switch_phase, there)
+    shifted, same = _moved(here.phase, there.phase, match)
+    turned, _ = _moved(here.switch_phase, there.switch_phase, switch)
+    rise = np.zeros(here.time.size)
+    rise[same] = there.value[match[same]] - here.value[same]
+    return Rates(shifted / length, rise / length, turned / length)
+
+
+def _moved(phase: FloatArray, there: FloatArray, match: IndexArray) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """How far events have moved in phase, and which of them have been found again."""
+    moved = np.zeros(phase.size)
+    found = match >= 0
+    moved[found] = _apart(there[match[found]], phase[found])
+    same = found & (np.abs(moved) <= _SAME)
+    return np.where(same, moved, 0.0), same
+
+
+@dataclass(frozen=True)
+class Coming:
+    """A graze that the curve comes to, as the rates have it."""
+
+    extremum: Extremum
+    """The extremum that vanishes there."""
+    rate: float
+    """Change of its value with the arc length, m."""
+
+    @property
+    def length(self) -> float:
+        """Arc length to it."""
+        return abs(self.extremum.value / self.rate)
+
+
+def coming(place: Place, rates: Rates) -> Coming | None:
+    """The graze that the curve comes to first if all extrema go on changing as they do.
+
+    Parameters
+    ----------
+    place : Place
+        A motion.
+    rates : Rates
+        Its rates.
+
+    Returns
+    -------
+    Coming, or None
+        None if no extremum goes towards zero.
+    """
+    value = place.extrema.value
+    towards = np.flatnonzero(value * rates.value < 0)
+    if not towards.size:
+        return None
+    lengths = -value[towards] / rates.value[towards]
+    first = int(towards[np.argmin(lengths)])
+    return Coming(place.extrema[first], float(rates.value[first]))
+
+
+@dataclass(frozen=True)
+class Passed:
+    """What happens between two neighbouring motions."""
+
+    nothing: bool
+    """Whether the contacts of one become those of the other, and nothing else."""
+    grazes: tuple[Coming, ...]
+    """Extrema of the first motion that pass zero on the way, the first first; more may, where not nothing happens."""
+
+
+def passed(here: Place, rates: Rates, new: Place, new_rates: Rates | None, length: float) -> Passed:
+    """What happens to the contacts between two neighbouring motions.
+
+    Parameters
+    ----------
+    here, new : Place
+        The two, with tangents in one direction.
+    rates : Rates
+        Of the first.
+    new_rates : Rates or None
+        Of the second; without them nothing is seen that passes and comes back.
+    length : float
+        Arc length from one to the other.
+
+    Returns
+    -------
+    Passed
+        What happens.
+    """
+    a, b = here.extrema, new.extrema
+    ahead, switch = _pairs(a, a.phase + length * rates.phase, a.switch_phase + length * rates.switch, b)
+    behind = b.phase if new_rates is None else b.phase - length * new_rates.phase
+    back, _ = _pairs(b, behind, b.switch_phase, a)
+    same = a.switch_time.size == b.switch_time.size == np.unique(switch[switch >= 0]).size
+    mine = np.flatnonzero(ahead >= 0)
+    mine = mine[back[ahead[mine]] == mine]
+    h0, h1 = a.value[mine], b.value[ahead[mine]]
+    v0 = length * rates.value[mine]
+    v1 = v0 if new_rates is None else length * new_rates.value[ahead[mine]]
+    reach = _REACH * np.maximum(np.abs(v0), np.abs(v1))
+    flips = ((h0 > 0) != (h1 > 0)) & (np.abs(h1 - h0) <= reach)
+    if new_rates is not None:
+        near = np.flatnonzero((np.minimum(np.abs(h0), np.abs(h1)) <= reach) & ((h0 > 0) == (h1 > 0)))
+        flips[near] = _comes_back(h0[near], v0[near], h1[near], v1[near])
+    crossed = np.flatnonzero(flips)
+    order = crossed[np.argsort(np.abs(h0[crossed]) / np.maximum(np.abs(v0[crossed]), 1e-300), kind="stable")]
+    grazes = tuple(Coming(a[int(mine[i])], float((v0[i] or h1[i] - h0[i]) / length)) for i in order)
+    return Passed(same and a.closings == b.closings and not grazes, grazes)
+
+
+def _comes_back(h0: FloatArray, v0: FloatArray, h1: FloatArray, v1: FloatArray) -> npt.NDArray[np.bool_]:
+    """Whether cubics with values of one sign, and rates, at both ends of a step have another sign between them."""
+    t = _TIMES[:, None]
+    cubic = (1 + 2 * t) * (1 - t) ** 2 * h0 + t * (1 - t) ** 2 * v0 + t**2 * (3 - 2 * t) * h1 - t**2 * (1 - t) * v1
+    return np.asarray(((cubic > 0) != (h0 > 0)).any(axis=0))
+
+
+def _pairs(a: Extrema, phase: FloatArray, switch: FloatArray, b: Extrema) -> tuple[IndexArray, IndexArray]:
+    """The extrema and switches of `b` nearest to those of `a` at some phases, as indices; -1 where there is none."""
+    return nearest(a.kind, phase, b.kind, b.phase), nearest(a.switch_kind, switch, b.switch_kind, b.switch_phase)
+
+
+def _apart(phase: FloatArray, origin: FloatArray) -> FloatArray:
+    """The shorter way from one phase to another."""
+    return np.asarray(phase - origin - np.round(phase - origin))

@@ -1,0 +1,53 @@
+"""A problem of one's own is judged whatever drives it, and what the solvers agree on is not called different."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import warnings
+from concurrent.futures import ProcessPoolExecutor
+
+import pytest
+from population import driven_joint
+
+from lapjoint.errors import RecordWarning
+from validation.cases import own_problem
+from validation.verdict import Verdict
+
+SEED, COUNT = 271, 200
+FEW = (3, 10, 22, 26)  # harmonics and twins; a record without contact; one with many; random
+FAR = 3.0  # times what is allowed: so far off is none
+MOST_MISSED = 0.01  # of all numbers
+
+
+def judged(index: int) -> tuple[str, int, list[tuple[str, float]], list[str]]:
+    """The problem's title, the number of its checks, those that disagree and by how much, and failed criteria."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RecordWarning)
+        problem, _ = driven_joint(SEED, index)
+        parts = [own_problem.frequencies, own_problem.transient]
+        if problem.excitation_frequency is not None:
+            parts.append(own_problem.steady)
+        results = [part(problem, "quick", lambda text: None) for part in parts]
+    checks = [check for result in results for check in result.checks]
+    missed = [(it.name, abs(it.difference) / it.allowed) for it in checks if it.verdict is Verdict.DISAGREE]
+    failed = [it.line for result in results for it in result.criteria if it.verdict is Verdict.DISAGREE]
+    return problem.title, len(checks), missed, failed
+
+
+@pytest.mark.parametrize("index", FEW)
+def test_a_few_problems_of_ones_own_are_judged_and_agree(index: int) -> None:
+    _, count, missed, failed = judged(index)
+    assert count > 10
+    assert not missed
+    assert not failed
+
+
+@pytest.mark.slow
+def test_many_problems_of_ones_own_are_judged_and_agree() -> None:
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
+        found = list(pool.map(judged, range(COUNT)))
+    missed = [(title, *one) for title, _, several, _ in found for one in several]
+    assert not [(title, failed) for title, _, _, failed in found if failed]
+    assert all(ratio <= FAR for _, _, ratio in missed), missed
+    assert len(missed) <= MOST_MISSED * sum(count for _, count, _, _ in found), missed

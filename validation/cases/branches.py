@@ -1,0 +1,352 @@
+"""Branches and basins: grazes, folds and flips by both solvers, against closed forms, other codes and plain marches.
+
+A cantilever that comes to its stop goes over a graze, whose amplitude is closed form, and two folds.  A bar against one
+stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1.  On either side of a bifurcation, and
+from every start of a small basin, a plain march must end as it says.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+
+import analytic
+import fe_lapjoint
+from lapjoint import BaseMotion, Beam, PolynomialShape, Problem, Stop, Support, ViscousDamping, basins, branch
+from lapjoint.answers import SectionPoint
+from lapjoint.problem.files import from_toml
+from validation.case import CaseResult, Level, Say, number, table
+from validation.cases.rigid_bar import CURVED, DOUBLED, RATIO, SOFT
+from validation.references.rigid_bar import RigidBar
+from validation.references.rigid_bar_orbits import multipliers, periodic
+from validation.references.shaken_cantilever import ShakenCantilever
+from validation.verdict import Check, Criterion, Estimate, Kind
+
+BEAM = ShakenCantilever(length=1.0, stiffness=1.0, mass=1.0, damping=0.8)
+GAP, OMEGA = 1e-3, 5.0  # m, rad/s
+AMPLITUDES = (3.15e-4, 3.45e-4)  # m, of the base: both folds, 3.20e-4 and 3.36e-4, and the graze between them
+AMPLITUDE, FREQUENCY = "base_motion.amplitude", "base_motion.angular_frequency"
+SOLVERS: dict[str, tuple[dict[str, int], Any]] = {
+    "analytic": ({"n_modes": 8}, analytic.Solver(n_modes=8)),
+    "fe": ({"elements": 4}, fe_lapjoint.Solver(elements=4)),
+}
+SEQUENCE = ("grazing", "fold", "fold")
+"""What the motion that begins without contact comes to."""
+CLOSELY = {"analytic": 1e-6, "fe": 1e-3}
+"""Largest stated error over the value: an error that says nothing would hide any difference."""
+BESIDE = 4e-3
+"""Of the number: how far from a fold marches are.  Nearby they take as many periods as one over its root."""
+MARCHED = 300  # periods of the excitation, in which what a multiplier of 0.96 leaves falls to 1e-5
+AT_GRAZE = 1e-3
+"""Of the amplitude: a point is just before the graze of the solver, whose finer self has it a little elsewhere."""
+SETTLED = 1e-7  # relative: by so much an orbit that closes to 1e-9 may be off, near a fold
+APPROACH = 5
+"""Steps of the amplitude from the end of the range to the upper fold: a larger change throws the beam at its stop."""
+PRESSED = 5e-4  # N s a period: between the motions on either side of a fold
+FLIPS = (22.95, 23.25)  # rad/s: the bar flips at 23.14
+BARS: dict[str, tuple[dict[str, int], Any]] = {
+    "analytic": ({"n_modes": 2}, analytic.Solver(n_modes=2)),
+    "fe": ({"elements": 1}, fe_lapjoint.Solver(elements=1)),
+}
+DOUBLE = 1.016
+"""Of the frequency of the flip: a march from rest comes to the motion of two periods there, and below to another of
+three."""
+REPEATS = 1e-3  # of an impulse: a motion of two periods has impulses that differ by 5 % at `BESIDE`
+CROSSED = 1e-6  # rad/s: by so much the witness's differences may displace where its multiplier is -1
+BASIN = """
+title = "Bar on a pin beside one stop: two motions"
+[beam]
+length = 1.5
+bending_stiffness = 1e6
+mass_per_length = 4.0
+[[supports]]
+x = 0.0
+translational = inf
+torsional = 450.0
+[[stops]]
+x = 1.2
+side = "top"
+gap = 2e-3
+stiffness = 3000.0
+[damping]
+kind = "viscous"
+coefficient = 2.0
+[base_motion]
+amplitude = 1e-3
+angular_frequency = 17.0
+"""
+PLACE, GRID = 1.2, (6, 6)  # m, where starts are moved, and their number
+LONG = 200  # periods: a deviation falls by e^-18 in them
+TOGETHER = 3  # periods, after which motions of one period and of three both repeat
+SAME = 1e-5
+"""Of the largest impulse: what remains of a deviation, and of a start that is not bent as the static shape."""
+
+
+def cantilever(amplitude: float) -> Problem:
+    """The cantilever under its stop.
+
+    Parameters
+    ----------
+    amplitude : float
+        Of its base, m.
+
+    Returns
+    -------
+    Problem
+        The joint.
+    """
+    return Problem(
+        title="Cantilever that comes to its stop",
+        beam=Beam(length=BEAM.length, bending_stiffness=BEAM.stiffness, mass_per_length=BEAM.mass),
+        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        stops=(Stop(x=BEAM.length, side="top", gap=GAP, stiffness=50.0),),
+        damping=ViscousDamping(coefficient=BEAM.damping),
+        base_motion=BaseMotion(amplitude=amplitude, angular_frequency=OMEGA),
+    )
+
+
+@dataclass(frozen=True)
+class Found:
+    """A bifurcation."""
+
+    kind: str
+    """Its name."""
+    value: Estimate
+    """The number, with its error."""
+    stop: int
+    """The stop that is grazed; -1 where none is."""
+    after: str
+    """What the branch does at a graze."""
+
+
+def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:
+    """Those of the first branch, in the sequence in which it comes to them."""
+    names = found["bifurcation_kind"].attrs["flag_meanings"].split()
+    result = []
+    for i in np.flatnonzero(found["bifurcation_branch"].values == 0).tolist():
+        value, error = float(found["bifurcation_value"][i]), float(found["bifurcation_error"][i])
+        kind = names[int(found["bifurcation_kind"][i])]
+        estimate = Estimate(value, error, f"{solver}, with its error")
+        result.append(
+            Found(kind, estimate, int(found["bifurcation_stop"][i]), str(found["bifurcation_after"].values[i]))
+        )
+    return result
+
+
+def sure(label: str, solver: str, found: Sequence[Found]) -> Iterator[Criterion]:
+    """How surely each is known: more surely than none, and no less than the solver's resolution gives."""
+    for i, one in enumerate(found):
+        error = one.value.uncertainty / one.value.value
+        yield Criterion(f"{label} {i + 1}, error over value: {solver}", "1", error, 1e-16, CLOSELY[solver], "resolved")
+
+
+def over_folds(say: Say) -> Iterator[Check | Criterion]:
+    """The cantilever over the amplitude of its base."""
+    answer = BEAM.answer(np.array([OMEGA / (2 * math.pi)]), BEAM.length, 0)[0]
+    closed = Estimate(GAP / (OMEGA**2 * abs(answer)), 0.0, "gap over |H|, no modes summed", Kind.ANALYTICAL)
+    of: dict[str, list[Found]] = {}
+    for solver, (options, made) in SOLVERS.items():
+        say(f"cantilever, {solver}")
+        data = branch(cantilever(AMPLITUDES[0]), AMPLITUDE, *AMPLITUDES, solver=solver, options=options)
+        of[solver] = bifurcations(data, solver)
+        as_wanted = [one.kind for one in of[solver]] == list(SEQUENCE)
+        yield Criterion(f"graze, fold and fold (1: yes): {solver}", "1", float(as_wanted), 1, 1, "in this sequence")
+        if not as_wanted:
+            continue
+        graze, up, down = of[solver]
+        touched = float(graze.stop == 0 and graze.after == "persists")
+        yield Criterion(f"the stop is touched, and the branch persists (1: yes): {solver}", "1", touched, 1, 1, "")
+        yield Check(f"first graze: {solver}", "m", graze.value, closed)
+        yield from sure("cantilever, bifurcation", solver, of[solver])
+        ends = float(data.sizes["branch_number"])
+        yield Criterion(
+            f"branches, from both ends of the range: {solver}", "1", ends, 1, 1, "both lead to the same one"
+        )
+        yield from beside_graze(data, graze.value.value, solver)
+        yield from last_point(data, made, solver)
+        yield from stabilities(data, solver)
+        yield from beside_folds(made, up.value.value, down.value.value, solver)
+    for i, (one, other) in enumerate(zip(*of.values(), strict=False)):
+        name = f"cantilever, bifurcation {i + 1}, {one.kind}: both solvers"
+        yield Check(name, "m", one.value, other.value)
+
+
+def stabilities(data: xr.Dataset, solver: str) -> Iterator[Criterion]:
+    """Motions are stable but for those between the folds; contacts begin at the graze, and all points are periodic."""
+    values, impulse = data["base_motion_amplitude"].values, data["impulse"].values[:, 0]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(values))))
+    between = (np.arange(values.size)[:, None] > turns).sum(axis=1) % 2 == 1
+    at_turn = np.isin(np.arange(values.size), [turns, turns + 1])  # these may lie before the fold or after it
+    wrong = np.count_nonzero((data["stable"].values == between) & ~at_turn)
+    yield Criterion(f"points whose stability is that of their part: {solver}", "1", float(wrong), 0, 0, "none is not")
+    falls = np.count_nonzero(np.diff(impulse) < -1e-9 * impulse.max())
+    yield Criterion(f"steps along the branch in which the impulse falls: {solver}", "1", float(falls), 0, 0, "it grows")
+    worst = float(data["residual"].values.max())
+    yield Criterion(f"largest residual of the branch: {solver}", "1", worst, 0.0, 1e-9, "every point closes")
+
+
+def beside_graze(data: xr.Dataset, graze: float, solver: str) -> Iterator[Criterion]:
+    """The graze lies at its point; there is no contact before it, and one after."""
+    point = int(data["bifurcation_point"][0])
+    apart = abs(float(data["base_motion_amplitude"][point]) / graze - 1)
+    yield Criterion(f"the graze's point, off the graze: {solver}", "1", apart, 0.0, AT_GRAZE, "it lies at it")
+    contacts = data["contact_count"].values
+    wrong = np.count_nonzero(contacts[:point]) + np.count_nonzero(contacts[point + 1 :] == 0)
+    yield Criterion(f"points without their contact, or with one too early: {solver}", "1", float(wrong), 0, 0, "")
+
+
+def last_point(data: xr.Dataset, solver: Any, name: str) -> Iterator[Check]:
+    """Impulse and largest force at the end of the range, against the steady state to which a march from rest comes."""
+    steady = solver.steady_state(cantilever(AMPLITUDES[1]), sensitivity=False, errors=False)
+    marched = {
+        "impulse": ("N s", float(steady.impulses[0])),
+        "peak_force": ("N", max(contact.peak_force for contact in steady.history.contacts)),
+    }
+    for what, (unit, value) in marched.items():
+        a = Estimate(float(data[what][-1, 0]), 0.0, "branch")
+        b = Estimate(value, SETTLED * value, "steady state from rest")
+        yield Check(f"{what.replace('_', ' ')} at the end of the branch: {name}", unit, a, b)
+
+
+def beside_folds(solver: Any, up: float, down: float, name: str) -> Iterator[Criterion]:
+    """A plain march up over the one fold and back over the other, from where it has come to in each step."""
+    end = None
+    for amplitude in np.linspace(AMPLITUDES[0], (1 - BESIDE) * up, APPROACH)[:-1]:
+        _, end = settled(solver, cantilever(float(amplitude)), end)
+    marches = [
+        ("below the upper fold", (1 - BESIDE) * up, False),
+        ("above the upper fold", (1 + BESIDE) * up, True),
+        ("above the lower fold", (1 + BESIDE) * down, True),
+        ("below the lower fold", (1 - BESIDE) * down, False),
+    ]
+    for where, value, pressed in marches:
+        impulse, end = settled(solver, cantilever(value), end)
+        low, high = (PRESSED, math.inf) if pressed else (0.0, PRESSED)
+        reason = "a march from the motion before"
+        yield Criterion(f"impulse a period, {where}: {name}", "N s", impulse, low, high, reason)
+
+
+def settled(solver: Any, problem: Problem, start: SectionPoint | None) -> tuple[float, SectionPoint]:
+    """Impulse of the first stop in a period, N s, after a long march, and where that ends."""
+    map_ = solver.period_map(problem)
+    end = map_.march(map_.initial() if start is None else map_.adopted(start), 2 * MARCHED).end
+    return float(map_.march(end, 2).impulses[0]), end
+
+
+def rigid_flip() -> float:
+    """Where the leading multiplier of the rigid bar is -1, rad/s, by numpy alone."""
+    text = DOUBLED.format(stiffness="inf")
+
+    def beyond(omega: float) -> float:
+        bar = RigidBar.from_toml(text.replace("angular_frequency = 26.0", f"angular_frequency = {omega!r}"))
+        return float(multipliers(periodic(bar))[0].real) + 1.0
+
+    return float(brentq(beyond, *FLIPS, xtol=1e-9))
+
+
+def over_flips(say: Say) -> Iterator[Check | Criterion]:
+    """The bar over the frequency, at two bending stiffnesses, against the rigid one; both solvers at one of them."""
+    own: dict[str, list[Found]] = {}
+    by_stiffness = []
+    for solver, (options, made) in BARS.items():
+        for factor in (1.0, RATIO) if solver == "analytic" else (1.0,):
+            say(f"bar, {solver}, {SOFT * factor:g} N m2")
+            problem = from_toml(DOUBLED.format(stiffness=repr(SOFT * factor)))
+            found = bifurcations(branch(problem, FREQUENCY, *FLIPS, solver=solver, options=options), solver)
+            there = [one.kind for one in found] == ["flip"]
+            name = f"one flip (1: yes), {SOFT * factor:g} N m2: {solver}"
+            yield Criterion(name, "1", float(there), 1, 1, "no other bifurcation is in the range")
+            if not there:
+                return
+            if solver == "analytic":
+                by_stiffness.append(found[0].value.value)
+            if factor == 1.0:
+                own[solver] = found
+                yield from beside_flip(made, problem, found[0].value.value, solver)
+                yield from sure("bar, bifurcation", solver, found)
+    one, other = (found[0].value for found in own.values())
+    yield Check("bar, flip: both solvers", "rad/s", one, other)
+    change = by_stiffness[1] - by_stiffness[0]
+    how = f"beams {SOFT:g} and {RATIO * SOFT:g} N m2 stiff, taken to the limit"
+    a = Estimate(by_stiffness[1] + change / (RATIO - 1), CURVED * abs(change), how)
+    b = Estimate(rigid_flip(), CROSSED, "multiplier of the rigid bar, by numpy alone", Kind.ANALYTICAL)
+    yield Check("bar, flip: analytic, against the rigid bar", "rad/s", a, b)
+
+
+def beside_flip(solver: Any, problem: Problem, flip: float, name: str) -> Iterator[Criterion]:
+    """A plain march down over the flip: above it every other period repeats, below it each does."""
+    assert isinstance(problem.base_motion, BaseMotion)
+    end = None
+    for where, omega, multiple in (("far above", DOUBLE, 2), ("above", 1 + BESIDE, 2), ("below", 1 - BESIDE, 1)):
+        moved = problem.base_motion.model_copy(update={"angular_frequency": omega * flip})
+        map_ = solver.period_map(problem.replace(base_motion=moved))
+        end = map_.march(map_.initial() if end is None else map_.adopted(end), 4 * MARCHED).end
+        ends = [end, *(map_.march(end, 2 * n).end for n in (1, 2))]
+        impulses = [float(map_.march(one, 2).impulses[0]) for one in ends]
+        once, twice = (abs(impulses[n] - impulses[0]) / max(impulses) for n in (1, 2))
+        found = 1 if once < REPEATS else 2 if twice < REPEATS else 0
+        reason = "a march from rest far above it, and on"
+        yield Criterion(f"periods, {where} the flip: {name}", "1", float(found), multiple, multiple, reason)
+
+
+def basin(say: Say) -> Iterator[Check | Criterion]:
+    """Who ends where, from a grid of starts, against a long march from each."""
+    say("basins")
+    problem, solver = from_toml(BASIN), BARS["analytic"][1]
+    found = basins(
+        problem, plane=f"z({PLACE:g}),v({PLACE:g})", grid=GRID, options=dict(BARS["analytic"][0]), solver="analytic"
+    )
+    impulses, bound = found["impulse"].values[:, 0], found["motion"].values
+    size = float(impulses.max())
+    yield Criterion("basins, motions", "1", float(impulses.size), 2, 2, "of one period, and of three")
+    yield Criterion("basins, starts that are bound to none", "1", float((bound < 0).sum()), 0, 0, "nothing is chaotic")
+    for k in range(impulses.size):
+        share = float((bound == k).mean())
+        ends = (float(found[f"fraction_{end}"][k]) for end in ("low", "high"))
+        parts = (float(found["fraction"][k]), *ends)
+        exact_ones = (share, *wilson(share, bound.size))
+        for what, one, other in zip(("share", "its lower end", "its upper end"), parts, exact_ones, strict=True):
+            b = Estimate(other, 1e-12, "counted, and Wilson's interval as roots", Kind.ANALYTICAL)
+            yield Check(f"basins, motion {k + 1}, {what}", "1", Estimate(one, 0.0, "basins"), b)
+    wrong = 0
+    for i, z in enumerate(found["first"].values.tolist()):
+        for j, v in enumerate(found["second"].values.tolist()):
+            start = PolynomialShape(displacement=(0.0, z / PLACE), velocity=(0.0, v / PLACE))
+            map_ = solver.period_map(problem.replace(initial=start))
+            end = map_.march(map_.initial(), 2 * LONG).end
+            mean = float(map_.march(end, 2 * TOGETHER).impulses[0]) / TOGETHER
+            wrong += not (bound[i, j] >= 0 and abs(mean - impulses[bound[i, j]]) <= SAME * size)
+    reason = "each is bound to the motion to which its own march comes"
+    yield Criterion("basins, starts whose march ends elsewhere", "1", float(wrong), 0, 0, reason)
+
+
+def wilson(share: float, count: int) -> tuple[float, float]:
+    """Wilson's interval at 95 %: the shares p of which `share` is just 1.96 standard deviations away."""
+    z2 = NormalDist().inv_cdf(0.975) ** 2 / count
+    low, high = sorted(np.roots([1 + z2, -2 * share - z2, share**2]).real.tolist())
+    return low, high
+
+
+def run(level: Level, say: Say) -> CaseResult:
+    """All of it."""
+    items = [*over_folds(say), *over_flips(say), *basin(say)]
+    checks = tuple(item for item in items if isinstance(item, Check))
+    rows = [(c.name, c.unit, number(c.a.value, 10), number(c.b.value, 10), number(c.allowed, 2)) for c in checks]
+    return CaseResult(
+        "branches",
+        "Branches, bifurcations and basins",
+        "Periodic motions are followed over a number of the problem by both solvers: a cantilever over a graze, whose "
+        "amplitude is closed form, and over two folds; a bar over a flip, which is where the leading multiplier of a "
+        "rigid bar, by numpy alone, passes -1. On either side of each bifurcation, and from each start of a small "
+        "basin of two motions, a plain march ends as the branch or the basin says.",
+        checks=checks,
+        criteria=tuple(item for item in items if isinstance(item, Criterion)),
+        tables=(table("Bifurcations and shares", ("quantity", "unit", "one", "other", "allowed"), rows),),
+    )

@@ -1,0 +1,66 @@
+"""A density that is straight between breakpoints on paper with two logarithmic scales, by numpy alone.
+
+Its integrals are Gauss sums over the logarithm of the frequency, of which the integrand is a smooth exponential between
+breakpoints.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LogLogDensity:
+    """A one-sided density."""
+
+    breakpoints: tuple[tuple[float, float], ...]
+    """Frequency, Hz, and density, the square of a unit over Hz; ascending; nothing lies outside of them."""
+
+    def at(self, f: Array) -> Array:
+        """The density.
+
+        Parameters
+        ----------
+        f : Array, shape (n,)
+            Frequencies, Hz.
+
+        Returns
+        -------
+        Array, shape (n,)
+            Square of the unit over Hz.
+        """
+        found = np.zeros(f.size)
+        for (f1, s1), (f2, s2) in zip(self.breakpoints, self.breakpoints[1:], strict=False):
+            here = (f >= f1) & (f <= f2)
+            found[here] = s1 * (f[here] / f1) ** (math.log(s2 / s1) / math.log(f2 / f1))
+        return found
+
+    def integral(self, rates: int, power: int = 1) -> float:
+        """The integral over the frequency f of (2 pi f)^(2 rates) S, or of a power of that.
+
+        Parameters
+        ----------
+        rates : int
+            Time derivatives of the signal; integrals over time count as negative.
+        power : int
+            Of the integrand: 1 gives the mean square.
+
+        Returns
+        -------
+        float
+            In the units that these make.
+        """
+        edges = np.log([f for f, _ in self.breakpoints])
+        edges = np.concatenate([np.linspace(a, b, 41)[:-1] for a, b in itertools.pairwise(edges)])
+        edges = np.append(edges, math.log(self.breakpoints[-1][0]))
+        x, w = np.polynomial.legendre.leggauss(8)
+        half = np.diff(edges)[:, None] / 2
+        f = np.exp(edges[:-1, None] + half + half * x).ravel()
+        return float((half * w).ravel() @ (f * ((2 * math.pi * f) ** (2 * rates) * self.at(f)) ** power))

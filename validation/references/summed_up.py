@@ -1,0 +1,144 @@
+"""Statistics of a motion summed up in the plainest way: densely and evenly, by numpy and scipy alone.
+
+The motion is given as samples and as a list of its contacts; what the project keeps in stretches, and adds up in
+streams, is all there at once.  Intervals are those of the textbooks: Student's t over batches, of the logarithm where a
+number is never negative, and Garwood's for counts (Biometrika 28, 1936).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+Array = npt.NDArray[np.float64]
+LEVEL = 0.95
+"""Probability of an interval."""
+RARE = 5
+"""Events in a batch; counts are rare where most batches have fewer."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A contact."""
+
+    stop: int
+    """Index of the stop."""
+    start: float
+    """s."""
+    end: float
+    """s."""
+    impulse: float
+    """N s."""
+    peak: float
+    """Largest force, N."""
+    speed: float
+    """Towards the stop when it begins, m/s."""
+
+
+def scatter(values: Array, step: float, spacing: float) -> tuple[float, float]:
+    """The mean of a signal, and how far the mean of fewer samples may be from it.
+
+    One sample is taken in each of n intervals, at a place that is as good as random: then the error of the mean has a
+    standard deviation of (mean square of the rate of change)^(1/2) spacing / sqrt(12 n) or less.
+
+    Parameters
+    ----------
+    values : Array, shape (m,)
+        Dense and even samples.
+    step : float
+        Between them, s.
+    spacing : float
+        The intervals of which each has one of the fewer samples, s.
+
+    Returns
+    -------
+    float, float
+        In the unit of the values.
+    """
+    number = values.size * step / spacing
+    rate = math.sqrt(float(np.mean(np.diff(values) ** 2))) / step
+    return float(values.mean()), rate * spacing / math.sqrt(12 * number)
+
+
+def student(batches: Array) -> Array:
+    """The interval of a mean by Student's t.
+
+    Parameters
+    ----------
+    batches : Array, shape (n,)
+        Means over batches that know nothing of each other.
+
+    Returns
+    -------
+    Array, shape (2,)
+        Its ends.
+    """
+    low, high = stats.t.interval(LEVEL, batches.size - 1, loc=batches.mean(), scale=stats.sem(batches))
+    return np.array([low, high])
+
+
+def of_logarithm(batches: Array) -> Array:
+    """The same for what is never negative: of the logarithm, to first order.
+
+    Parameters
+    ----------
+    batches : Array, shape (n,)
+        Means over batches.
+
+    Returns
+    -------
+    Array, shape (2,)
+        Its ends.
+    """
+    mean = batches.mean()
+    return np.asarray(mean * np.exp((student(batches) - mean) / mean))
+
+
+def of_counts(counts: Array) -> Array:
+    """The interval of the mean of counts: Garwood's where they are rare, with as many events as are independent.
+
+    Parameters
+    ----------
+    counts : Array, shape (n,)
+        Events in each batch.
+
+    Returns
+    -------
+    Array, shape (2,)
+        Its ends, in events a batch.
+    """
+    if np.mean(counts >= RARE) >= 0.5:
+        return of_logarithm(counts)
+    clusters = max(1.0, float(np.var(counts, ddof=1)) / counts.mean()) if counts.sum() else 1.0
+    number = counts.sum() / clusters
+    low = stats.chi2.ppf((1 - LEVEL) / 2, 2 * number) / 2 if number else 0.0
+    high = stats.chi2.ppf((1 + LEVEL) / 2, 2 * (number + 1)) / 2
+    return clusters / counts.size * np.array([low, high])
+
+
+def shared(touches: list[Touch], edges: Array, stop: int) -> Array:
+    """The time that a stop is touched in each batch.
+
+    Parameters
+    ----------
+    touches : list of Touch
+        All contacts.
+    edges : Array, shape (n + 1,)
+        Ends of the batches, s.
+    stop : int
+        Index of the stop.
+
+    Returns
+    -------
+    Array, shape (n,)
+        s.
+    """
+    found = np.zeros(edges.size - 1)
+    for it in touches:
+        if it.stop == stop:
+            found += np.clip(np.minimum(it.end, edges[1:]) - np.maximum(it.start, edges[:-1]), 0.0, None)
+    return found
