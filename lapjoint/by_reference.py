@@ -95,13 +95,31 @@ def by_reference(kind: type[T]) -> type[T]:
     return kind
 
 
+def in_c_order(values: T) -> T:
+    """The same tuple with arrays in C order, for functions that do not write to them.
+
+    Parameters
+    ----------
+    values : tuple
+        A named tuple.
+
+    Returns
+    -------
+    tuple
+        Of the same class; an array that was in C order is the same object.
+    """
+    kind: Any = type(values)
+    made: T = kind._make(np.ascontiguousarray(it) if isinstance(it, np.ndarray) else it for it in values)
+    return made
+
+
 def _type_of(values: Any, _: Any) -> ByReference:
     """The type of a tuple to numba."""
     fields, word = [], 0
     for name, value in zip(values._fields, values, strict=True):
         it = typeof(value)
         array = isinstance(value, np.ndarray) and it.layout == "C" and it.aligned
-        if not array and type(value) is not float:
+        if not array and not isinstance(value, float):
             raise TypeError(f"{type(values).__name__}.{name} is neither an array in C order nor a float")
         fields.append(Field(name, it, word))
         word += 1 + fields[-1].dimensions

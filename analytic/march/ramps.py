@@ -21,7 +21,7 @@ from analytic.march.joint import Joint
 from analytic.march.oscillator import OSCILLATING
 from analytic.march.tables import BoolArray, FlatState, IntArray, Tables, flat_state
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.by_reference import by_reference
+from lapjoint.by_reference import by_reference, in_c_order
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 
@@ -177,6 +177,7 @@ def ramp_tables(
         goes_on=np.zeros(1, dtype=np.bool_),
         shift=np.zeros(tables.sign.size),
     )
+    made = in_c_order(made)
     if carried is not None:
         made = made._replace(interval=carried[0], goes_on=carried[1], shift=carried[2])
     for slot, state in enumerate(joint.states):

@@ -23,7 +23,7 @@ import numpy as np
 from fe_lapjoint.march.compiled import at_place
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
-from lapjoint.by_reference import by_reference
+from lapjoint.by_reference import by_reference, in_c_order
 from lapjoint.compiled_arrays import complex_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -83,7 +83,7 @@ def knots_of(ramps: Ramps) -> Knots:
     Knots
         The same.
     """
-    return Knots(ramps.time, np.ascontiguousarray(ramps.force), np.ascontiguousarray(ramps.slope))
+    return in_c_order(Knots(ramps.time, ramps.force, ramps.slope))
 
 
 def new_interval(tables: RampTables) -> Interval:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fe_lapjoint.march.system import ComplexArray, IndexArray, System
-from lapjoint.by_reference import by_reference
+from lapjoint.by_reference import by_reference, in_c_order
 from lapjoint.problem import FloatArray
 
 
@@ -104,12 +104,12 @@ def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, win
     rates, rigid = system.rates_of_terms[:-1].copy(), np.flatnonzero(omega == 0)
     ringing, near, creeping = system.bounded
     bounded = ringing.size + near.size + 2 * creeping.size + H  # what constant forces do is left out
-    return RampTables(
+    made = RampTables(
         omega=omega,
         damping_rate=system.damping_rate,
         compliance=1 / np.where(omega > 0, omega, np.inf) ** 2,
         constant=system.constant,
-        forces=np.ascontiguousarray(system.ramps.shares),
+        forces=system.ramps.shares,
         which=system.which,
         others=np.flatnonzero(~system.oscillating),
         rigid=rigid,
@@ -117,9 +117,9 @@ def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, win
         swinging=system.swinging[:-1].copy(),
         driven=system.driven,
         phase=system.phase,
-        forced=np.ascontiguousarray(system.amplitudes),
-        places=np.ascontiguousarray(system.places),
-        forced_places=np.ascontiguousarray(system.place_amplitudes),
+        forced=system.amplitudes,
+        places=system.places,
+        forced_places=system.place_amplitudes,
         ringing=ringing,
         near=near,
         creeping=creeping,
@@ -135,3 +135,4 @@ def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, win
         whole=np.exp(rates * spacing),
         whole_areas=np.expm1(rates * spacing) / rates,
     )
+    return in_c_order(made)

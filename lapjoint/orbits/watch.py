@@ -18,6 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
+from lapjoint.by_reference import in_c_order
 from lapjoint.orbits.compiled_intervals import (
     IndexArray,
     Motion,
@@ -217,12 +218,13 @@ def stacked(segments: tuple[Segment, ...], first: IndexArray) -> Motion:
         n = segment.rates.size
         rates[i, :n], amplitudes[i, :n], weights[i, :, :n] = segment.rates, segment.amplitudes, segment.weights
     start = np.array([segment.start for segment in segments])
-    return Motion(
+    made = Motion(
         start=start,
         duration=np.array([segment.end for segment in segments]) - start,
         rates=rates,
         amplitudes=amplitudes,
-        weights=np.ascontiguousarray(weights[:, first]),
+        weights=weights[:, first],
         polynomial=np.array([segment.polynomial[first] for segment in segments]),
         orientation=np.where([segment.closed for segment in segments], -1.0, 1.0),
     )
+    return in_c_order(made)

@@ -145,3 +145,19 @@ def test_a_march_on_either_side_of_a_flip_does_what_the_branch_says() -> None:
     values = [point.value for point in doubled.branch.points]
     sections = [point.motion.section_point for point in doubled.branch.points]
     assert on_branch(family, seed, values, sections, seed.count)
+
+
+def test_a_doubled_branch_that_is_come_upon_by_itself_ends_at_its_flip() -> None:
+    low, high = 0.745, 0.754
+    family, found = branch_of(Bar(), bar(low, (1.0, 20.0)), FREQUENCY, low, high, start=high, errors=False)
+    (flip,) = found.branch.bifurcations
+    seed = seed_from(family, low, family.at(low).map.initial(), 2)
+    assert seed is not None
+    doubled = trace(family, seed, most_multiple=2, errors=False)
+    assert doubled is not None
+    assert doubled.branch.period_multiple == 2
+    assert sorted(doubled.branch.ends) == ["bifurcation", "boundary"]
+    assert not [one for one in doubled.branch.bifurcations if one.kind == "fold"]
+    values = [point.value for point in doubled.branch.points]
+    assert values == sorted(values)
+    assert values[-1] == pytest.approx(flip.value, rel=1e-5)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from lapjoint.by_reference import by_reference
+from lapjoint.by_reference import by_reference, in_c_order
 from lapjoint.compiled_arrays import bool_zeros, complex_zeros, int_zeros, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -59,6 +59,9 @@ def test_compiled_functions_read_and_write_what_python_holds() -> None:
     assert _seen(values, other, sums) == 2
     np.testing.assert_allclose(sums, expected, rtol=1e-14)
     assert values.row.tolist() == [0.0, -2.5, 2.0]
+    turned = other._replace(block=np.asfortranarray(values.block), flag=values.flag.T)
+    assert in_c_order(turned).row is turned.row
+    assert _seen(in_c_order(turned), other, sums) == 2
     assert _seen(pickle.loads(pickle.dumps(values)), other, sums) == 2
 
 

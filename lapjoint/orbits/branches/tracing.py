@@ -19,6 +19,10 @@ from lapjoint.orbits.branches.switching import switched
 from lapjoint.orbits.branches.value_errors import Stated, graze_finder, smooth_finder, stated
 from lapjoint.orbits.steady_state import periodic_state
 
+_VANISHED, _TURNED = 1e-3, -0.5
+"""Share of its largest size to which the way to half a period later has vanished where a motion repeats in half the
+time; and the cosine of the angle by which it turns from one place to the next where that lies between them."""
+
 
 @dataclass(frozen=True)
 class Seed:
@@ -98,11 +102,37 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
         value, point = seed.away_from
         up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
         return follow(family, start.along(up), limits), Run([start], [], [], "bifurcation")
-    ahead = follow(family, start.along(up), limits)
+    ahead = _up_to_half(follow(family, start.along(up), limits))
     if ahead.end == "closed":
         return ahead, Run([start], [], [], "closed")
     left = replace(limits, most=max(limits.most - len(ahead.places), 1))
-    return ahead, follow(family, start.along(-up), left)
+    return ahead, _up_to_half(follow(family, start.along(-up), left))
+
+
+def _up_to_half(run: Run) -> Run:
+    """A curve as far as the motion that repeats in half the time, if it comes to it: a flip, or a symmetry that breaks.
+
+    Beyond, it goes back along the images of its own motions, half of their period later.
+    """
+    half = run.places[0].half_periods
+    count = run.places[0].count // 2
+    if run.places[0].count % 2 or count % half.least:
+        return run
+    before, largest = None, 0.0
+    for i, place in enumerate(run.places):
+        map_ = place.half_periods.map
+        later = map_.difference(place.half_periods.marched(place.point, count), place.point) * place.weights
+        size = float(np.linalg.norm(later))
+        largest = max(largest, size)
+        vanished = size < _VANISHED * largest
+        here = (place.point.state, later / (size or 1.0))
+        if vanished or (before is not None and before[0] == here[0] and before[1] @ here[1] < _TURNED):
+            last = i + vanished  # where it has vanished, the branch is at its end
+            grazes = [one for one in run.grazes if one.index < last]
+            jumps = [one for one in run.jumps if one.index < last]
+            return Run(run.places[:last], grazes, jumps, "bifurcation")
+        before = here
+    return run
 
 
 def _joined(back: Run, ahead: Run) -> Run:
