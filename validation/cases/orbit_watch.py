@@ -64,6 +64,7 @@ EXACT = 1e-6  # relative, of bounds and of sizes that are derived twice
 TIGHT = 0.5  # of a distance that the search must be certain of; less would have it march on for longer than it need
 ON_AVERAGE = 0.975  # of distances and deviations: intervals of a 32nd of a period at the most, so that chords are near
 CHORD = 1e-4  # relative: what a chord misses of a distance or of a deviation where these hardly bend
+WITHIN = 1e-9  # of an interval: at a switch itself truncated modes jump, and rounding says to which side it belongs
 INSIDE = 0.02  # of an interval: so far from its ends deviations are looked at, for switches move by a deviation
 WANDERING = ("four periods",)
 WANDERED, WATCHED, MULTIPLES = 80, 64, 6
@@ -271,7 +272,7 @@ def distances(it: Known) -> Iterator[Criterion]:
     yield Criterion(
         name, "1", max(apart, gaps) / it.length, 0.0, CLOSED, "they follow each other, whichever stop tells"
     )
-    t = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, POINTS)
+    t = start[:, None] + (end - start)[:, None] * np.linspace(WITHIN, 1 - WITHIN, POINTS)
     true = np.array([np.abs(gap(it.history, k, t.ravel())).reshape(t.shape).min(axis=1) for k in it.stops])
     bound = it.orbit.watch.intervals.distance.reshape(true.shape)
     yield from within(f"{it.label}: least distance, bound over true one", bound, true)
