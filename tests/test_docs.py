@@ -95,7 +95,10 @@ ROW = re.compile(r"[-+.\de]*\d[-+.\de]*\*?")
 
 
 def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Word for word, and the first number of each row to a quarter: the motion is chaotic, rounding makes another."""
+    """Word for word, and the first number of each row to a quarter: the motion is chaotic, rounding makes another.
+
+    So it does of the place where something is largest, and of whether that is one of those asked for.
+    """
     monkeypatch.chdir(tmp_path)
     makes_file, draws = re.findall(r"^```py\n(.*?)^```$", SHAKER, re.DOTALL | re.MULTILINE)
     (problem,) = re.findall(r"^```toml\n(.*?)^```$", SHAKER, re.DOTALL | re.MULTILINE)
@@ -107,10 +110,11 @@ def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: py
     line, _, shown = block.removeprefix("$ lapjoint ").partition("\n")
     result = CliRunner().invoke(main, shlex.split(line))
     assert result.exit_code == 0, result.output
-    for expected, printed in zip(shown.splitlines(), result.stdout.splitlines(), strict=True):
+    both = ([row for row in text.splitlines() if "*" not in row] for text in (shown, result.stdout))
+    for expected, printed in zip(*both, strict=True):
         assert ROW.sub("#", expected).split() == ROW.sub("#", printed).split()
         numbers = [ROW.findall(text.partition("]")[2] or text)[:1] for text in (expected, printed)]
-        if all(numbers) and "*" not in "".join(numbers[0] + numbers[1]):
+        if all(numbers):
             assert float(numbers[1][0]) == pytest.approx(float(numbers[0][0]), rel=0.25)
     exec(compile(draws, "docs", "exec"), {})
     assert Path("forces.pdf").stat().st_size > 1000

@@ -1,6 +1,7 @@
 """The site in a real browser: no page scrolls sideways or cuts a word, nor fails an accessibility checker.
 
-It is built here, where Sphinx is installed, or the environment names the folder of a site that is built: LAPJOINT_SITE.
+It is built here, where the extra `docs` is installed, or the environment names the folder of a site that is built:
+LAPJOINT_SITE.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ FIRST = ("index.html", "tutorial.html", "glossary.html", "gallery/README.html", 
 pytestmark = [
     needs_browser,
     pytest.mark.skipif(
-        WHERE is None and importlib.util.find_spec("sphinx") is None,
-        reason="no site: Sphinx is not installed, and LAPJOINT_SITE names none",
+        WHERE is None and importlib.util.find_spec("furo") is None,
+        reason="no site: the extra docs is not installed, and LAPJOINT_SITE names none",
     ),
 ]
 
