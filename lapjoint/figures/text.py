@@ -76,6 +76,22 @@ def error_text(error: float | None) -> str:
     return f"{error:.1e}" if error < float("inf") else "?"
 
 
+def hertz(angular_frequency: float) -> str:
+    """A frequency in Hz, to four digits.
+
+    Parameters
+    ----------
+    angular_frequency : float
+        rad/s.
+
+    Returns
+    -------
+    str
+        The number.
+    """
+    return f"{angular_frequency / (2 * math.pi):.4g}"
+
+
 def frequency_text(angular_frequency: float) -> str:
     """A frequency in both units.
 
@@ -89,7 +105,7 @@ def frequency_text(angular_frequency: float) -> str:
     str
         As ``190 rad/s (30.24 Hz)``.
     """
-    return f"{angular_frequency:g} rad/s ({angular_frequency / (2 * math.pi):.4g} Hz)"
+    return f"{angular_frequency:g} rad/s ({hertz(angular_frequency)} Hz)"
 
 
 def legend_label(name: str) -> str:

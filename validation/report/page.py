@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from lapjoint.figures.text import hertz
 from validation.case import CaseResult, Drawing
 from validation.report.records import VERDICTS, checks_sheet, counts, criteria_sheet, tightest
 from validation.report.table_files import FOLDER, Sheet, distinct
@@ -253,22 +254,6 @@ def short(value: float, digits: int = 2) -> str:
     if math.isfinite(value) and 10 ** (digits - 1) <= abs(value) < 1e5:
         return f"{value:.0f}"
     return f"{value:.{digits}g}"
-
-
-def hertz(angular_frequency: float) -> str:
-    """A frequency in Hz, to four digits.
-
-    Parameters
-    ----------
-    angular_frequency : float
-        rad/s.
-
-    Returns
-    -------
-    str
-        The number.
-    """
-    return f"{angular_frequency / (2 * math.pi):.4g}"
 
 
 def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:

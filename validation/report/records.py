@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from lapjoint.figures.text import hertz
 from lapjoint.problem import Problem
 from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult
@@ -281,8 +282,8 @@ def _values(path: str, value: object) -> Iterator[str]:
         for key, part in value.items():
             yield from _values(f"{path}.{key}" if path else str(key), part)
     elif isinstance(value, float):
-        hertz = f" ({value / (2 * math.pi):.4g} Hz)" if path.endswith("angular_frequency") else ""
-        yield f"{path} = {value:.10g}{hertz}"
+        besides = f" ({hertz(value)} Hz)" if path.endswith("angular_frequency") else ""
+        yield f"{path} = {value:.10g}{besides}"
     elif isinstance(value, Sequence) and not isinstance(value, str):
         yield f"{path} = {_row(value)}"
     else:
