@@ -21,7 +21,6 @@ import analytic
 import fe_lapjoint
 from lapjoint import History, ModalDamping, Problem
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.errors import SolverError
 from lapjoint.orbits.compiled_watch import terms_at_points
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
@@ -133,15 +132,13 @@ class Known:
         return self.half_periods.map.history(self.beside(deviation), periods)
 
 
-def known(label: str, problem: Problem, solver: Solver) -> Known:
-    """The orbit that a march from rest ends on."""
+def known(label: str, problem: Problem, solver: Solver) -> Known | None:
+    """The orbit that a march from rest ends on; None if that is no fixed point of the solver's map."""
     steady = solver.steady_state(problem, sensitivity=False, errors=False)
     half_periods = HalfPeriods(solver.period_map(problem))
     mirrors = steady.symmetric and half_periods.twins is not None
     orbit = find_orbit(half_periods, steady.section_point, steady.period_multiple * (1 if mirrors else 2), FAR)
-    if orbit is None:
-        raise SolverError(f"{label}: the motion of {solver.name} is no fixed point of its map")
-    return Known(f"{label}, {solver.name}", solver, half_periods, orbit)
+    return None if orbit is None else Known(f"{label}, {solver.name}", solver, half_periods, orbit)
 
 
 def gap(history: History, stop: int, t: FloatArray) -> FloatArray:
@@ -437,6 +434,10 @@ def run(level: Level, say: Say) -> CaseResult:
     items: list[Check | Criterion] = [*damping_rates(), *chords()]
     for label, problem, solver in ORBITS:
         it = known(label, problem, solver)
+        name, reason = f"{label}, {solver.name}: a fixed point (1: yes)", "where the march ends, Newton's method closes"
+        items.append(Criterion(name, "1", float(it is not None), 1.0, 1.0, reason))
+        if it is None:
+            continue
         items += [*derivative(it), *switches(it), *rule(it)]
         items += distances(it) if it.orbit.watch.switches.time.size else out_of_reach(it)
         items += wanders(it) if label in WANDERING else ()

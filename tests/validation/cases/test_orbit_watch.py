@@ -18,7 +18,9 @@ from validation.verdict import Check, Criterion, Verdict
 
 @pytest.fixture(scope="module")
 def uneven() -> orbit_watch.Known:
-    return orbit_watch.known(*orbit_watch.ORBITS[3])
+    found = orbit_watch.known(*orbit_watch.ORBITS[3])
+    assert found is not None
+    return found
 
 
 def disagree(items: Iterable[Check | Criterion]) -> list[str]:
@@ -55,6 +57,7 @@ def test_a_derivative_by_wide_differences_is_noticed(
 
 def test_an_orbit_out_of_reach_is_kept_from_its_stops_by_the_rule(monkeypatch: pytest.MonkeyPatch) -> None:
     it = orbit_watch.known(*orbit_watch.ORBITS[6])
+    assert it is not None
     assert disagree(orbit_watch.out_of_reach(it)) == []
     monkeypatch.setattr(approach, "LINEAR", 1.1)
     assert disagree(orbit_watch.out_of_reach(it))
@@ -76,3 +79,11 @@ def test_a_chord_that_is_taken_for_exact_is_noticed(monkeypatch: pytest.MonkeyPa
 def test_intervals_follow_each_other(uneven: orbit_watch.Known) -> None:
     start, end = np.nanmin(orbit_watch.edges(uneven), axis=1)
     np.testing.assert_allclose(start[1:], end[:-1], rtol=0, atol=1e-9 * uneven.length)
+
+
+def test_a_motion_that_is_no_fixed_point_of_the_map_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(orbit_watch, "find_orbit", lambda *_: None)
+    result = orbit_watch.run("quick", lambda _: None)
+    names = disagree(result.criteria)
+    assert len(names) == len(orbit_watch.ORBITS)
+    assert all("a fixed point" in name for name in names)
