@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from lapjoint.cli.main import main
+from lapjoint.processes import end_pool
 from validation.faults.catalogue import CONTROL, FAULTS
 from validation.faults.changed_tree import change, changed_names, installed_tree, source_of
 from validation.faults.fault import PLACES, Fault
 from validation.faults.record import PAGE, page, recorded
 from validation.faults.running import Changed, Kept, Order, Trials, case_digests, plain
-from validation.faults.trial import Result, Seen
+from validation.faults.trial import Result, Seen, _Here
 
 TREE = installed_tree()
 ROOT = Path(__file__).resolve().parents[3]
@@ -132,6 +135,12 @@ def test_a_case_is_known_by_its_source_and_that_of_the_cases_that_it_imports(tmp
     (cases / "two.py").write_text("f = 2\n")
     after = case_digests(tmp_path)
     assert {case for case in before if before[case] != after[case]} == {"one", "two"}
+
+
+def test_a_pool_that_does_everything_in_one_process_ends_as_one_of_processes_does() -> None:
+    pool = _Here(2)
+    assert pool.submit(max, 1, 2).result() == 2
+    end_pool(cast(ProcessPoolExecutor, pool))
 
 
 def test_what_was_seen_survives_json() -> None:
