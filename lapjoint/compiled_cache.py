@@ -19,6 +19,9 @@ from numba import types
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 
+HOW = ("by_reference", "compiled_arrays", "compiled_cache", "compiling", "machine_code")
+"""The modules beside this one that decide what machine code is made of a function."""
+
 
 class ContentCache(FunctionCache):  # type: ignore[misc]
     """What numba keeps of one function, under a key that holds the content of all that goes into it.
@@ -67,8 +70,8 @@ def content_of(dispatcher: Any) -> str:
 
 @cache
 def _how() -> bytes:
-    """The files that say how functions are compiled."""
-    return b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("compil*.py")))
+    """What `HOW` holds."""
+    return b"".join(Path(__file__).with_name(f"{module}.py").read_bytes() for module in HOW)
 
 
 def _fields(kind: Any) -> tuple[Any, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,6 +12,9 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+
+import lapjoint
+from lapjoint.compiled_cache import HOW
 
 LOWEST = """
 import numpy as np
@@ -99,6 +103,12 @@ def test_a_change_anywhere_in_what_was_compiled_is_seen(what: str, folder: Path)
 def test_what_nothing_compiled_depends_on_may_change(folder: Path) -> None:
     loaded(folder, SOURCES).high(sys.modules["kept_high"].Pair(1.0, 2.0))
     assert answer(loaded(folder, SOURCES | {"kept_low": LOW + "UNUSED = 1.0\n"})) == (UNCHANGED, 1)
+
+
+def test_every_module_that_has_a_say_in_how_numba_compiles_counts() -> None:
+    folder = Path(lapjoint.__file__).parent
+    told = {file.stem for file in folder.glob("*.py") if re.search(r"^from (numba|llvmlite)", file.read_text(), re.M)}
+    assert told == set(HOW)
 
 
 def test_every_process_finds_what_another_has_kept() -> None:
