@@ -123,28 +123,6 @@ class Place:
         """
         return self.along(self.tangent if self.orientation == other.orientation else -self.tangent)
 
-    def tangent_at(self, family: Family, other: Place) -> FloatArray:
-        """The direction of this place's tangent in the coordinates of a neighbouring place.
-
-        Parameters
-        ----------
-        family : Family
-            The family of both.
-        other : Place
-            The neighbouring place.
-
-        Returns
-        -------
-        FloatArray, shape (n + 1,)
-            (u, w).
-        """
-        if other.point.state == self.point.state:
-            return self.tangent
-        map_ = other.half_periods.map
-        ahead = [map_.adopted(self.moved(family, length * self.tangent)[1]) for length in (0.0, 1e-6)]
-        u = (map_.difference(ahead[1], other.point) - map_.difference(ahead[0], other.point)) * other.weights
-        return np.append(u * 1e6, self.tangent[-1])
-
     def moved(self, family: Family, step: FloatArray) -> tuple[float, SectionPoint]:
         """A guess beside this place.
 
