@@ -19,10 +19,9 @@ import numpy as np
 
 from lapjoint.campaigns.basin_chunk import Chunk
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.plan import check_integer, digest_of, versions
+from lapjoint.campaigns.plan import check_integer, digest_of, problem_identity, versions
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.problem.files import to_toml
 from lapjoint.problem.plane import Plane
 from lapjoint.solver import Progress, Solver, make_solver
 
@@ -290,27 +289,11 @@ class BasinPlan:
         """A chunk with an answer for each start, where its process died too."""
         return Chunk.failed(len(self.cell(cell)[1]), chunk.message) if chunk.message else chunk
 
-    def rehearse(self, solver: Solver) -> bool:
-        """Whether a short piece of work serves instead of the first cell: none does, for cells are short.
-
-        Parameters
-        ----------
-        solver : Solver
-            Whose code the work would compile.
-
-        Returns
-        -------
-        bool
-            False.
-        """
-        return False
-
     @cached_property
     def identity(self) -> dict[str, Any]:
         """What distinguishes these basins from any other, as values that JSON can hold."""
         return {
-            "problem": to_toml(self.problem, samples=False),
-            **{f"samples of {path}": record.digest for path, record in self.problem.records.items()},
+            **problem_identity(self.problem),
             "solver": self.solver,
             "options": dict(self.options),
             "plane": None if self.plane is None else str(self.plane),

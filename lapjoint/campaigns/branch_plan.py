@@ -10,10 +10,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.plan import MOST_STARTS, check_integer, digest_of, versions
+from lapjoint.campaigns.plan import MOST_STARTS, check_integer, digest_of, problem_identity, versions
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.problem.files import to_toml
 from lapjoint.solver import Solver, make_solver
 
 MAX_POINTS = 5000
@@ -153,8 +152,7 @@ class BranchPlan:
         """What distinguishes this from any other search, as values that JSON can hold; floats are written exactly."""
         return {
             "content": "branches",
-            "problem": to_toml(self.problem, samples=False),
-            **{f"samples of {path}": record.digest for path, record in self.problem.records.items()},
+            **problem_identity(self.problem),
             "path": self.axis.path,
             "range": [float(self.first), float(self.last)],
             "solver": self.solver,

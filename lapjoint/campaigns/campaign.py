@@ -7,7 +7,7 @@ the cell, and makes a dataset of them.  Workers, cluster and journal know no mor
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from lapjoint.solver import Progress, Solver
 
@@ -145,8 +145,13 @@ class Campaign(Kept, Protocol):
             If no cell has an answer.
         """
 
-    def rehearse(self, solver: Solver) -> bool:
-        """Whether what workers need was compiled and stored by a short piece of work, and not by a whole cell.
+
+@runtime_checkable
+class Rehearses(Protocol):
+    """A campaign whose cells are too long for the first one to be solved before the workers begin."""
+
+    def rehearse(self, solver: Solver) -> None:
+        """Have what workers need compiled and stored, by a short piece of work.
 
         Parameters
         ----------

@@ -214,27 +214,11 @@ class Plan:
 
         return dataset_of(self, points)
 
-    def rehearse(self, solver: Solver) -> bool:
-        """Whether a short piece of work serves instead of the first cell: none does, for cells are short.
-
-        Parameters
-        ----------
-        solver : Solver
-            Whose code the work would compile.
-
-        Returns
-        -------
-        bool
-            False.
-        """
-        return False
-
     @cached_property
     def identity(self) -> dict[str, Any]:
         """What distinguishes this sweep from any other, as values that JSON can hold; floats are written exactly."""
         return {
-            "problem": to_toml(self.grid.problem, samples=False),
-            **{f"samples of {path}": record.digest for path, record in self.grid.problem.records.items()},
+            **problem_identity(self.grid.problem),
             "axes": {axis.path: list(axis.values) for axis in self.grid.axes},
             "solver": self.solver,
             "options": dict(self.options),
@@ -251,6 +235,23 @@ class Plan:
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
         return digest_of(self.identity, self.options)
+
+
+def problem_identity(problem: Problem) -> dict[str, str]:
+    """What distinguishes a problem from any other: its text, and digests of its records, which are not in it.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+
+    Returns
+    -------
+    dict of str
+        Part of the identity of work on it.
+    """
+    samples = {f"samples of {path}": record.digest for path, record in problem.records.items()}
+    return {"problem": to_toml(problem, samples=False), **samples}
 
 
 def digest_of(identity: Mapping[str, Any], options: Mapping[str, Any]) -> str:

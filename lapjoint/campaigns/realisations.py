@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from lapjoint.campaigns.format_version import FORMAT_VERSION
-from lapjoint.campaigns.plan import check_integer, digest_of, versions
+from lapjoint.campaigns.plan import check_integer, digest_of, problem_identity, versions
 from lapjoint.campaigns.running import run
 from lapjoint.campaigns.workers import Workers
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
-from lapjoint.problem.files import to_toml
 from lapjoint.problem.random_motion import LARGEST_SEED
 from lapjoint.solver import Progress, Solver, make_solver
 from lapjoint.summaries.measure import Measure, measure, sums_of
@@ -165,22 +164,10 @@ class Realisations:
         except SolverError as error:
             return Realised(message=str(error)), None
 
-    def rehearse(self, solver: Solver) -> bool:
-        """Whether everything was compiled by the march of a thousandth of the duration: it always is.
-
-        Parameters
-        ----------
-        solver : Solver
-            Marches it.
-
-        Returns
-        -------
-        bool
-            True.
-        """
+    def rehearse(self, solver: Solver) -> None:
+        """March a thousandth of the duration. See `lapjoint.campaigns.campaign.Rehearses`."""
         short = replace(self.measure(solver), duration=REHEARSAL * self.duration, settle=0.0, units=1)
         sums_of(short, solver, self.problem)
-        return True
 
     def point(self, fields: Mapping[str, Any]) -> Realised:
         """What came of a realisation. See `lapjoint.campaigns.campaign.Campaign.point`."""
@@ -219,8 +206,7 @@ class Realisations:
             name: getattr(self, name) for name in ("duration", "seeds", "solver", "at", "quantities", "settle", "rate")
         }
         return {
-            "problem": to_toml(self.problem, samples=False),
-            **{f"samples of {path}": record.digest for path, record in self.problem.records.items()},
+            **problem_identity(self.problem),
             **{name: list(value) if isinstance(value, tuple) else value for name, value in given.items()},
             "options": dict(self.options),
             "versions": versions(),

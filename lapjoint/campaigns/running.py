@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.batch import after, batches, solve_batch, solver_of
-from lapjoint.campaigns.campaign import Campaign, Kept
+from lapjoint.campaigns.campaign import Campaign, Kept, Rehearses
 from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.pace import Pace
@@ -372,7 +372,8 @@ def _after_first_cell(plan: Campaign, todo: list[Batch], deliver: Deliver) -> It
     That makes numba compile the march and store the machine code on the disk.  The workers then load it, instead of
     each compiling the same functions at the same time.
     """
-    if plan.rehearse(solver_of(plan)):
+    if isinstance(plan, Rehearses):
+        plan.rehearse(solver_of(plan))
         yield from todo
         return
     solved = solve_batch(plan, todo[0].first())
