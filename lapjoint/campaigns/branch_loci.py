@@ -91,7 +91,7 @@ def _apart(expected: FloatArray, found: FloatArray, size: FloatArray, least: flo
     """Distance of two bifurcations over their size: of the numbers, and of the impulses, where these are not tiny."""
 
     def share(part: slice, least: float) -> float:
-        whole = max(np.linalg.norm(size[part]), np.linalg.norm(found[part]), least)
+        whole = max(float(np.linalg.norm(size[part])), float(np.linalg.norm(found[part])), least)
         return float(np.linalg.norm(expected[part] - found[part]) / whole) if whole else 0.0
 
     return max(share(slice(0, 1), 0.0), share(slice(1, None), least))

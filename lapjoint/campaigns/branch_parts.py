@@ -88,9 +88,9 @@ def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
     if number >= 2:
         assert isinstance(solver, Solver)
         problem = problem.replace(initial=random_initial(problem, solver, (plan.seed, number)))
-    found = [seed_from(family, value, solver.period_map(problem).initial(), plan.max_period_multiple)]
-    if number < 2:
-        found.append(free_seed(family, value))
+    # A branch is followed from the motion without contact where there is one: from that side a first graze is sharp.
+    found = [free_seed(family, value)] if number < 2 else []
+    found.append(seed_from(family, value, solver.period_map(problem).initial(), plan.max_period_multiple))
     return {"seeds": [plain_seed(seed) for seed in found if seed is not None]}
 
 
