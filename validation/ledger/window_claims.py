@@ -141,8 +141,8 @@ def asymmetric_windows() -> list[Entry]:
                     **{"analytic asymmetry": worst[0], "fe asymmetry": worst[1]},
                     **{f"{solver} broken": one.broken for solver, one in through.items()},
                 },
-                f"the impulses of P2 and P4 differ by at most {max(worst):.0e} of the larger; no symmetry breaks in the "
-                "window",
+                f"the impulses of P2 and P4 differ by at most {max(worst):.0e} of the larger; no symmetry breaks "
+                "in the window",
                 f"asymmetry {worst[0]:.1g}, period {_multiples(exact, rows)}; {through['analytic'].words}",
                 f"asymmetry {worst[1]:.1g}, period {_multiples(fe, rows)}; {through['fe'].words}",
                 f"asymmetry {np.nanmax(published.asymmetry[rows]):.2g}, unsettled "
