@@ -7,7 +7,7 @@ dimension ``bifurcation`` in the same way.  docs/branches.md lists the variables
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -15,9 +15,12 @@ import numpy as np
 
 from lapjoint.answers.branches import BifurcationKind
 from lapjoint.answers.steady_state import Outcome
+from lapjoint.campaigns.branch_loci import loci_of
 from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.branch_search import Diagram
 from lapjoint.campaigns.dataset import read_result
 from lapjoint.campaigns.format_version import FORMAT_VERSION
+from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.point import OUTCOME_CODES, Point
 
 if TYPE_CHECKING:
@@ -29,15 +32,15 @@ Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 """Dimensions, values and attributes, as xarray takes them."""
 
 
-def branch_dataset(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> xr.Dataset:
+def branch_dataset(plan: BranchPlan, diagrams: Sequence[Diagram]) -> xr.Dataset:
     """The dataset of branches.
 
     Parameters
     ----------
     plan : BranchPlan
         What was looked for.
-    branches : sequence of dict
-        The branches, as `lapjoint.campaigns.branch_parts.solve_branch` gives them.
+    diagrams : sequence of Diagram
+        What was found at each value of the second number; one where there is none.
 
     Returns
     -------
@@ -47,6 +50,7 @@ def branch_dataset(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> xr.D
     import xarray as xr
 
     stops = plan.problem.stops
+    branches = [branch for diagram in diagrams for branch in diagram.branches]
     names = np.array(plan.problem.stop_names, dtype=object)
     coordinates: dict[str, Variable] = {"stop_name": (("stop",), names, {"long_name": "name of the stop"})}
     signs = np.array([stop.sign for stop in stops], dtype="i1")
@@ -56,7 +60,11 @@ def branch_dataset(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> xr.D
         **_points(plan, branches),
         **_bifurcations(plan, branches),
         **_branches(branches),
+        **_not_followed(plan, diagrams),
     }
+    if plan.also_over is not None:
+        coordinates |= _second_axis(plan.also_over)
+        variables |= _second(plan.also_over, diagrams, variables)
     return xr.Dataset(variables, coords=coordinates, attrs=_attributes(plan))
 
 
@@ -197,6 +205,56 @@ def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
     }
 
 
+def _not_followed(plan: BranchPlan, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
+    """What was found, but not followed."""
+    dimensions = () if plan.also_over is None else (plan.also_over.name,)
+    left = np.array([diagram.left_out for diagram in diagrams], dtype="i4")
+    text = "number of motions whose branches were not followed, as the effort was spent"
+    found: dict[str, Variable] = {
+        "left_out": (dimensions, left if dimensions else left[0], {"units": "1", "long_name": text})
+    }
+    rows = [(i, reason) for i, diagram in enumerate(diagrams) for reason in diagram.failures]
+    if rows:
+        values, reasons = zip(*rows, strict=True)
+        text = "why a start, or a motion that was found, could not be followed"
+        found["failure_message"] = ("failure",), np.array(reasons, dtype=object), {"long_name": text}
+        if plan.also_over is not None:
+            at = np.array(plan.also_over.values)[list(values)]
+            found["failure_also_over"] = ("failure",), at, _at_value(plan.also_over)
+    return found
+
+
+def _second_axis(axis: Axis) -> dict[str, Variable]:
+    """The values of the second number, as a coordinate."""
+    return {axis.name: ((axis.name,), np.array(axis.values), {**_at_value(axis), "path": axis.path})}
+
+
+def _second(axis: Axis, diagrams: Sequence[Diagram], known: Mapping[str, Variable]) -> dict[str, Variable]:
+    """At which value of the second number each branch and each bifurcation is, and on which locus the latter lies."""
+    at = np.repeat(np.array(axis.values), [len(diagram.branches) for diagram in diagrams])
+    owner, point = known["bifurcation_branch"][1], known["bifurcation_point"][1]
+    multiple = known["period_multiple"][1]
+    at_point = np.minimum(point, multiple.size - 1)
+    impulses = known["bifurcation_impulse"][1]
+    free = np.all(impulses == 0, axis=1)
+    columns = known["bifurcation_kind"][1], known["bifurcation_stop"][1], free, multiple[at_point]
+    labels = [
+        None if KINDS[key[0]] == "unresolved" else key
+        for key in zip(*(column.tolist() for column in columns), strict=True)
+    ]
+    loci = loci_of(axis.values, labels, at[owner], known["bifurcation_value"][1], impulses)
+    text = "number of the locus: bifurcations at neighbouring values of the second number that are one have the same"
+    return {
+        "branch_also_over": (("branch_number",), at, _at_value(axis)),
+        "bifurcation_also_over": (("bifurcation",), at[owner], _at_value(axis)),
+        "bifurcation_locus": (("bifurcation",), loci.astype("i4"), {"units": "1", "long_name": text}),
+    }
+
+
+def _at_value(axis: Axis) -> dict[str, Any]:
+    return {"units": axis.units, "long_name": axis.path}
+
+
 def _table(rows: Sequence[Sequence[float]], width: int) -> Any:
     return np.array([tuple(row) for row in rows], dtype=float).reshape(len(rows), width)
 
@@ -222,6 +280,8 @@ def _attributes(plan: BranchPlan) -> dict[str, Any]:
         "seed": plan.seed,
         "errors": int(plan.errors),
         "max_points": plan.max_points,
+        "effort": plan.effort,
+        **({} if plan.also_over is None else {"also_over": plan.also_over.path}),
         **{f"version_{name}": number for name, number in identity["versions"].items()},
         "fingerprint": plan.fingerprint,
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
@@ -18,6 +19,11 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.seeds import on_branch, seed_from
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
+
+_A_FEW = 3
+"""Number of points that tell whether all is compiled that a branch takes."""
+_KEPT = 8
+"""Number of plans of which the period maps are kept: values of a second number whose branches are followed at once."""
 
 
 def family_of(plan: BranchPlan) -> Family:
@@ -54,14 +60,14 @@ class _Known:
         return isinstance(other, _Known) and other.plan.fingerprint == self.plan.fingerprint
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=_KEPT)
 def _family(key: _Known) -> Family:
     plan = key.plan
     return Family(plan.check(), plan.problem_at, plan.path, *plan.axis.values)
 
 
 @in_one_thread
-def solve_start(plan: BranchPlan, number: int, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
+def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
     """The motion that a start leads to.
 
     Parameters
@@ -70,8 +76,6 @@ def solve_start(plan: BranchPlan, number: int, progress: Callable[[float], None]
         The plan.
     number : int
         Number of the start.
-    progress : callable, optional
-        Not called: a start takes no time.
 
     Returns
     -------
@@ -121,6 +125,20 @@ def solve_branch(
     if found is None:
         return {"seeds": [], "points": [], "message": "Newton's method does not find the motion again"}
     return {"seeds": [plain_seed(seed) for seed in found.seeds], "count": plain["count"], **_plain(found.branch)}
+
+
+def follow_a_little(plan: BranchPlan, plain: Mapping[str, Any]) -> None:
+    """Follow the branch of a motion for a few points, so that all that this takes is compiled and stored.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    plain : mapping
+        The motion, as `plain_seed` gives it.
+    """
+    with suppress(SolverError):
+        trace(family_of(plan), seed_of(plain), most_multiple=1, errors=False, limits=Limits(_A_FEW))
 
 
 def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, Any]) -> bool:
