@@ -159,9 +159,7 @@ def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cl
     xr.testing.assert_identical(found, statistics(shaken, **given))
 
 
-def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(
-    cluster: tuple[str, list[int], int], tmp_path: Path
-) -> None:
+def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
     bar = Problem(
         beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
         supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
@@ -169,18 +167,17 @@ def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(
         damping=ViscousDamping(coefficient=0.8),
         base_motion=BaseMotion(amplitude=3e-4, angular_frequency=5.0),
     )
-    scheduler, workers, _ = cluster
     killed: list[float] = []
 
     def kill_one(done: float, total: float) -> None:
         if done >= 9 and not killed:
             killed.append(done)
-            kill_group(workers[0])
+            cluster.kill_a_worker()
 
     also = Axis("stops.*.gap", (0.95e-3, 1e-3, 1.05e-3, 1.1e-3))
     given: dict[str, Any] = {"options": {"n_modes": 2}, "errors": False, "also_over": also}
     where = bar, "base_motion.amplitude", 3e-4, 4e-4
-    found = branch(*where, scheduler=scheduler, out=tmp_path / "loci.nc", progress=kill_one, **given)
+    found = branch(*where, scheduler=cluster.address, out=tmp_path / "loci.nc", progress=kill_one, **given)
     assert killed
     xr.testing.assert_identical(found, branch(*where, **given))
 
