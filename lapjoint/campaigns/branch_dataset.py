@@ -28,6 +28,11 @@ if TYPE_CHECKING:
 
 KINDS = get_args(BifurcationKind)
 """Names of bifurcations, in the sequence of their codes from 0."""
+_YES_NO = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
+_BESIDE = 2
+"""Number of points on either side of a graze, of which one is just before it and one just behind."""
+_NO_IMPULSE = 1e-3
+"""Largest impulse at a first graze, over the largest of the branch: just behind it, contacts have begun."""
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 """Dimensions, values and attributes, as xarray takes them."""
 
@@ -100,7 +105,6 @@ def _points(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[str, V
         "flag_meanings": " ".join(OUTCOME_CODES).lower(),
         "comment": " ".join(sentences),
     }
-    yes_no = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
 
     def peaks(row: Point) -> list[float]:
         return [max((c[4] for c in row.contacts if c[0] == k), default=0.0) for k in range(stops)]
@@ -133,12 +137,12 @@ def _points(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[str, V
         "stable": (
             ("point",),
             np.array(stable, dtype="i1"),
-            {"long_name": "whether all Floquet multipliers lie within the unit circle", **yes_no},
+            {"long_name": "whether all Floquet multipliers lie within the unit circle", **_YES_NO},
         ),
         "symmetric": (
             ("point",),
             np.array([row.symmetric for row in rows], dtype="i1"),
-            {"long_name": "whether half the motion's period mirrors it", **yes_no},
+            {"long_name": "whether half the motion's period mirrors it", **_YES_NO},
         ),
         "period_multiple": scalar("period_multiple", "i4", "1", "excitation periods after which the motion repeats"),
         "residual": scalar("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
@@ -186,12 +190,27 @@ def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[
         ),
         "bifurcation_stop": column("stop", "i4", "stop that is grazed, from 0; -1 where none is", units="1"),
         "bifurcation_after": column("after", object, "what the branch does at a graze: persists, folds or ends"),
+        "bifurcation_first": (
+            ("bifurcation",),
+            np.array([_is_first(branches[i], row) for i, row in zip(owner, rows, strict=True)], dtype="i1"),
+            {"long_name": "whether it is a graze on one side of which no stop is touched", **_YES_NO},
+        ),
         "bifurcation_impulse": (
             ("bifurcation", "stop"),
             _table([row["impulses"] or (np.nan,) * stops for row in rows], stops),
             _with_units("N s", "impulse of the stop over one excitation period"),
         ),
     }
+
+
+def _is_first(branch: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
+    """Whether a bifurcation is a graze on one side of which no stop is touched."""
+    points, at = branch["points"], row["index"]
+    beside = points[max(at - _BESIDE, 0) : at + _BESIDE]
+    if row["kind"] != "grazing" or not any(not point["contacts"] for point in beside):
+        return False
+    largest = max((abs(impulse) for point in points for impulse in point["impulses"]), default=0.0)
+    return max(map(abs, row["impulses"]), default=0.0) <= _NO_IMPULSE * largest
 
 
 def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
@@ -236,8 +255,8 @@ def _second(axis: Axis, diagrams: Sequence[Diagram], known: Mapping[str, Variabl
     multiple = known["period_multiple"][1]
     at_point = np.minimum(point, multiple.size - 1)
     impulses = known["bifurcation_impulse"][1]
-    free = np.all(impulses == 0, axis=1)
-    columns = known["bifurcation_kind"][1], known["bifurcation_stop"][1], free, multiple[at_point]
+    named = (known[f"bifurcation_{name}"][1] for name in ("kind", "stop", "first"))
+    columns = (*named, multiple[at_point])
     labels = [
         None if KINDS[key[0]] == "unresolved" else key
         for key in zip(*(column.tolist() for column in columns), strict=True)

@@ -21,6 +21,9 @@ _BY_FAR = 2.0
 _NEAR = 0.5
 """Largest distance: the number, or the impulses, have changed by so much of their size."""
 
+_NO_IMPULSE = 1e-3
+"""Impulse over the largest of all bifurcations, up to which differences do not matter."""
+
 
 def loci_of(
     values: Sequence[float],
@@ -50,6 +53,7 @@ def loci_of(
         Number of the locus, from 0 in the sequence of the bifurcations.
     """
     where = np.column_stack([value, np.nan_to_num(impulses)])
+    least = _NO_IMPULSE * float(np.max(np.abs(where[:, 1:]), initial=0.0))
     before = np.full(len(labels), -1)
     for now, then in pairwise(sorted(values)):
         here, there = np.flatnonzero(second == now), np.flatnonzero(second == then)
@@ -57,7 +61,7 @@ def loci_of(
         for label in {labels[int(i)] for i in here} - {None}:
             own = [k for k, i in enumerate(here) if labels[int(i)] == label]
             others = [int(j) for j in there if labels[int(j)] == label]
-            for k, j in _pairs(where[here[own]], expected[own], where[others]):
+            for k, j in _pairs(where[here[own]], expected[own], where[others], least):
                 before[others[j]] = here[own[k]]
     return _numbered(before, np.argsort(second, kind="stable"))
 
@@ -70,11 +74,11 @@ def _expected(i: int, before: IndexArray, second: FloatArray, where: FloatArray,
     return np.asarray(where[i] + (where[i] - where[last]) * (at - second[i]) / (second[i] - second[last]))
 
 
-def _pairs(here: FloatArray, expected: FloatArray, there: FloatArray) -> list[tuple[int, int]]:
-    """Those that are each other's nearest by far, and near."""
+def _pairs(here: FloatArray, expected: FloatArray, there: FloatArray, least: float) -> list[tuple[int, int]]:
+    """Those that are each other's nearest by far, and near; `least` is that of `_apart`."""
     if not len(here) or not len(there):
         return []
-    apart = np.array([[_apart(a, b, size) for b in there] for a, size in zip(expected, here, strict=True)])
+    apart = np.array([[_apart(a, b, size, least) for b in there] for a, size in zip(expected, here, strict=True)])
     found = []
     for i, j in enumerate(apart.argmin(axis=1).tolist()):
         others = np.concatenate([np.delete(apart[i], j), np.delete(apart[:, j], i)])
@@ -83,14 +87,14 @@ def _pairs(here: FloatArray, expected: FloatArray, there: FloatArray) -> list[tu
     return found
 
 
-def _apart(expected: FloatArray, found: FloatArray, size: FloatArray) -> float:
-    """Distance of two bifurcations over their size: of the numbers, and of the impulses."""
+def _apart(expected: FloatArray, found: FloatArray, size: FloatArray, least: float) -> float:
+    """Distance of two bifurcations over their size: of the numbers, and of the impulses, where these are not tiny."""
 
-    def share(part: slice) -> float:
-        whole = max(np.linalg.norm(size[part]), np.linalg.norm(found[part]))
+    def share(part: slice, least: float) -> float:
+        whole = max(float(np.linalg.norm(size[part])), float(np.linalg.norm(found[part])), least)
         return float(np.linalg.norm(expected[part] - found[part]) / whole) if whole else 0.0
 
-    return max(share(slice(0, 1)), share(slice(1, None)))
+    return max(share(slice(0, 1), 0.0), share(slice(1, None), least))
 
 
 def _numbered(before: IndexArray, ascending: IndexArray) -> IndexArray:

@@ -16,6 +16,7 @@ from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.continuation import Limits
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.free_motion import free_seed
 from lapjoint.orbits.branches.seeds import on_branch, seed_from
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
@@ -68,7 +69,7 @@ def _family(key: _Known) -> Family:
 
 @in_one_thread
 def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
-    """The motion that a start leads to.
+    """The motion that a start leads to and, at an end of the range, that without contact.
 
     Parameters
     ----------
@@ -80,15 +81,17 @@ def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
     Returns
     -------
     dict of str to Any
-        ``seeds``, none or one, as `plain_seed` gives it.
+        ``seeds``, as `plain_seed` gives each.
     """
     family, value = family_of(plan), plan.value_of(number)
     problem, solver = plan.problem_at(value), family.solver
     if number >= 2:
         assert isinstance(solver, Solver)
         problem = problem.replace(initial=random_initial(problem, solver, (plan.seed, number)))
-    seed = seed_from(family, value, solver.period_map(problem).initial(), plan.max_period_multiple)
-    return {"seeds": [] if seed is None else [plain_seed(seed)]}
+    # A branch is followed from the motion without contact where there is one: from that side a first graze is sharp.
+    found = [free_seed(family, value)] if number < 2 else []
+    found.append(seed_from(family, value, solver.period_map(problem).initial(), plan.max_period_multiple))
+    return {"seeds": [plain_seed(seed) for seed in found if seed is not None]}
 
 
 @in_one_thread

@@ -45,7 +45,8 @@ class BranchPlan:
     max_period_multiple : int
         Largest period multiple of branches.
     starts : int
-        Number of random starts; the problem's own initial state at both ends of the range is one always.
+        Number of random starts; the problem's own initial state and the motion without contact at both ends of the
+        range are always among them.
     seed : int
         Seed of the random starts.
     errors : bool

@@ -120,7 +120,8 @@ class Search:
             if part.seed is not None and self._spent:
                 over.append(part.seed)
             elif one.get("message"):
-                self._failures.append(self._failure(part, one["message"]))
+                reason = self._failure(part, one["message"])
+                self._failures += [reason] if reason not in self._failures else []
             elif part.seed is None:
                 self._waiting += one["seeds"]
             elif not self._is_known(part.seed):

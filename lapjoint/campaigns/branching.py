@@ -69,8 +69,8 @@ def branch(
     max_period_multiple : int
         Largest period multiple: branches that spring from flips are followed up to it.
     starts : int
-        Number of random starts besides the problem's own initial state at both ends of the range: they find branches
-        that do not spring from those.
+        Number of random starts besides the problem's own initial state and the motion without contact at both ends of
+        the range: they find branches that do not spring from those.
     seed : int
         Seed of the random starts.
     errors : bool

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -64,7 +62,7 @@ def bifurcation_name(dataset: xr.Dataset, j: int) -> str:
     kind = int(dataset.bifurcation_kind.values[j])
     if kind != _GRAZING:
         return KIND_NAMES[kind]
-    first = "first " if np.all(dataset.bifurcation_impulse.values[j] == 0) else ""
+    first = "first " if int(dataset.bifurcation_first.values[j]) else ""
     return f"{first}grazing of {dataset.stop_name.values[int(dataset.bifurcation_stop.values[j])]}"
 
 

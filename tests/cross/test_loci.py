@@ -18,10 +18,9 @@ from lapjoint.problem import FloatArray
 
 AMPLITUDE = "base_motion.amplitude"
 SOLVERS: dict[str, dict[str, int]] = {"analytic": {"n_modes": 20}, "fe": {"elements": 8}}
-LOCATED = 1e-8
-"""Relative: grazes are located to 1e-9 in number and motion, and the sum of the closed form leaves out modes."""
-NOT_SETTLING = {(2, 1)}
-"""Of whose joint the march from rest does not settle within what a start is given."""
+LOCATED = 3e-8
+"""Relative: grazes are located to 1e-9 in number and motion, and both sums leave out modes, of lightly damped joints
+some 1e-8 of the motion."""
 
 
 def reached(problem: Problem, omega: float) -> FloatArray:
@@ -41,7 +40,7 @@ def locus(problem: Problem, solver: str) -> tuple[xr.Dataset, FloatArray, FloatA
     omega = base.angular_frequency * np.array([0.998, 1.0, 1.002])
     exact = np.array([reached(problem, float(one)) for one in omega])
     first = exact.min(axis=1)
-    how: dict[str, Any] = {"solver": solver, "options": SOLVERS[solver], "max_points": 60, "effort": 1}
+    how: dict[str, Any] = {"solver": solver, "options": SOLVERS[solver], "max_points": 60, "effort": 120}
     also = Axis(FREQUENCY, tuple(omega.tolist()))
     found = branch(
         problem, AMPLITUDE, 0.9 * first.min(), 1.02 * first.max(), **how, errors=solver == "fe", also_over=also
@@ -51,8 +50,8 @@ def locus(problem: Problem, solver: str) -> tuple[xr.Dataset, FloatArray, FloatA
 
 def assert_is_that_of_the_closed_form(problem: Problem, solver: str) -> None:
     found, omega, exact = locus(problem, solver)
-    free = np.all(found.bifurcation_impulse.values == 0, axis=1)
-    first = np.flatnonzero((found.bifurcation_kind.values == KINDS.index("grazing")) & free)
+    first = np.flatnonzero(found.bifurcation_first.values)
+    assert {KINDS[kind] for kind in found.bifurcation_kind.values[first]} == {"grazing"}
     np.testing.assert_array_equal(found.bifurcation_also_over.values[first], omega)
     assert len(set(found.bifurcation_locus.values[first])) == 1
     for j, row in zip(first, exact, strict=True):
@@ -72,15 +71,12 @@ def test_the_locus_of_the_first_graze_is_that_of_the_closed_form(solver: str, wh
 @pytest.mark.parametrize("index", range(1, 41, 2))
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_locus_of_the_first_graze_of_many_joints_is_that_of_the_closed_form(solver: str, index: int) -> None:
-    if (2, index) not in NOT_SETTLING:
-        assert_is_that_of_the_closed_form(joint(2, index), solver)
+    assert_is_that_of_the_closed_form(joint(2, index), solver)
 
 
 def labels_of(found: xr.Dataset) -> list[tuple[Any, ...]]:
-    free = np.all(found.bifurcation_impulse.values == 0, axis=1)
-    return list(
-        zip(found.bifurcation_kind.values.tolist(), found.bifurcation_stop.values.tolist(), free.tolist(), strict=True)
-    )
+    columns = (found[f"bifurcation_{name}"].values.tolist() for name in ("kind", "stop", "first"))
+    return list(zip(*columns, strict=True))
 
 
 @pytest.mark.slow
