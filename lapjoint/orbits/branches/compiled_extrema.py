@@ -56,6 +56,8 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
     loud, active = int_zeros(terms), 0
     for s in range(motion.duration.size):
         duration = motion.duration[s]
+        if duration <= 0.0:  # between two stops that switch together, or where the motion begins at a switch
+            continue
         tau, step, left = 0.0, 0.0, 0
         while True:
             if left == 0:
