@@ -11,14 +11,13 @@ import pytest
 import analytic
 from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.compiled_extrema import gap_extrema, nearest
+from lapjoint.orbits.branches.compiled_extrema import nearest
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extrema
 from lapjoint.orbits.branches.passings import Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.seeds import seed_from
 from lapjoint.orbits.branches.tracing import trace
-from lapjoint.orbits.compiled_intervals import Motion, Stops
 
 FREQUENCY = "base_motion.angular_frequency"
 LOW, HIGH, MODES = 3.2, 3.8, 6
@@ -115,21 +114,6 @@ def test_the_nearest_event_is_found_around_the_end_of_the_period() -> None:
     kind, other = np.array([0, 1, 2]), np.array([1, 0, 0])
     found = nearest(kind, np.array([0.98, 0.5, 0.1]), other, np.array([0.5, 0.01, 0.9]))
     assert found.tolist() == [1, 0, -1]
-
-
-def test_a_segment_of_no_length_has_no_extrema() -> None:
-    """Stops that switch at one time leave one between them; here it parts a cosine, which has its minimum later."""
-    alike = np.array([[1j], [1j], [1j]])
-    start, duration = np.array([0.0, 1.0, 1.0]), np.array([1.0, 0.0, 4.0])
-    waves = np.exp(alike * start[:, None])
-    open_ = np.ones((3, 1))
-    motion = Motion(start, duration, alike, waves, np.ones((3, 1, 1), dtype=complex), np.zeros((3, 1, 3)), open_)
-    stops = Stops(np.ones(1), np.array([0.5]), np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.intp))
-    stop, time, value, highest = gap_extrema(motion, stops, 0.5)
-    assert stop.tolist() == [0]
-    assert time == pytest.approx([np.pi])
-    assert value == pytest.approx([-1.5])
-    assert highest.tolist() == [False]
 
 
 def bumps(time: list[float], value: list[float], highest: list[bool]) -> Any:
