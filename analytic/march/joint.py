@@ -61,6 +61,8 @@ class Joint:
         self._memory = memory_of(self.family, self.counts)
         self._at_stops: dict[ContactState, tuple[FloatArray, FloatArray]] = {}
         self._places: dict[tuple[Any, ...], FloatArray] = {}
+        self.tables: Tables
+        self._borrows: bool
         self._fill_known(self._memory.known)
 
     def count(self, state: ContactState) -> int:
@@ -264,7 +266,7 @@ class Joint:
         unit = unit_tables(self.family, self.counts, known)
         self._states = list(known.states)
         self._slots = {state: slot for slot, state in enumerate(known.states)}
-        self.tables: Tables = copied(unit, self.harmonics)
+        self.tables = copied(unit, self.harmonics)
         self._borrows = True
         self._scale(0, unit.natural, unit.damping_rate, unit.residual)
 
