@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.errors import InputError
+from lapjoint.figures.branch_names import KIND_NAMES, number_of
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label
 from lapjoint.problem import FloatArray
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
 ORDINATES = {"impulse": "impulse in a period [N s]", "peak_force": "largest force [N]"}
 """Variables that a diagram may show, and the labels of their axes."""
-KIND_NAMES = ("fold", "flip", "Neimark-Sacker", "symmetry breaking", "grazing", "unresolved")
-"""Names of bifurcations in a legend, in the sequence of their codes in a dataset."""
 
 
 @style()
@@ -48,7 +47,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     if ordinate not in ORDINATES:
         raise InputError(f"ordinate = {ordinate!r}: allowed: {', '.join(ORDINATES)}")
     axes = new_axes(COLUMN_WIDTH, 2.7) if axes is None else axes
-    name = next(str(key) for key, value in dataset.variables.items() if "path" in value.attrs)
+    name = number_of(dataset)
     x, values = dataset[name].values, dataset[ordinate].values
     for branch in range(dataset.branch_first_end.size):
         mine = np.flatnonzero(dataset.branch.values == branch)

@@ -58,6 +58,8 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
     loud, active = int_zeros(terms), 0
     for s in range(motion.duration.size):
         duration = motion.duration[s]
+        if duration <= 0:  # stops that switch at one time leave nothing between them
+            continue
         tau, step, left = 0.0, 0.0, 0
         while True:
             if left == 0:

@@ -5,8 +5,8 @@ per unit of arc length, in closed form, or from the motion a little further alon
 one motion finds itself in the next, however many there are, and the curve sees a graze before it comes to it.
 
 Between two neighbours nothing happens if the switches of one are those of the other, each found where its rate leads,
-and if no extremum that is found again passes zero: neither with another sign at the end, nor on the way and back, by
-the cubic that has its values and rates at both ends.
+and if no extremum passes zero: one that is found again neither with another sign at the end, nor on the way and back,
+by the cubic that has its values and rates at both ends; one that arises or vanishes on the way not by its rate.
 """
 
 from __future__ import annotations
@@ -248,10 +248,25 @@ def passed(here: Place, rates: Rates, new: Place, new_rates: Rates | None, lengt
     if new_rates is not None:
         near = np.flatnonzero((np.minimum(np.abs(h0), np.abs(h1)) <= reach) & ((h0 > 0) == (h1 > 0)))
         flips[near] = _comes_back(h0[near], v0[near], h1[near], v1[near])
+    through = _passes_alone(a, length * rates.value, mine) or (
+        new_rates is not None and _passes_alone(b, -length * new_rates.value, ahead[mine])
+    )
     crossed = np.flatnonzero(flips)
     order = crossed[np.argsort(np.abs(h0[crossed]) / np.maximum(np.abs(v0[crossed]), 1e-300), kind="stable")]
     grazes = tuple(Coming(a[int(mine[i])], float((v0[i] or h1[i] - h0[i]) / length)) for i in order)
-    return Passed(same and a.closings == b.closings and not grazes, grazes)
+    return Passed(same and a.closings == b.closings and not grazes and not through, grazes)
+
+
+def _passes_alone(extrema: Extrema, change: FloatArray, paired: IndexArray) -> bool:
+    """Whether an extremum passes zero on the way to the other motion, by its rate, that is not found there.
+
+    A maximum and a minimum may arise as one on the way, and pass zero one after the other; both motions then have as
+    many contacts.
+    """
+    alone = np.ones(extrema.value.size, dtype=bool)
+    alone[paired] = False
+    value = extrema.value[alone]
+    return bool(((value > 0) != (value + change[alone] > 0)).any())
 
 
 def _comes_back(h0: FloatArray, v0: FloatArray, h1: FloatArray, v1: FloatArray) -> npt.NDArray[np.bool_]:
