@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -38,6 +38,18 @@ class Return:
         """Derivative of the end by the number that was asked for, see `Linearised.by_number`; None if not known."""
         known = self.linearised.by_number
         return -known if self.count % 2 and known is not None else known
+
+    def without_segments(self) -> Return:
+        """The same, of which the march from switch to switch is made again if it is asked for.
+
+        Returns
+        -------
+        Return
+            It takes far less memory.
+        """
+        half_periods, start, count = self.half_periods, self.start, self.count
+        light = replace(self.linearised, trace=lambda: half_periods.linearised(start, count).linearised.segments)
+        return replace(self, linearised=light)
 
     @cached_property
     def watch(self) -> Watch:

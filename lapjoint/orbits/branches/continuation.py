@@ -27,6 +27,8 @@ _STRETCH = 1.4
 """Largest ratio of the step made and the step meant."""
 _GROWS = 4.0
 """By how much a step is lengthened at most."""
+_RISES = 1.5
+"""By how much what a step may be at most is raised after each, once one was not taken."""
 _SHORTER = 1 / 3
 """By how much a step is shortened that is not taken."""
 _SHORTEST_SHARE = 0.1
@@ -43,6 +45,8 @@ _NOTHING = 1
 """Number of the widest of these, 1e-5, that is next to nothing where a graze has been located before it."""
 _LATELY = 1.0
 """Distance from such a part, over its width, within which another one is due to the same cause."""
+_WHOLE = 2
+"""Number of places that are added at most in a step: only the last one is kept as a whole."""
 _FEW = 40
 """Number of places after such a part within which a curve that comes back to it folds there."""
 _JUMP_FAR = 0.05
@@ -158,6 +162,7 @@ class _Follower:
         self._rates = rates_of(family, start)
         self._step = _FIRST
         self._bend: FloatArray | None = None
+        self._ceiling = _LONGEST
         self._refused = math.inf
         self._expected = 0.0
         self._end, self._tries = "", 0
@@ -205,6 +210,7 @@ class _Follower:
             ):
                 return
         turned = angle > _WIDEST  # not so if it is not known
+        self._ceiling = max(_SHORTER * self._step, _AFRESH)
         self._step *= max(_TURN / angle, _SHORTEST_SHARE) if turned else _SHORTER
         if self._step < _SHORTEST:
             self._pass_what_is_near()
@@ -262,17 +268,18 @@ class _Follower:
         else:
             self._bend = _bend(self._family, self._here, new)
             self._come_to(new, rates)
-            self._step = min(self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS)), _LONGEST)
+            grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
+            self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
 
     def _pass(self, graze: Graze, beyond: Place | None) -> None:
         """Go across a graze, or end there."""
         if not self._family.low <= graze.value <= self._family.high:
             self._end = "boundary"
             return
-        self._grazes.append(graze)
+        before = graze.before.place.going_on_from(self._here).light()
+        self._grazes.append(replace(graze, before=replace(graze.before, place=before)))
         self._refused = math.inf
-        before = graze.before.place
-        self._places.append(before.going_on_from(self._here))
+        self._places.append(before)
         if beyond is None:
             self._end = "graze"
         else:
@@ -280,7 +287,9 @@ class _Follower:
             self._step, self._bend = max(self._step, _AFRESH), None
 
     def _come_to(self, place: Place, rates: Rates | None = None) -> None:
-        """Go on from a place."""
+        """Go on from a place; of those before, the motion between switches is not needed any more."""
+        for i in range(max(len(self._places) - _WHOLE, 0), len(self._places)):
+            self._places[i] = self._places[i].light()
         self._places.append(place)
         if self._limits.progress is not None:
             self._limits.progress(self._share())
