@@ -15,7 +15,7 @@ from lapjoint.answers import SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.seeds import on_branch, seed_from
-from lapjoint.orbits.branches.tracing import Traced, trace
+from lapjoint.orbits.branches.tracing import Seed, Traced, trace
 from tests.helpers.toy import Bar, bar
 
 AMPLITUDE = "base_motion.amplitude"
@@ -98,6 +98,19 @@ def test_both_solvers_find_the_same_folds_within_their_errors(by_amplitude: dict
     for a, b in zip(own, other, strict=True):
         assert max(a.error, b.error) <= 1e-5 * a.value
         assert abs(a.value - b.value) <= a.error + b.error
+
+
+def test_a_graze_lies_at_its_point_whichever_way_the_branch_was_followed(
+    by_amplitude: dict[str, tuple[Family, Traced]],
+) -> None:
+    family, found = by_amplitude["analytic"]
+    after = found.branch.points[found.branch.bifurcations[0].index + 2]
+    again = trace(family, Seed(after.value, after.motion.section_point, 2), most_multiple=2, errors=False)
+    assert again is not None
+    for branch in (found.branch, again.branch):
+        graze = branch.bifurcations[0]
+        assert graze.kind == "grazing"
+        assert branch.points[graze.index].value == pytest.approx(graze.value, rel=1e-5)
 
 
 @pytest.mark.parametrize("name", SOLVERS)

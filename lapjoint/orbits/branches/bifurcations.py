@@ -6,6 +6,12 @@ periods, mu its eigenvalues and (u, w) the curve's tangent, there lies
     a fold              where w changes its sign,
     a flip              where a real mu passes -1; over an odd number of half periods it breaks the motion's symmetry,
     a Neimark-Sacker    where a complex pair passes the unit circle.
+
+The sign of w, that of det(1 + M) and the number of mu outside the circle tell these apart where one of them lies
+between two places: the first changes the first and the third by one, the second the other two, the last the third by
+two.  Where anything else changes, where other mu are outside the circle at the bifurcation than at both places, or
+where mu change by more than the distance of one of them from the circle, so that it may go out and come back, the place
+in the middle is looked at, too.
 """
 
 from __future__ import annotations
@@ -22,15 +28,25 @@ from lapjoint.orbits.branches.family import Family
 Kind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking"]
 _REAL = 1e-6
 """Imaginary part of a multiplier over its modulus, up to which it is real."""
+_HALVINGS = 8
+"""How often the way between two places is halved to tell bifurcations apart that lie on it."""
+_LOOKS = 3
+"""How often it is halved to find two that undo each other."""
+_FEW = 4
+"""Number of multipliers, the largest, that may leave the circle and come back: the others are far within."""
 _STEPS = 40
 """Most steps of the search for the root of a test function."""
+_ROUNDING = 1e-6
+"""Distance outside the circle up to which a multiplier may lie on it: without damping all of them do."""
 _LOCATED = 1e-9
-"""Change of the number over its scale, and of the motion over its size, at which a bifurcation is located."""
+"""Change of the number over its scale, and of the motion over its size, at which a bifurcation is located; and the
+value of a test function there."""
+_STUCK = 3
+"""Number of steps in turn that leave more than half of what was left, after which it is halved."""
 
 
 _VANISHES = 1e-4
-"""Value of a test function up to which it vanishes: a pair of multipliers that turns real, outside the circle or on the
-other side of -1, changes what is counted, too, but is no bifurcation."""
+"""Value of a test function up to which it vanishes: at a jump of the multipliers, of truncated modes, it does not."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +60,7 @@ class Located:
 
 
 def between(family: Family, first: Place, last: Place) -> Iterator[Located]:
-    """The bifurcations between two neighbouring places with the same contacts, in the sequence of their kinds.
+    """The bifurcations between two neighbouring places with the same contacts, in their sequence along the curve.
 
     Parameters
     ----------
@@ -56,13 +72,83 @@ def between(family: Family, first: Place, last: Place) -> Iterator[Located]:
     Yields
     ------
     Located
-        Of each kind one at most.
+        They may be several.
     """
+    yield from _within(family, first, last, 0)
+
+
+def _within(family: Family, first: Place, last: Place, halvings: int) -> Iterator[Located]:
+    """The bifurcations between two places, the way between which has been halved so often."""
+    a, b = _signature(first), _signature(last)
+    change = tuple(int(x != y) for x, y in zip(a[:2], b[:2], strict=True)), abs(b[2] - a[2])
+    found = [] if change == _NONE else list(_at_changes(family, first, last, _kind_of(change, first)))
+    if change in _SINGLE and found and _outside(found[0].place, _ROUNDING) == min(a[2], b[2]):
+        yield from found
+        return
+    looked = _LOOKS if change == _NONE else _HALVINGS
+    if halvings < looked and (change != _NONE or _may_come_back(first, last)):
+        middle = _middle(family, first, last)
+        if middle is not None:
+            yield from _within(family, first, middle, halvings + 1)
+            yield from _within(family, middle, last, halvings + 1)
+            return
+    yield from found
+
+
+def _at_changes(family: Family, first: Place, last: Place, only: Kind | None) -> Iterator[Located]:
+    """The bifurcations of one kind between two places, or of any, one of each at most."""
     for kind, (count, distance) in tests_of(first).items():
-        if count(first) != count(last):
+        if count(first) != count(last) and only in (None, kind):
             found = located(family, first, last, count, distance)
             if found is not None and abs(distance(found)) <= _VANISHES:
                 yield Located(kind, found)
+
+
+_NONE = ((0, 0), 0)
+"""What changes where there is no bifurcation: signs of w and of det(1 + M), and the number of mu outside the circle."""
+_FOLD, _FLIP, _NEIMARK_SACKER = ((1, 0), 1), ((0, 1), 1), ((0, 0), 2)
+_SINGLE = (_NONE, _FOLD, _FLIP, _NEIMARK_SACKER)
+
+
+def _kind_of(change: tuple[tuple[int, ...], int], place: Place) -> Kind | None:
+    """What changes that alone."""
+    kinds: dict[tuple[tuple[int, ...], int], Kind] = {
+        _FOLD: "fold",
+        _FLIP: _flip_of(place),
+        _NEIMARK_SACKER: "neimark-sacker",
+    }
+    return kinds.get(change)
+
+
+def _signature(place: Place) -> tuple[int, int, int]:
+    """Signs of w and of det(1 + M), 0 or 1, and the number of mu outside the circle."""
+    return _goes_up(place), _above_minus_one(place), _outside(place, _ROUNDING)
+
+
+def _may_come_back(first: Place, last: Place) -> bool:
+    """Whether moduli change by more than the distance of one from 1, or det(1 + M) by more than its own size.
+
+    A multiplier may then pass the circle, or -1, and come back.
+    """
+    a, b = (np.abs(place.orbit.spectrum[0][:_FEW]) for place in (first, last))
+    if not a.size:
+        return False
+    det = [abs(complex(np.prod(place.orbit.spectrum[0] + 1))) for place in (first, last)]
+    near = min(float(np.min(np.abs(one - 1))) for one in (a, b))
+    return bool(np.max(np.abs(b - a)) > near) or abs(det[1] - det[0]) > min(det)
+
+
+def _middle(family: Family, first: Place, last: Place) -> Place | None:
+    """The place between two; None if there is none, or they are one."""
+    length = float(np.linalg.norm(last.chord(family, first)))
+    if length <= _LOCATED:
+        return None
+    middle = between_two(family, first, last, 0.5, length)
+    return middle if middle is not None and middle.extrema.closings == first.extrema.closings else None
+
+
+def _flip_of(place: Place) -> Kind:
+    return "symmetry breaking" if place.count % 2 else "flip"
 
 
 def tests_of(place: Place) -> dict[Kind, tuple[Callable[[Place], int], Callable[[Place], float]]]:
@@ -79,9 +165,9 @@ def tests_of(place: Place) -> dict[Kind, tuple[Callable[[Place], int], Callable[
         By the kind of the bifurcation.
     """
     return {
-        "fold": (lambda at: int(at.tangent[-1] > 0), lambda at: float(at.tangent[-1])),
-        "symmetry breaking" if place.count % 2 else "flip": (_beyond_minus_one, _from_minus_one),
-        "neimark-sacker": (_pairs_outside, _from_circle),
+        "fold": (_goes_up, lambda at: float(at.tangent[-1])),
+        _flip_of(place): (_above_minus_one, _from_minus_one),
+        "neimark-sacker": (_outside, _from_circle),
     }
 
 
@@ -111,24 +197,32 @@ def located(
         None if a place between the two is not found.
     """
     a, b, before = first, last, count(first)
-    fa, fb = abs(distance(a)), -abs(distance(b))
-    for i in range(_STEPS):
-        chord = b.chord(family, a)
-        length = float(np.linalg.norm(chord))
+    fa, fb, stuck = abs(distance(a)), -abs(distance(b)), 0
+    for _ in range(_STEPS):
+        length = float(np.linalg.norm(b.chord(family, a)))
         if length <= _LOCATED:
             return a
-        share = 0.5 if fa == fb or i % 3 == 2 else fa / (fa - fb)
+        share = 0.5 if fa == fb or stuck >= _STUCK else fa / (fa - fb)
         here = between_two(family, a, b, min(max(share, 1e-3), 1 - 1e-3), length)
+        here = here or between_two(family, a, b, 0.5, length)
         if here is None:
             return None
         value = distance(here)
-        if abs(value) <= _LOCATED / 10:
+        if abs(value) <= _LOCATED:
             return here
         if count(here) == before:
-            a, fa, fb = here, abs(value), (0.5 * fb if i and fa > 0 else fb)
+            stuck = stuck + 1 if share < 0.5 else 0
+            a, fb, fa = here, fb * _anderson(abs(value), fa) if stuck else fb, abs(value)
         else:
-            b, fb, fa = here, -abs(value), (0.5 * fa if i else fa)
+            stuck = stuck + 1 if share > 0.5 else 0
+            b, fa, fb = here, fa * _anderson(abs(value), -fb) if stuck else fa, -abs(value)
     return a
+
+
+def _anderson(value: float, before: float) -> float:
+    """What the other end's value is multiplied by where the root stays on its side: Anderson's and Bjoerck's rule."""
+    share = 1 - value / before
+    return share if share > 0 else 0.5
 
 
 def between_two(family: Family, a: Place, b: Place, share: float, length: float) -> Place | None:
@@ -180,27 +274,31 @@ def crosses_minus_one(place: Place) -> tuple[complex, np.ndarray]:
     return complex(values[k]), np.real(vectors[:, k])
 
 
-def _beyond_minus_one(place: Place) -> int:
-    """Number of real multipliers below -1."""
-    return int(np.count_nonzero(_real(place) < -1))
+def _goes_up(place: Place) -> int:
+    return int(place.tangent[-1] > 0)
+
+
+def _above_minus_one(place: Place) -> int:
+    """Whether det(1 + M) is positive: it changes its sign where a real multiplier passes -1, and nowhere else."""
+    real = _real(place)
+    return int(np.count_nonzero(real < -1) % 2 == 0)
 
 
 def _from_minus_one(place: Place) -> float:
-    real = _real(place)
-    return float(real[np.argmin(np.abs(real + 1))] + 1) if real.size else 1.0
+    """Distance from -1 of the multiplier that is nearest to it."""
+    return float(np.min(np.abs(place.orbit.spectrum[0] + 1), initial=1.0))
 
 
-def _pairs_outside(place: Place) -> int:
-    """Number of complex pairs outside the unit circle; real ones that come together there count as none passing it."""
-    values = place.orbit.spectrum[0]
-    pairs = (np.abs(values.imag) > _REAL * np.abs(values)) & (values.imag > 0)
-    return int(np.count_nonzero(pairs & (np.abs(values) > 1)))
+def _outside(place: Place, by: float = 0.0) -> int:
+    """Number of multipliers outside the unit circle, by some distance at least."""
+    return int(np.count_nonzero(np.abs(place.orbit.spectrum[0]) > 1 + by))
 
 
 def _from_circle(place: Place) -> float:
+    """Distance from the circle of the complex multiplier that is nearest to it."""
     values = place.orbit.spectrum[0]
-    pairs = values[(np.abs(values.imag) > _REAL * np.abs(values)) & (values.imag > 0)]
-    return float(np.abs(pairs[np.argmin(np.abs(np.abs(pairs) - 1))]) - 1) if pairs.size else 1.0
+    pairs = values[np.abs(values.imag) > _REAL * np.abs(values)]
+    return float(np.min(np.abs(np.abs(pairs) - 1), initial=1.0))
 
 
 def _real(place: Place) -> np.ndarray:

@@ -173,12 +173,14 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
     allowed, column, weights = _FAR, np.zeros(0), np.zeros(0)
     for _ in range(_STEPS):
         half = family.at(value)
-        found = half.linearised(point, count)
+        found = family.linearised(value, point, count)
         r = half.map.difference(found.end, point)
         residual = half.relative(r, point)
         if not residual <= allowed:
             return None
-        if column.size != r.size or (residual <= RESIDUAL and fixed):
+        if found.by_number is not None:
+            column, weights = found.by_number, scaling(half, point, r.size)
+        elif column.size != r.size or (residual <= RESIDUAL and fixed):
             column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
         J = jacobian(found, column * family.scale(value), weights)
         if residual <= RESIDUAL:

@@ -139,7 +139,8 @@ def _joined(back: Run, ahead: Run) -> Run:
     """Two runs from one start as one, in the direction of the second."""
     turned = [replace(place, tangent=-place.tangent) for place in reversed(back.places)]
     first = len(back.places)
-    grazes = [replace(one, index=first - one.index) for one in back.grazes]
+    # A graze is at the place of its index, and a jump before it; what was before lies behind when it is turned.
+    grazes = [replace(one, index=first - 1 - one.index) for one in back.grazes]
     jumps = [replace(one, index=first - one.index) for one in back.jumps]
     grazes += [replace(one, index=one.index + first - 1) for one in ahead.grazes]
     jumps += [replace(one, index=one.index + first - 1) for one in ahead.jumps]

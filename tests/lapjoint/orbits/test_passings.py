@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 import analytic
 from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.compiled_extrema import gap_extrema, nearest
+from lapjoint.orbits.branches.compiled_extrema import nearest
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.passings import coming, passed, rates_of
+from lapjoint.orbits.branches.gap_extrema import Extrema
+from lapjoint.orbits.branches.passings import Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.seeds import seed_from
 from lapjoint.orbits.branches.tracing import trace
-from lapjoint.orbits.compiled_intervals import Motion, Stops
 
 FREQUENCY = "base_motion.angular_frequency"
 LOW, HIGH, MODES = 3.2, 3.8, 6
@@ -113,16 +116,22 @@ def test_the_nearest_event_is_found_around_the_end_of_the_period() -> None:
     assert found.tolist() == [1, 0, -1]
 
 
-def test_a_segment_of_no_length_has_no_extrema() -> None:
-    """Stops that switch at one time leave one between them; here it parts a cosine, which has its minimum later."""
-    alike = np.array([[1j], [1j], [1j]])
-    start, duration = np.array([0.0, 1.0, 1.0]), np.array([1.0, 0.0, 4.0])
-    waves = np.exp(alike * start[:, None])
-    open_ = np.ones((3, 1))
-    motion = Motion(start, duration, alike, waves, np.ones((3, 1, 1), dtype=complex), np.zeros((3, 1, 3)), open_)
-    stops = Stops(np.ones(1), np.array([0.5]), np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.intp))
-    stop, time, value, highest = gap_extrema(motion, stops, 0.5)
-    assert stop.tolist() == [0]
-    assert time == pytest.approx([np.pi])
-    assert value == pytest.approx([-1.5])
-    assert highest.tolist() == [False]
+def bumps(time: list[float], value: list[float], highest: list[bool]) -> Any:
+    """A motion of one second with these extrema at one stop, and one contact from 0.2 to 0.4 s."""
+    stop = np.zeros(len(time), dtype=np.intp)
+    switches = (np.zeros(2, dtype=np.intp), np.array([0.2, 0.4]), np.array([True, False]))
+    return SimpleNamespace(
+        extrema=Extrema(stop, stop, np.array(time), np.array(value), np.array(highest), (1,), 1.0, *switches)
+    )
+
+
+@pytest.mark.parametrize(("rise", "nothing"), [(0.5, True), (5.0, False)])
+def test_a_bump_that_arises_and_passes_the_gap_on_the_way_is_not_overlooked(rise: float, nothing: bool) -> None:
+    # The contact from 0.2 to 0.4 s gains a highest and a lowest point, both of which are above the gap at the end.
+    step = 0.1
+    here = bumps([0.3, 0.8], [1.0, -1.0], [True, False])
+    new = bumps([0.25, 0.30, 0.35, 0.8], [1.0, 0.2, 0.3, -1.0], [True, False, True, False])
+    still, grown = np.zeros(2), np.array([0.0, rise, rise, 0.0])
+    ahead = passed(here, Rates(still, still, still), new, Rates(0 * grown, grown, still), step)
+    back = passed(new, Rates(0 * grown, -grown, still), here, Rates(still, still, still), step)
+    assert ahead.nothing == back.nothing == nothing

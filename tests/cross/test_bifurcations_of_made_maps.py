@@ -1,0 +1,127 @@
+"""Bifurcations of maps whose multipliers are given functions of a number: all are found, where they are, and no others.
+
+Each block of a map has two multipliers with the sum t(p) and the product d(p), so that a flip is a root of 1 + t + d,
+and a Neimark-Sacker a root of d - 1 with |t| < 2.  Within one step of a branch pairs turn real outside the circle, pass
+-1 one after the other, and go out of the circle and come back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from made_map import Made, made_problem, of_trace
+from scipy.optimize import brentq
+
+from lapjoint.answers.branches import Bifurcation
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.tracing import Seed, trace
+
+LOW, HIGH = 1.0, 2.0
+AMPLITUDE = "base_motion.amplitude"
+_GRID = np.linspace(LOW, HIGH, 4001)
+NEAR = 0.02
+"""Of the number, a tenth of a step: two bifurcations that undo each other within it may be overlooked."""
+Curve = Callable[[float], float]
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A constant and a wave of a number."""
+
+    mean: float
+    height: float
+    rate: float
+    phase: float
+
+    def __call__(self, p: float) -> float:
+        return self.mean + self.height * float(np.sin(self.rate * p + self.phase))
+
+
+def found_in(blocks: list[tuple[Curve, Curve]]) -> list[Bifurcation]:
+    """What a branch of the map with these sums and products of multipliers says."""
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    solver = Made(lambda p: [of_trace(t(p), d(p)) for t, d in blocks])
+    family = Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    found = trace(family, Seed(LOW, family.at(LOW).map.initial(), 2), most_multiple=1, errors=False)
+    assert found is not None
+    assert found.branch.ends == ("boundary", "boundary")
+    return list(found.branch.bifurcations)
+
+
+def known_in(blocks: list[tuple[Curve, Curve]]) -> list[tuple[str, float]]:
+    """What is there, by closed form, in the sequence of the number."""
+    known = []
+    for t, d in blocks:
+        known += [("flip", p) for p in roots(lambda p, t=t, d=d: 1 + t(p) + d(p))]
+        known += [("neimark-sacker", p) for p in roots(lambda p, d=d: d(p) - 1) if abs(t(p)) < 2]
+    return sorted(known, key=lambda one: one[1])
+
+
+def roots(function: Curve) -> list[float]:
+    """Roots of a function in the range."""
+    values = [function(float(p)) for p in _GRID]
+    return [
+        float(brentq(function, a, b, xtol=1e-14))
+        for a, b, fa, fb in zip(_GRID, _GRID[1:], values, values[1:], strict=False)
+        if (fa > 0) != (fb > 0)
+    ]
+
+
+def check(blocks: list[tuple[Curve, Curve]]) -> int:
+    """Compare, and give how many are known: all that are found are, and those that are not are near pairs of a kind."""
+    known, found = known_in(blocks), sorted(found_in(blocks), key=lambda one: one.value)
+    missed = []
+    for one in known:
+        if found and found[0].kind == one[0] and found[0].value == pytest.approx(one[1], rel=3e-9):
+            found.pop(0)
+        else:
+            missed.append(one)
+    assert not found
+    assert len(missed) % 2 == 0
+    for (kind, value), (other, after) in zip(missed[::2], missed[1::2], strict=True):
+        assert kind == other
+        assert after - value < NEAR
+    return len(known) - len(missed)
+
+
+def random_blocks(seed: int) -> list[tuple[Curve, Curve]]:
+    """Sums and products that wander so that a block has some bifurcations, and never a multiplier of 1."""
+    rng = np.random.default_rng((13, seed))
+    blocks: list[tuple[Curve, Curve]] = []
+    while len(blocks) < 3:
+        t, d = (Wave(rng.uniform(-1.5, 0.5), rng.uniform(0, 1), rng.uniform(0, 4), rng.uniform(0, 6)) for _ in range(2))
+        d = Wave(rng.uniform(0.2, 1.0), rng.uniform(0, 0.5), rng.uniform(0, 4), rng.uniform(0, 6))
+        if all(1 - t(p) + d(p) > 0.1 for p in _GRID[::20]):
+            blocks.append((t, d))
+    return blocks
+
+
+def test_a_flip_of_a_pair_that_turns_real_outside_the_circle_is_found() -> None:
+    # From a pair of modulus 1.17 at p = 1 to -2.06 and -0.78 at p = 1.25: they meet at 1.08, and one passes -1 at 1.2.
+    assert check([(lambda p: -2 - 3.4 * (p - 1), lambda p: 1.36 + p - 1)]) == 1
+
+
+def test_two_flips_that_undo_each_other_within_a_step_are_found() -> None:
+    # A multiplier is below -1 from p = 1.445 to 1.555.
+    assert check([(lambda p: -1.53 + 10 * (p - 1.5) ** 2, lambda p: 0.5)]) == 2
+
+
+def test_a_pair_that_leaves_the_circle_and_comes_back_within_a_step_is_found() -> None:
+    assert check([(lambda p: 0.3, lambda p: 0.9 + 0.13 * float(np.cos(8 * (p - 1.4))))]) == 2
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_bifurcations_of_a_random_map_are_found_and_no_others(seed: int) -> None:
+    check(random_blocks(seed))
+
+
+@pytest.mark.slow
+def test_the_bifurcations_of_random_maps_are_found_and_no_others() -> None:
+    drawn = [random_blocks(seed) for seed in range(12, 400)]
+    apart = [np.diff([value for _, value in known_in(blocks)]).min(initial=1.0) for blocks in drawn]
+    # Nearer to each other than that, a pair may still be within 1e-6 of the circle where the next one lies.
+    assert sum(check(blocks) for blocks, least in zip(drawn, apart, strict=True) if least > 1e-3) > 400
