@@ -57,7 +57,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     for stop, label in enumerate(dataset.stop_name.values):
         axes.plot([], [], color=COLOURS[stop % len(COLOURS)], label=str(label))
     if dataset.stop_name.size:
-        _mark(axes, dataset, x, values)
+        _mark(axes, dataset, values, ordinate)
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_xlabel(axis_label(dataset, name))
     axes.set_ylabel(ORDINATES[ordinate])
@@ -75,17 +75,20 @@ def _draw(axes: Axes, x: FloatArray, y: FloatArray, stable: FloatArray, colour: 
         axes.plot(x[part], y[part], color=colour, linestyle="-" if stable[first] else (0, (2.5, 1.5)), linewidth=0.9)
 
 
-def _mark(axes: Axes, dataset: xr.Dataset, x: FloatArray, values: FloatArray) -> None:
-    """Bifurcations, on the curve of the stop that is pressed hardest, at the point that follows each."""
+def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, ordinate: str) -> None:
+    """Bifurcations, on the curve of the stop that is pressed hardest: where each is, or at the point that follows."""
     stop = int(np.argmax(np.abs(values).max(axis=0))) if values.size else 0
     kinds = dataset.bifurcation_kind.values
-    at = np.minimum(dataset.bifurcation_point.values, x.size - 1)
+    heights = values[np.minimum(dataset.bifurcation_point.values, len(values) - 1), stop]
+    if ordinate == "impulse":
+        known = dataset.bifurcation_impulse.values[:, stop]
+        heights = np.where(np.isfinite(known), known, heights)
     for kind, label in enumerate(KIND_NAMES):
         mine = kinds == kind
         if mine.any():
             axes.plot(
                 dataset.bifurcation_value.values[mine],
-                values[at[mine], stop],
+                heights[mine],
                 linestyle="",
                 marker=MARKERS[kind],
                 markersize=3.5,

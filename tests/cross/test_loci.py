@@ -17,7 +17,7 @@ from lapjoint.campaigns.branch_loci import loci_of
 from lapjoint.problem import FloatArray
 
 AMPLITUDE = "base_motion.amplitude"
-SOLVERS: dict[str, dict[str, int]] = {"analytic": {"n_modes": 20}, "fe": {"elements": 8}}
+SOLVERS: dict[str, dict[str, int]] = {"analytic": {"n_modes": 20}, "fe": {"elements": 16}}
 LOCATED = 3e-8
 """Relative: grazes are located to 1e-9 in number and motion, and both sums leave out modes, of lightly damped joints
 some 1e-8 of the motion."""
