@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import analytic
-from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support
+from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support, paper_joint
 from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches import passings
 from lapjoint.orbits.branches.compiled_extrema import nearest
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -135,3 +136,34 @@ def test_a_bump_that_arises_and_passes_the_gap_on_the_way_is_not_overlooked(rise
     ahead = passed(here, Rates(still, still, still), new, Rates(0 * grown, grown, still), step)
     back = passed(new, Rates(0 * grown, -grown, still), here, Rates(still, still, still), step)
     assert ahead.nothing == back.nothing == nothing
+
+
+def place_of_the_joint() -> tuple[Family, Place]:
+    """The paper's joint at 300 rad/s, where it meets its stops."""
+    grid = Grid(paper_joint(), (Axis(FREQUENCY, (200.0, 400.0)),))
+    family = Family(analytic.Solver(n_modes=6), lambda value: grid.with_values((value,)), FREQUENCY, 200.0, 400.0)
+    seed = seed_from(family, 300.0, family.at(300.0).map.initial(), 1)
+    assert seed is not None
+    place = corrected(family, seed.value, seed.point, seed.count)
+    assert place is not None
+    return family, place
+
+
+def test_a_light_place_makes_its_march_again_to_the_bit() -> None:
+    _, whole = place_of_the_joint()
+    light = whole.light()
+    assert light.extrema is whole.extrema
+    pairs = zip(whole.orbit.last.linearised.segments, light.orbit.last.linearised.segments, strict=True)
+    for one, other in pairs:
+        assert np.array_equal(one.amplitudes, other.amplitudes)
+        assert one.switched == other.switched
+
+
+def test_rates_in_closed_form_are_those_of_the_motion_just_beside() -> None:
+    family, place = place_of_the_joint()
+    exact, beside = rates_of(family, place), passings._by_difference(family, place)
+    for name in ("phase", "value", "switch"):
+        a, b = getattr(exact, name), getattr(beside, name)
+        assert a.size
+        # The motion beside is 3e-8 of the number away: seven digits are left.
+        assert a == pytest.approx(b, rel=1e-4, abs=1e-5 * np.abs(b).max())
