@@ -135,3 +135,12 @@ def test_a_bump_that_arises_and_passes_the_gap_on_the_way_is_not_overlooked(rise
     ahead = passed(here, Rates(still, still, still), new, Rates(0 * grown, grown, still), step)
     back = passed(new, Rates(0 * grown, -grown, still), here, Rates(still, still, still), step)
     assert ahead.nothing == back.nothing == nothing
+
+
+def test_an_extremum_of_no_known_rate_that_comes_back_shows_no_way_to_a_graze() -> None:
+    # By its rate at the end it has been above the gap on the way; at the start its rate is not known, and so is 0.
+    here, new = (bumps([0.3, 0.8], [1.0, -1e-3], [True, True]) for _ in range(2))
+    still = np.zeros(2)
+    seen = passed(here, Rates(still, still, still), new, Rates(still, np.array([0.0, -1.0]), still), 0.1)
+    assert not seen.nothing
+    assert seen.grazes == ()
