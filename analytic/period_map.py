@@ -10,10 +10,23 @@ from functools import cached_property
 import numpy as np
 
 from analytic.ensemble import JointEnsemble
-from analytic.march import Coordinates, Joint, March, gap_view, march, march_linearised, march_periods, measure_growth
+from analytic.march import (
+    Coordinates,
+    GapSegment,
+    Joint,
+    March,
+    gap_view,
+    march,
+    march_linearised,
+    march_periods,
+    measure_growth,
+)
+from analytic.march.change import Change
 from analytic.march.compiled import Log
 from analytic.march.field import history_of
+from analytic.march.gap_view import gap_view_of
 from analytic.march.initial_state import resumed, started, translated
+from analytic.march.linearised import carried_along
 from analytic.march.march import joined
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
@@ -22,6 +35,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
+from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -135,6 +149,10 @@ class PeriodMap:
         q, v = deviation[:n], deviation[n:]
         return math.sqrt(q @ q) + math.sqrt(v @ v) * self.period / (2 * math.pi)
 
+    def unit_norms(self, n: int) -> FloatArray:
+        """Norms of units of the coordinates. See `lapjoint.orbits.period_map.UnitNorms`."""
+        return np.repeat([1.0, self.period / (2 * math.pi)], n // 2)
+
     def size(self, point: SectionPoint) -> float:
         """Norm of the coordinates. See `lapjoint.orbits.PeriodMap.size`."""
         return self.norm(point.coordinates.ravel())
@@ -172,7 +190,31 @@ class PeriodMap:
             n = matrix.shape[0] // 2
             back = self.joint.passage(end.state, start.state).S
             matrix = np.concatenate([back @ matrix[:n], back @ matrix[n:]])
-        return Linearised(_section_point(end), matrix, lambda: _segments(march(self.joint, begin, 0.0, duration)))
+        return Linearised(
+            _section_point(end), matrix, lambda: _segments(gap_view(march(self.joint, begin, 0.0, duration)))
+        )
+
+    def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
+        """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
+        known, duration = excitation_change(self.problem, field), half_periods * self.period / 2
+        if known is None:
+            return None
+        motion = march(self.joint, _coordinates(start), 0.0, duration)
+        found = carried_along(motion, Change(known.frequency, known.sizes), -known.frequency * duration)
+        matrix, end = found.end, motion.end.state
+        if end != start.state:
+            n, passage = matrix.shape[0] // 2, self.joint.passage(end, start.state)
+            matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
+            matrix[:, -1] += self._left_out_change(passage.residual[1:], known)
+        return Linearised(
+            _section_point(motion.end), matrix[:, :-1], lambda: _segments(gap_view_of(found)), matrix[:, -1].copy()
+        )
+
+    def _left_out_change(self, residual: FloatArray, known: ExcitationChange) -> FloatArray:
+        """Change of what is carried over between the modes of two states at a multiple of the period, ``(2 N,)``."""
+        theta, omega = self.joint.harmonics.theta(0.0), self.joint.harmonics.omega
+        moving = (known.sizes + known.frequency) * omega * np.cos(theta)
+        return np.concatenate([(known.sizes * np.sin(theta)) @ residual, moving @ residual])
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
@@ -238,7 +280,7 @@ def _section_point(point: Coordinates) -> SectionPoint:
     return SectionPoint(point.state, np.array((point.q, point.v)))
 
 
-def _segments(motion: March) -> tuple[Segment, ...]:
+def _segments(view: list[GapSegment]) -> tuple[Segment, ...]:
     """A recorded motion as the search takes it."""
     return tuple(
         Segment(
@@ -252,6 +294,7 @@ def _segments(motion: March) -> tuple[Segment, ...]:
             deviations=one.deviation_amplitudes,
             drift=one.drift,
             switched=one.stop,
+            change=one.change,
         )
-        for one in gap_view(motion)
+        for one in view
     )

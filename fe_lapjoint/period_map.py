@@ -26,6 +26,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
+from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.orbits.period_map import Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -160,6 +161,10 @@ class PeriodMap:
         q, v = deviation.reshape(2, -1)
         return math.hypot(float(np.linalg.norm(q)), float(np.linalg.norm(v)) / self.omega)
 
+    def unit_norms(self, n: int) -> FloatArray:
+        """Norms of units of the coordinates. See `lapjoint.orbits.period_map.UnitNorms`."""
+        return np.repeat([1.0, 1 / self.omega], n // 2)
+
     def size(self, point: SectionPoint) -> float:
         """Norm of the coordinates. See `lapjoint.orbits.PeriodMap.size`."""
         return self.norm(self._free_modes(point.coordinates[:, self.model.assembly.free]))
@@ -210,13 +215,25 @@ class PeriodMap:
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
+        return self._linearised(start, half_periods, None)
+
+    def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
+        """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
+        change = excitation_change(self.problem, field)
+        return None if change is None else self._linearised(start, half_periods, change)
+
+    def _linearised(self, start: SectionPoint, half_periods: int, change: ExcitationChange | None) -> Linearised:
         model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
         into = np.asarray(np.kron(np.eye(2), model.transfer(FREE, start.state)), dtype=float)
         back = np.asarray(np.kron(np.eye(2), model.transfer(motion.state, FREE)), dtype=float)
-        matrix = back @ carried(model, motion, into)
+        if change is not None:
+            into = np.concatenate([into, np.zeros((into.shape[0], 1))], axis=1)
+        matrix = back @ carried(model, motion, into, change)
         end = self._section_point(motion.state, motion.y)
-        return Linearised(end, matrix, lambda: traced(model, motion, into))
+        by_number = None if change is None else matrix[:, -1].copy()
+        matrix = matrix if change is None else matrix[:, :-1]
+        return Linearised(end, matrix, lambda: traced(model, motion, into, change), by_number)
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:

@@ -23,14 +23,17 @@ PICTURE = re.compile(r"!\[([^\]]+)\]\((\w+)(\.png|\.svg|\.gif)\)")
 MEASURED = re.compile(r"(-?[\d.]+) ± ([\d.]+)")
 COARSE: dict[str, dict[str, Any]] = {  # whole curves take longer: here a point now and then
     "basins": {"points": 12},
+    "branch_of_figure_4": {"last": 160.0},
+    "cascade": {"marches": 9, "multiple": 2},
     "figure_4": {"step": 100.0, "workers": 1},
+    "first_graze": {"points": 3},
     "first_result": {"step": 100.0, "fe_step": 500.0, "workers": 1},
 }
 LARGEST = {".png": 100_000, ".svg": 100_000, ".gif": 1_000_000}  # bytes: the page should load at once
 HUES, COLOURS_APART = 12, 0.045
 """Colours told apart, and the largest difference in them: what matplotlib 3.9 and 3.11 draw is up to 0.03 apart, and a
 motion with and without the strips of its contacts 0.06 and more."""
-OF_CHANCE = {"chaos": 0.15, "shaken": 0.15}
+OF_CHANCE = {"cascade": 0.15, "chaos": 0.15, "shaken": 0.15}
 """Differences in colours where rounding makes another motion each time: two marches are 0.05 apart."""
 BLOCK, BLOCKS_APART = 16, 0.25
 """Pixels, and the largest difference in blocks of that size, between pictures of one matplotlib: two marches of one

@@ -53,6 +53,7 @@ def test_no_page_scrolls_sideways_or_cuts_a_word(site: Path, tmp_path: Path) -> 
     for seen in found:
         assert seen.page_width <= seen.width, seen.page
         assert seen.cut == [], seen.page
+        assert seen.overlaps == [], seen.page
 
 
 @pytest.mark.parametrize(("scheme", "width"), [(LIGHT, 1280), (DARK, 390)])

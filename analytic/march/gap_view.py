@@ -10,7 +10,11 @@ e = (dq, dv) from the start of the whole motion it moves by
     dz_s(t) = Re sum_t W[s, t] (A e)[t] exp(lambda_t tau) + drift[s, 0] e + drift[s, 1] e tau
 
 over the free terms alone, as long as both are in that segment's state.  The times at which segments begin and end move
-too; that is in A, by the saltation matrices of `analytic.march.tangent`.
+too; that is in A, by the saltation matrices of `analytic.march.tangent`.  A number p of the problem moves it by
+
+    dz_s(t)/dp = Re sum_t (B[s, t] + C[s, t] tau) exp(lambda_t tau) + E[s, 0] + E[s, 1] tau
+
+where B and C have the free terms and the harmonics; see `analytic.march.change`.
 """
 
 from __future__ import annotations
@@ -19,15 +23,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analytic.march.change import Change, add_forced_change, forced_change
 from analytic.march.compiled import Log
+from analytic.march.linearised import Carried, carried_along
 from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import BoolArray, Tables
-from analytic.march.tangent import flow, saltation
 from analytic.march.terms import drift_at_stops, put, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled_arrays import zeros
 from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.orbits.period_map import SegmentChange
 from lapjoint.problem import FloatArray
 
 
@@ -57,6 +63,8 @@ class GapSegment:
     """The stop that switches at the end, or -1."""
     rate: float
     """h' of that stop there, m/s; 0 without one."""
+    change: SegmentChange | None = None
+    """B, C and E, over the number's unit; None without a number."""
 
 
 def gap_view(motion: March) -> list[GapSegment]:
@@ -72,17 +80,46 @@ def gap_view(motion: March) -> list[GapSegment]:
     list of GapSegment
         In the order of time.
     """
+    return gap_view_of(carried_along(motion))
+
+
+def gap_view_of(carried: Carried) -> list[GapSegment]:
+    """The same of a motion along which deviations have been carried.
+
+    Parameters
+    ----------
+    carried : Carried
+        The motion, and its deviations.
+
+    Returns
+    -------
+    list of GapSegment
+        In the order of time.
+    """
+    motion, change, starts = carried.motion, carried.change, carried.starts
     log, tables = motion.log, motion.joint.tables
-    n, stops, harmonics = int(tables.modes[log.slot[0]]), tables.sign.size, tables.omega.size
+    n, stops, harmonics = starts.shape[2], tables.sign.size, tables.omega.size
     M, T = log.slot.size, int(tables.terms[log.slot].max())
     c, theta = np.zeros((M, T), dtype=complex), np.zeros((M, harmonics), dtype=complex)
-    A, drift = np.zeros((M, T, 2 * n), dtype=complex), np.zeros((M, stops, 2, 2 * n))
-    polynomial = np.zeros((M, stops, 3))
-    _view(tables, log, np.eye(2 * n), c, theta, polynomial, A, drift)
+    A, drift = np.zeros((M, T, n), dtype=complex), np.zeros((M, stops, 2, n))
+    polynomial, forced = np.zeros((M, stops, 3)), np.zeros((M, stops, harmonics), dtype=complex)
+    _view(tables, change, log, starts, c, theta, polynomial, A, drift, forced)
     at_stops = tables.weight[:, tables.position], -1j * tables.forced[:, tables.position]
+    n = n if change is None else n - 1
     segments = []
     for i, slot in enumerate(log.slot):
         free = int(tables.terms[slot])
+        by_number = None
+        if change is not None:
+            turning = 1j * change.omega * tables.omega * at_stops[1][slot] * theta[i]
+            waves = np.zeros((stops, free + harmonics), dtype=complex)
+            waves[:, :free] = at_stops[0][slot, :, :free] * A[i, :free, n]
+            waves[:, free:] = -1j * forced[i] * theta[i] + log.start[i] * turning
+            secular = np.zeros_like(waves)
+            secular[:, free:] = turning
+            slope = np.zeros((stops, 3))
+            slope[:, :2] = drift[i, :, :, n]
+            by_number = SegmentChange(waves, secular, slope)
         segments.append(
             GapSegment(
                 start=float(log.start[i]),
@@ -92,10 +129,11 @@ def gap_view(motion: March) -> list[GapSegment]:
                 weights=np.concatenate([at_stops[0][slot, :, :free], at_stops[1][slot]], axis=1),
                 amplitudes=np.concatenate([c[i, :free], theta[i]]),
                 polynomial=polynomial[i],
-                deviation_amplitudes=A[i, :free],
-                drift=drift[i],
+                deviation_amplitudes=A[i, :free, :n],
+                drift=drift[i, :, :, :n],
                 stop=int(log.stop[i]),
                 rate=float(log.rate[i]) if log.stop[i] >= 0 else 0.0,
+                change=by_number,
             )
         )
     return segments
@@ -104,22 +142,24 @@ def gap_view(motion: March) -> list[GapSegment]:
 @njit_called()
 def _view(
     tables: Tables,
+    change: Change | None,
     log: Log,
-    deviations: FloatArray,
+    starts: FloatArray,
     c: ComplexArray,
     theta: ComplexArray,
     polynomial: FloatArray,
     A: ComplexArray,
     drift: FloatArray,
+    forced: ComplexArray,
 ) -> None:
     """Write the parts of ``M`` segments that depend on where each starts.
 
     Parameters
     ----------
-    tables, log : Tables, Log
-        The states of the joint, and the motion.
-    deviations : FloatArray, shape (2 N, m)
-        (dq, dv) at the start of the motion, as columns.
+    tables, change, log : Tables, Change or None, Log
+        The states of the joint, how its harmonics change with a number, and the motion.
+    starts : FloatArray, shape (M, 2 N, m)
+        Deviations (dq, dv) at the start of each segment, as columns.
     c : ComplexArray, shape (M, T)
         Takes the amplitudes of the free terms.
     theta : ComplexArray, shape (M, H)
@@ -130,32 +170,23 @@ def _view(
         Takes what the deviations do to the free terms.
     drift : FloatArray, shape (M, P, 2, m)
         Takes what the deviations do to the rigid-body modes.
+    forced : ComplexArray, shape (M, P, H)
+        Takes the derivatives of the complex amplitudes of the forced motion at the stops, if there is a number.
     """
     poly, at_positions = zeros((log.q.shape[1], 3)), zeros((tables.weight.shape[1], 3))
-    now = deviations.copy()
     for i in range(log.slot.size):
-        slot = log.slot[i]
+        slot, now = log.slot[i], starts[i].copy()
         set_phases(tables, log.start[i], theta[i])
         start_terms(tables, slot, theta[i], log.q[i], log.v[i], c[i], poly)
         drift_at_stops(tables, slot, poly, at_positions)
         for k in range(tables.sign.size):
             put(polynomial[i, k], at_positions[tables.position[k]])
+        if change is not None:
+            add_forced_change(tables, change, slot, log.start[i], -1.0, now)
+            for k in range(tables.sign.size):
+                for h in range(tables.omega.size):
+                    forced[i, k, h] = forced_change(tables, change, slot, tables.position[k], h)
         _deviation_terms(tables, slot, now, A[i], drift[i])
-        if i + 1 < log.slot.size:
-            flow(tables, slot, log.end[i] - log.start[i], now)
-            if log.stop[i] >= 0:
-                now = saltation(
-                    tables,
-                    slot,
-                    log.stop[i],
-                    log.end[i],
-                    log.rate[i],
-                    log.q_end[i],
-                    log.v_end[i],
-                    log.q[i + 1],
-                    log.v[i + 1],
-                    now,
-                )
 
 
 @njit_inner()

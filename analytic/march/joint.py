@@ -25,6 +25,7 @@ from analytic.march.tables import (
     fill,
     flat_state,
     grown,
+    owned,
     scale,
     unit_tables,
 )
@@ -60,6 +61,8 @@ class Joint:
         self._memory = memory_of(self.family, self.counts)
         self._at_stops: dict[ContactState, tuple[FloatArray, FloatArray]] = {}
         self._places: dict[tuple[Any, ...], FloatArray] = {}
+        self.tables: Tables
+        self._borrows: bool
         self._fill_known(self._memory.known)
 
     def count(self, state: ContactState) -> int:
@@ -245,6 +248,7 @@ class Joint:
         stop : int
             The stop that opens or closes.
         """
+        self._own()
         old = self._states[slot]
         new = old.toggled(stop)
         target = self.slot(new)
@@ -253,19 +257,27 @@ class Joint:
             self.tables.carry_residual[at, stop] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
 
+    def _own(self) -> None:
+        """Before the tables are written to: make all of their arrays the joint's own."""
+        if self._borrows:
+            self.tables, self._borrows = owned(self.tables), False
+
     def _fill_known(self, known: KnownStates) -> None:
         unit = unit_tables(self.family, self.counts, known)
         self._states = list(known.states)
         self._slots = {state: slot for slot, state in enumerate(known.states)}
-        self.tables: Tables = copied(unit, self.harmonics)
+        self.tables = copied(unit, self.harmonics)
+        self._borrows = True
         self._scale(0, unit.natural, unit.damping_rate, unit.residual)
 
     def _grow(self, slots: int) -> None:
+        self._borrows = False
         sampled = len(self.problem.forces.sampled)
         self.tables = grown(self.tables, empty_tables(self.problem, self.harmonics, max(self.counts), slots, sampled))
 
     def _fill(self, slot: int) -> None:
         """Fill in a state that is met for the first time."""
+        self._own()
         state, size = self._states[slot], max(self.counts)
         flat = flat_state(self.family, state, self.count(state))
         fill(self.tables, slot, flat)

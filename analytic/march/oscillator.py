@@ -65,6 +65,19 @@ def forced_answer(force: FloatArray, omega: FloatArray, damping_rate: FloatArray
     return np.asarray(force / (omega[:, None, :] ** 2 - Omega**2 + 2j * damping_rate[:, None, :] * Omega))
 
 
+def may_resonate(omega: FloatArray, damping_rate: FloatArray) -> bool:
+    """Whether there is a mode that `away_from_resonance` may move.
+
+    Parameters
+    ----------
+    omega : FloatArray
+        Angular frequencies of modes, rad/s, of any shape ``(...)``.
+    damping_rate : FloatArray
+        Their damping rates, 1/s, of the same shape ``(...)``.
+    """
+    return bool((damping_rate < _SEPARATE * omega).any())
+
+
 def away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: FloatArray) -> FloatArray:
     """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays.
 

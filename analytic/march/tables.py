@@ -20,7 +20,15 @@ import numpy.typing as npt
 from analytic.march.known_states import KnownStates
 from analytic.march.loads import Harmonics
 from analytic.march.modal_state import Family, modal_state, passage
-from analytic.march.oscillator import SPLIT, away_from_resonance, forced_answer, kinds_of, roots_of, static_answer
+from analytic.march.oscillator import (
+    SPLIT,
+    away_from_resonance,
+    forced_answer,
+    kinds_of,
+    may_resonate,
+    roots_of,
+    static_answer,
+)
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.by_reference import by_reference
@@ -238,6 +246,9 @@ class UnitTables(NamedTuple):
     """Damping rates zeta omega, 1/s, shape ``(S, N)``."""
     residual: FloatArray
     """Residual shapes at the stops' positions, constant one first, m for each unit of load, ``(S, U, 1 + H + R)``."""
+    borrowed: Tables
+    """The same arrays as `tables`, for compiled functions: these take no arrays that cannot be written to.  Nobody
+    writes to them."""
 
 
 @lru_cache(maxsize=_UNIT_TABLES)
@@ -261,7 +272,8 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
     problem, size, S = family.problem, max(counts), len(known.states)
     tables = empty_tables(problem, Harmonics.of_unit_frequency(len(family.places)), size, S)
     U, loads = tables.constant.shape[1], tables.force.shape[1]
-    unit = UnitTables(tables, np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
+    borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
+    unit = UnitTables(tables, np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)), borrowed)
     for slot, state in enumerate(known.states):
         flat = flat_state(family, state, count_in(state, counts))
         fill(tables, slot, flat)
@@ -271,7 +283,7 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
     for state, stop in known.switches:
         other = state.toggled(stop)
         connect(tables, family, counts, stop, (known.states.index(state), state), (known.states.index(other), other))
-    for array in (*tables, *unit[1:]):
+    for array in (*tables, *unit[1:4]):
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
     return unit
@@ -465,8 +477,28 @@ def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: Fl
     tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2
 
 
+_SCALED = ("harmonic", "force", "forced", "constant", "carry_residual")
+"""What a joint writes to from the start."""
+
+
+def owned(tables: Tables) -> Tables:
+    """Tables of which no array is borrowed.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of a joint.
+
+    Returns
+    -------
+    Tables
+        A copy.
+    """
+    return Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in tables)
+
+
 def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
-    """A joint's own copy of the known states, with its harmonics, for unit loads still; see `scale`.
+    """The known states with a joint's harmonics, for unit loads still; see `scale`.
 
     Parameters
     ----------
@@ -478,9 +510,13 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
     Returns
     -------
     Tables
-        Shares no array that is written to with `unit`.
+        Of what `scale` writes to a copy of the joint's own; the rest is borrowed, and `owned` makes it the joint's own
+        before it is written to.
     """
-    own = Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in unit.tables)
+    borrowed = unit.borrowed
+    own = borrowed._replace(**{name: getattr(borrowed, name).copy() for name in _SCALED})
+    if may_resonate(unit.natural, unit.damping_rate):  # `scale` may move a mode
+        own = owned(own)
     turn = np.exp(1j * np.outer(unit.tables.step, harmonics.omega))
     unit_time = unit_of_time(unit.tables.step, harmonics)
     H = harmonics.omega.size

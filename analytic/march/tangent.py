@@ -63,8 +63,25 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
 
 
 @njit_inner(inline="always")
-def _rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
-    """d(q, v)/dt in one state, shape ``(2 N,)``; `theta`, ``(H,)``, holds exp(i theta_h)."""
+def motion_rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
+    """How fast a motion goes on in one state.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, now.
+    q, v : FloatArray, shape (N,)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s.
+
+    Returns
+    -------
+    FloatArray, shape (2 N,)
+        d(q, v)/dt, kg^1/2 m/s and kg^1/2 m/s2.
+    """
     n = tables.modes[slot]
     rates = zeros(2 * n)
     extra = n
@@ -121,8 +138,8 @@ def saltation(
     S, onto, mode = tables.carry[old, k], tables.carry_residual[old, k], tables.weight[old, tables.position[k]]
     theta = complex_zeros(tables.omega.size)
     set_phases(tables, t, theta)
-    before = _rates(tables, old, theta, q_old, v_old)
-    after = _rates(tables, new, theta, q_new, v_new)
+    before = motion_rates(tables, old, theta, q_old, v_old)
+    after = motion_rates(tables, new, theta, q_new, v_new)
     delay = zeros(m)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
     for i in range(n_old):

@@ -6,9 +6,18 @@ vanishes and f- and f+ are the rates before and after,
     dy+ = S dy- + (S f- - f+) dT,    dT = -(dh/dy- dy-) / h'
 
 with S the constant, lossless map between the modes of the two states.
+
+The derivative of a march by a number of its excitation is one deviation more.  Within a state it is a free motion
+beyond the change of the forced motion Im sum_h A_h exp(i (w_h t + phase_h)),
+
+    Im sum_h (dA_h + i t dw_h A_h) exp(i (w_h t + phase_h)),
+
+and at the end, whose time may depend on the number, the march goes on by its rates.  Gaps and S do not depend on it.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +25,8 @@ from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import free_response
 from fe_lapjoint.march.system import System
-from lapjoint.orbits.period_map import Segment
+from lapjoint.orbits.parameters import ExcitationChange
+from lapjoint.orbits.period_map import Segment, SegmentChange
 from lapjoint.problem import FloatArray
 
 
@@ -38,7 +48,7 @@ def monodromy(model: Model, motion: March) -> FloatArray:
     return carried(model, motion, np.eye(motion.pieces[0].y.size))
 
 
-def carried(model: Model, motion: March, deviations: FloatArray) -> FloatArray:
+def carried(model: Model, motion: March, deviations: FloatArray, change: ExcitationChange | None = None) -> FloatArray:
     """What becomes of deviations from the start of a march by its end.
 
     Parameters
@@ -49,6 +59,8 @@ def carried(model: Model, motion: March, deviations: FloatArray) -> FloatArray:
         A march by the exact method.
     deviations : FloatArray, shape (2 n, m)
         (dq, dq') at the start as columns, kg^1/2 m and kg^1/2 m/s, in the modes of the first state.
+    change : ExcitationChange, optional
+        How the excitation changes with a number; the last deviation is then over its unit, and zero at the start.
 
     Returns
     -------
@@ -56,14 +68,38 @@ def carried(model: Model, motion: March, deviations: FloatArray) -> FloatArray:
         The same at the end, in the modes of the last state.
     """
     for piece, following in zip(motion.pieces, (*motion.pieces[1:], None), strict=True):
-        deviations = _flow(model.system(piece.state), piece.end - piece.start, deviations)
+        deviations = _along(model.system(piece.state), piece, deviations, change)
         if piece.switched >= 0:
             y = motion.y if following is None else following.y
             deviations = _jump(model, piece, y, deviations)
+    if change is not None:
+        end = motion.pieces[-1].end
+        deviations[:, -1] -= change.frequency * end * model.system(motion.state).rates(end, motion.y)
     return deviations
 
 
-def traced(model: Model, motion: March, deviations: FloatArray) -> tuple[Segment, ...]:
+def _along(system: System, piece: Piece, deviations: FloatArray, change: ExcitationChange | None) -> FloatArray:
+    """Deviations ``(2 n, m)`` at the end of a piece, before its switch."""
+    if change is None:
+        return _flow(system, piece.end - piece.start, deviations)
+    free = deviations.copy()
+    free[:, -1] -= _forced_change(system, piece.start, change)
+    free = _flow(system, piece.end - piece.start, free)
+    free[:, -1] += _forced_change(system, piece.end, change)
+    return free
+
+
+def _forced_change(system: System, t: float, change: ExcitationChange) -> FloatArray:
+    """How the forced motion (q, q') at a time changes with a number, ``(2 n,)``."""
+    turn, rise = np.exp(1j * (system.driven * t + system.phase)), change.frequency * system.driven
+    waves = system.amplitudes * turn
+    q = system.amplitude_change(change.frequency, change.sizes) * turn + 1j * t * rise * waves
+    return np.concatenate([q.imag.sum(axis=1), (system.driven * q.real + rise * waves.real).sum(axis=1)])
+
+
+def traced(
+    model: Model, motion: March, deviations: FloatArray, change: ExcitationChange | None = None
+) -> tuple[Segment, ...]:
     """A march as the sums of exponentials that its pieces are, and all deviations from it.
 
     Parameters
@@ -74,6 +110,8 @@ def traced(model: Model, motion: March, deviations: FloatArray) -> tuple[Segment
         A march by the exact method.
     deviations : FloatArray, shape (2 n, m)
         (q, q') at the start by each coordinate of a deviation, in the modes of the first state.
+    change : ExcitationChange, optional
+        How the excitation changes with a number; the last deviation is then over its unit, and zero at the start.
 
     Returns
     -------
@@ -82,11 +120,36 @@ def traced(model: Model, motion: March, deviations: FloatArray) -> tuple[Segment
     """
     segments = []
     for i, piece in enumerate(motion.pieces):
-        segments.append(_segment(model, piece, deviations))
-        deviations = _flow(model.system(piece.state), piece.end - piece.start, deviations)
+        if change is None:
+            segments.append(_segment(model, piece, deviations))
+        else:
+            segments.append(_segment_with_change(model, piece, deviations, change))
+        deviations = _along(model.system(piece.state), piece, deviations, change)
         if piece.switched >= 0 and i + 1 < len(motion.pieces):
             deviations = _jump(model, piece, motion.pieces[i + 1].y, deviations)
     return tuple(segments)
+
+
+def _segment_with_change(model: Model, piece: Piece, deviations: FloatArray, change: ExcitationChange) -> Segment:
+    """The same where the last deviation is by a number of the excitation, and becomes `Segment.change`."""
+    system, free = model.system(piece.state), deviations.copy()
+    free[:, -1] -= _forced_change(system, piece.start, change)
+    one, count = _segment(model, piece, free), deviations.shape[1] - 1
+    by_number, loads = one.deviations[:, count], one.amplitudes[one.deviations.shape[0] :]
+    secular = np.zeros_like(one.weights)
+    turning = 1j * change.frequency * system.driven * loads
+    secular[:, by_number.size :] = one.weights[:, by_number.size :] * turning
+    waves = piece.start * secular
+    waves[:, : by_number.size] = one.weights[:, : by_number.size] * by_number
+    waves[:, by_number.size :] += (system.stops @ system.amplitude_change(change.frequency, change.sizes)) * loads
+    polynomial = np.zeros_like(one.polynomial)
+    polynomial[:, :2] = one.drift[:, :, count]
+    return replace(
+        one,
+        deviations=one.deviations[:, :count],
+        drift=one.drift[:, :, :count],
+        change=SegmentChange(waves, secular, polynomial),
+    )
 
 
 def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:

@@ -117,11 +117,11 @@ def _of_motions(plan: BasinPlan, rows: list[Any], kind: str, attributes: dict[st
     """One value, or one for each stop, for each motion of each problem, filled up to the largest number of motions."""
     most = max((len(row) for row in rows), default=0)
     arrays = [np.asarray(row) for row in rows]
-    tail = next((array.shape[1:] for array in arrays if array.size), ())
+    tail = next((array.shape[1:] for array in arrays if array.ndim > 1), ())
     fill: Any = np.nan if kind == "f8" else "" if kind == "O" else _NOTHING
     values = np.full((len(rows), most, *tail), fill, dtype=object if kind == "O" else kind)
     for i, array in enumerate(arrays):
-        values[i, : len(array)] = array
+        values[i, : len(array)] = array.reshape(len(array), *tail)
     dimensions = (*_over(plan), "motion", *(("stop",) if tail else ()))
     return dimensions, values if plan.over is not None else values[0], attributes
 
@@ -137,7 +137,7 @@ def _motions(plan: BasinPlan, tables: Sequence[MotionTable]) -> dict[str, Variab
 
     found = {name: column(each(name), kind, units, text) for name, kind, units, text in _MOTIONS}
     stops = len(plan.problem.stops)
-    impulses = [np.array([m.impulses for m in table.motions]).reshape(-1, stops) for table in tables]
+    impulses = [np.array([m.impulses for m in table.motions]).reshape(len(table.motions), stops) for table in tables]
     text = "impulse of the stop over one excitation period; positive at the top, negative at the bottom"
     found["impulse"] = column(impulses, "f8", "N s", text)
     text = "estimate of the numerical error of the impulse; infinite where none can be stated"

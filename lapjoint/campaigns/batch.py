@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from lapjoint.campaigns.campaign import Campaign, Point
+from lapjoint.campaigns.campaign import Cells, Point
 from lapjoint.one_thread import in_one_thread
 from lapjoint.solver import Progress, Solver, make_solver
 
@@ -46,12 +46,12 @@ class Solved:
 
 
 @in_one_thread
-def solve_batch(plan: Campaign, batch: Batch, progress: Progress | None = None) -> Solved:
+def solve_batch(plan: Cells, batch: Batch, progress: Progress | None = None) -> Solved:
     """Solve the cells of a batch until all are done or `BATCH_SECONDS` are over, and at least one.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     batch : Batch
         Cells to be solved, in their sequence.
@@ -100,12 +100,12 @@ def after(batch: Batch, done: int, section: dict[str, Any] | None) -> Batch | No
     return replace(batch, cells=left, section=section if batch.chained else None) if left else None
 
 
-def batches(plan: Campaign, done: set[int], sections: dict[int, dict[str, Any] | None], length: int) -> Iterator[Batch]:
+def batches(plan: Cells, done: set[int], sections: dict[int, dict[str, Any] | None], length: int) -> Iterator[Batch]:
     """Batches of the cells that are not done: the rest of each chain, or at most `length` independent cells.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     done : set of int
         Numbers of the cells that are done.
@@ -159,12 +159,12 @@ def made_solver(name: str, options: Mapping[str, Any]) -> Solver:
     return _made(name, json.dumps(dict(options), sort_keys=True))
 
 
-def solver_of(plan: Campaign) -> Solver:
+def solver_of(plan: Cells) -> Solver:
     """The solver of a campaign, made once in each process.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
 
     Returns

@@ -7,7 +7,7 @@ dimension ``bifurcation`` in the same way.  docs/branches.md lists the variables
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -15,9 +15,12 @@ import numpy as np
 
 from lapjoint.answers.branches import BifurcationKind
 from lapjoint.answers.steady_state import Outcome
+from lapjoint.campaigns.branch_loci import loci_of
 from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.branch_search import Diagram
 from lapjoint.campaigns.dataset import read_result
 from lapjoint.campaigns.format_version import FORMAT_VERSION
+from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.point import OUTCOME_CODES, Point
 
 if TYPE_CHECKING:
@@ -25,19 +28,24 @@ if TYPE_CHECKING:
 
 KINDS = get_args(BifurcationKind)
 """Names of bifurcations, in the sequence of their codes from 0."""
+_YES_NO = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
+_BESIDE = 2
+"""Number of points on either side of a graze, of which one is just before it and one just behind."""
+_NO_IMPULSE = 1e-3
+"""Largest impulse at a first graze, over the largest of the branch: just behind it, contacts have begun."""
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 """Dimensions, values and attributes, as xarray takes them."""
 
 
-def branch_dataset(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> xr.Dataset:
+def branch_dataset(plan: BranchPlan, diagrams: Sequence[Diagram]) -> xr.Dataset:
     """The dataset of branches.
 
     Parameters
     ----------
     plan : BranchPlan
         What was looked for.
-    branches : sequence of dict
-        The branches, as `lapjoint.campaigns.branch_parts.solve_branch` gives them.
+    diagrams : sequence of Diagram
+        What was found at each value of the second number; one where there is none.
 
     Returns
     -------
@@ -47,6 +55,7 @@ def branch_dataset(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> xr.D
     import xarray as xr
 
     stops = plan.problem.stops
+    branches = [branch for diagram in diagrams for branch in diagram.branches]
     names = np.array(plan.problem.stop_names, dtype=object)
     coordinates: dict[str, Variable] = {"stop_name": (("stop",), names, {"long_name": "name of the stop"})}
     signs = np.array([stop.sign for stop in stops], dtype="i1")
@@ -56,7 +65,11 @@ def branch_dataset(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> xr.D
         **_points(plan, branches),
         **_bifurcations(plan, branches),
         **_branches(branches),
+        **_not_followed(plan, diagrams),
     }
+    if plan.also_over is not None:
+        coordinates |= _second_axis(plan.also_over)
+        variables |= _second(plan.also_over, diagrams, variables)
     return xr.Dataset(variables, coords=coordinates, attrs=_attributes(plan))
 
 
@@ -92,7 +105,6 @@ def _points(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[str, V
         "flag_meanings": " ".join(OUTCOME_CODES).lower(),
         "comment": " ".join(sentences),
     }
-    yes_no = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
 
     def peaks(row: Point) -> list[float]:
         return [max((c[4] for c in row.contacts if c[0] == k), default=0.0) for k in range(stops)]
@@ -125,12 +137,12 @@ def _points(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[str, V
         "stable": (
             ("point",),
             np.array(stable, dtype="i1"),
-            {"long_name": "whether all Floquet multipliers lie within the unit circle", **yes_no},
+            {"long_name": "whether all Floquet multipliers lie within the unit circle", **_YES_NO},
         ),
         "symmetric": (
             ("point",),
             np.array([row.symmetric for row in rows], dtype="i1"),
-            {"long_name": "whether half the motion's period mirrors it", **yes_no},
+            {"long_name": "whether half the motion's period mirrors it", **_YES_NO},
         ),
         "period_multiple": scalar("period_multiple", "i4", "1", "excitation periods after which the motion repeats"),
         "residual": scalar("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
@@ -178,12 +190,27 @@ def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[
         ),
         "bifurcation_stop": column("stop", "i4", "stop that is grazed, from 0; -1 where none is", units="1"),
         "bifurcation_after": column("after", object, "what the branch does at a graze: persists, folds or ends"),
+        "bifurcation_first": (
+            ("bifurcation",),
+            np.array([_is_first(branches[i], row) for i, row in zip(owner, rows, strict=True)], dtype="i1"),
+            {"long_name": "whether it is a graze on one side of which no stop is touched", **_YES_NO},
+        ),
         "bifurcation_impulse": (
             ("bifurcation", "stop"),
             _table([row["impulses"] or (np.nan,) * stops for row in rows], stops),
             _with_units("N s", "impulse of the stop over one excitation period"),
         ),
     }
+
+
+def _is_first(branch: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
+    """Whether a bifurcation is a graze on one side of which no stop is touched."""
+    points, at = branch["points"], row["index"]
+    beside = points[max(at - _BESIDE, 0) : at + _BESIDE]
+    if row["kind"] != "grazing" or not any(not point["contacts"] for point in beside):
+        return False
+    largest = max((abs(impulse) for point in points for impulse in point["impulses"]), default=0.0)
+    return max(map(abs, row["impulses"]), default=0.0) <= _NO_IMPULSE * largest
 
 
 def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
@@ -195,6 +222,56 @@ def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
         )
         for i, which in enumerate(("first", "last"))
     }
+
+
+def _not_followed(plan: BranchPlan, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
+    """What was found, but not followed."""
+    dimensions = () if plan.also_over is None else (plan.also_over.name,)
+    left = np.array([diagram.left_out for diagram in diagrams], dtype="i4")
+    text = "number of motions whose branches were not followed, as the effort was spent"
+    found: dict[str, Variable] = {
+        "left_out": (dimensions, left if dimensions else left[0], {"units": "1", "long_name": text})
+    }
+    rows = [(i, reason) for i, diagram in enumerate(diagrams) for reason in diagram.failures]
+    if rows:
+        values, reasons = zip(*rows, strict=True)
+        text = "why a start, or a motion that was found, could not be followed"
+        found["failure_message"] = ("failure",), np.array(reasons, dtype=object), {"long_name": text}
+        if plan.also_over is not None:
+            at = np.array(plan.also_over.values)[list(values)]
+            found["failure_also_over"] = ("failure",), at, _at_value(plan.also_over)
+    return found
+
+
+def _second_axis(axis: Axis) -> dict[str, Variable]:
+    """The values of the second number, as a coordinate."""
+    return {axis.name: ((axis.name,), np.array(axis.values), {**_at_value(axis), "path": axis.path})}
+
+
+def _second(axis: Axis, diagrams: Sequence[Diagram], known: Mapping[str, Variable]) -> dict[str, Variable]:
+    """At which value of the second number each branch and each bifurcation is, and on which locus the latter lies."""
+    at = np.repeat(np.array(axis.values), [len(diagram.branches) for diagram in diagrams])
+    owner, point = known["bifurcation_branch"][1], known["bifurcation_point"][1]
+    multiple = known["period_multiple"][1]
+    at_point = np.minimum(point, multiple.size - 1)
+    impulses = known["bifurcation_impulse"][1]
+    named = (known[f"bifurcation_{name}"][1] for name in ("kind", "stop", "first"))
+    columns = (*named, multiple[at_point])
+    labels = [
+        None if KINDS[key[0]] == "unresolved" else key
+        for key in zip(*(column.tolist() for column in columns), strict=True)
+    ]
+    loci = loci_of(axis.values, labels, at[owner], known["bifurcation_value"][1], impulses)
+    text = "number of the locus: bifurcations at neighbouring values of the second number that are one have the same"
+    return {
+        "branch_also_over": (("branch_number",), at, _at_value(axis)),
+        "bifurcation_also_over": (("bifurcation",), at[owner], _at_value(axis)),
+        "bifurcation_locus": (("bifurcation",), loci.astype("i4"), {"units": "1", "long_name": text}),
+    }
+
+
+def _at_value(axis: Axis) -> dict[str, Any]:
+    return {"units": axis.units, "long_name": axis.path}
 
 
 def _table(rows: Sequence[Sequence[float]], width: int) -> Any:
@@ -222,6 +299,8 @@ def _attributes(plan: BranchPlan) -> dict[str, Any]:
         "seed": plan.seed,
         "errors": int(plan.errors),
         "max_points": plan.max_points,
+        "effort": plan.effort,
+        **({} if plan.also_over is None else {"also_over": plan.also_over.path}),
         **{f"version_{name}": number for name, number in identity["versions"].items()},
         "fingerprint": plan.fingerprint,
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
@@ -15,9 +16,15 @@ from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.continuation import Limits
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.free_motion import free_seed
 from lapjoint.orbits.branches.seeds import on_branch, seed_from
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
+
+_A_FEW = 3
+"""Number of points that tell whether all is compiled that a branch takes."""
+_KEPT = 8
+"""Number of plans of which the period maps are kept: values of a second number whose branches are followed at once."""
 
 
 def family_of(plan: BranchPlan) -> Family:
@@ -54,15 +61,15 @@ class _Known:
         return isinstance(other, _Known) and other.plan.fingerprint == self.plan.fingerprint
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=_KEPT)
 def _family(key: _Known) -> Family:
     plan = key.plan
     return Family(plan.check(), plan.problem_at, plan.path, *plan.axis.values)
 
 
 @in_one_thread
-def solve_start(plan: BranchPlan, number: int, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
-    """The motion that a start leads to.
+def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
+    """The motion that a start leads to and, at an end of the range, that without contact.
 
     Parameters
     ----------
@@ -70,21 +77,21 @@ def solve_start(plan: BranchPlan, number: int, progress: Callable[[float], None]
         The plan.
     number : int
         Number of the start.
-    progress : callable, optional
-        Not called: a start takes no time.
 
     Returns
     -------
     dict of str to Any
-        ``seeds``, none or one, as `plain_seed` gives it.
+        ``seeds``, as `plain_seed` gives each.
     """
     family, value = family_of(plan), plan.value_of(number)
     problem, solver = plan.problem_at(value), family.solver
     if number >= 2:
         assert isinstance(solver, Solver)
         problem = problem.replace(initial=random_initial(problem, solver, (plan.seed, number)))
-    seed = seed_from(family, value, solver.period_map(problem).initial(), plan.max_period_multiple)
-    return {"seeds": [] if seed is None else [plain_seed(seed)]}
+    # A branch is followed from the motion without contact where there is one: from that side a first graze is sharp.
+    found = [free_seed(family, value)] if number < 2 else []
+    found.append(seed_from(family, value, solver.period_map(problem).initial(), plan.max_period_multiple))
+    return {"seeds": [plain_seed(seed) for seed in found if seed is not None]}
 
 
 @in_one_thread
@@ -121,6 +128,20 @@ def solve_branch(
     if found is None:
         return {"seeds": [], "points": [], "message": "Newton's method does not find the motion again"}
     return {"seeds": [plain_seed(seed) for seed in found.seeds], "count": plain["count"], **_plain(found.branch)}
+
+
+def follow_a_little(plan: BranchPlan, plain: Mapping[str, Any]) -> None:
+    """Follow the branch of a motion for a few points, so that all that this takes is compiled and stored.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    plain : mapping
+        The motion, as `plain_seed` gives it.
+    """
+    with suppress(SolverError):
+        trace(family_of(plan), seed_of(plain), most_multiple=1, errors=False, limits=Limits(_A_FEW))
 
 
 def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, Any]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -19,6 +19,9 @@ MAX_POINTS = 5000
 """Default of the largest number of points of a branch: the paper's joint from 1 to 5000 rad/s has some 1200."""
 MOST_POINTS = 1_000_000
 """Largest number of points of a branch that may be asked for."""
+EFFORT = 20_000
+"""Default of the number of points of all branches together, each counted by its period multiple, from which on no
+further branch is followed: some minutes of work in one process."""
 MOST_MULTIPLE = 64
 """Largest period multiple of branches."""
 
@@ -42,13 +45,19 @@ class BranchPlan:
     max_period_multiple : int
         Largest period multiple of branches.
     starts : int
-        Number of random starts; the problem's own initial state at both ends of the range is one always.
+        Number of random starts; the problem's own initial state and the motion without contact at both ends of the
+        range are always among them.
     seed : int
         Seed of the random starts.
     errors : bool
         Whether to estimate the errors of the bifurcations.
     max_points : int
         Largest number of points of a branch.
+    effort : int
+        Number of points of all branches together, each counted by its period multiple, from which on no further branch
+        is followed; with a second number, at each of its values.
+    also_over : Axis, optional
+        A second number, and the values for which all this is done; without it, all is done once.
 
     Raises
     ------
@@ -70,17 +79,24 @@ class BranchPlan:
     seed: int = 0
     errors: bool = True
     max_points: int = MAX_POINTS
+    effort: int = EFFORT
+    also_over: Axis | None = None
 
     def __post_init__(self) -> None:
         check_integer("max_period_multiple", self.max_period_multiple, 1, MOST_MULTIPLE)
         check_integer("starts", self.starts, 0, MOST_STARTS)
         check_integer("max_points", self.max_points, 2, MOST_POINTS)
+        check_integer("effort", self.effort, 1, MOST_POINTS)
         check_integer("seed", self.seed, 0, 2**63 - 1)
         for name, value in (("from", self.first), ("to", self.last)):
             if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
                 raise InputError(f"{name} = {value!r}: must be a finite number")
         if self.first == self.last:
             raise InputError(f"to = {self.last:g}: must differ from {self.first:g}, where the range begins")
+        if self.also_over is not None and self.also_over.path == self.axis.path:
+            raise InputError(
+                f"also_over = {self.also_over.path}: is the number that changes along the branches already"
+            )
 
     @cached_property
     def axis(self) -> Axis:
@@ -91,6 +107,33 @@ class BranchPlan:
     def grid(self) -> Grid:
         """The problems at the ends of the range, and between them."""
         return Grid(self.problem, (self.axis,))
+
+    @property
+    def values(self) -> int:
+        """Number of values of the second number; 1 without it."""
+        return 1 if self.also_over is None else len(self.also_over.values)
+
+    def at(self, value: int) -> BranchPlan:
+        """The plan of one value of the second number.
+
+        Parameters
+        ----------
+        value : int
+            Number of the value.
+
+        Returns
+        -------
+        BranchPlan
+            The plan of the problem with that value; this one where there is no second number.
+
+        Raises
+        ------
+        InputError
+            If there is no such problem; the message names the value.
+        """
+        if self.also_over is None:
+            return self
+        return replace(self, problem=Grid(self.problem, (self.also_over,)).problem_at(value), also_over=None)
 
     @property
     def size(self) -> int:
@@ -144,7 +187,8 @@ class BranchPlan:
             If the solver does not take its options, or there is no valid problem at an end of the range.
         """
         solver = make_solver(self.solver, **self.options)
-        self.grid.check()
+        axes = (self.axis,) if self.also_over is None else (self.also_over, self.axis)
+        Grid(self.problem, axes).check()
         return solver
 
     @cached_property
@@ -162,6 +206,8 @@ class BranchPlan:
             "seed": self.seed,
             "errors": self.errors,
             "max_points": self.max_points,
+            "effort": self.effort,
+            "also_over": None if self.also_over is None else {self.also_over.path: list(self.also_over.values)},
             "versions": versions(),
         }
 

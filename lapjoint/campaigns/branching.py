@@ -1,35 +1,33 @@
-"""Runs a search for branches: starts first, then the branches of the motions that they lead to, and so on.
+"""Runs a search for branches from its plan to its dataset, in rounds whose parts workers do at the same time.
 
-Several processes follow branches in rounds of a few, one process one after the other.  Motions that lie on a branch
-that is known are left out, by the sequence of the motions and not of the work; so neither the number of workers nor an
-interruption changes what is found, or in what sequence.
+Several workers follow branches of all values of a second number in rounds of a few each; one process takes one value
+after the other, and one branch after the other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import as_completed
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lapjoint.campaigns.batch import Batch, Solved
 from lapjoint.campaigns.branch_journal import BranchJournal
-from lapjoint.campaigns.branch_plan import MAX_POINTS, BranchPlan
-from lapjoint.campaigns.running import stored
-from lapjoint.campaigns.workers import check_workers
-from lapjoint.errors import InputError
+from lapjoint.campaigns.branch_plan import EFFORT, MAX_POINTS, BranchPlan
+from lapjoint.campaigns.grid import Axis
+from lapjoint.campaigns.running import send, stored
+from lapjoint.campaigns.workers import Workers, check_workers
 from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem import Problem
-from lapjoint.processes import interrupts_held, process_pool
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from lapjoint.campaigns.branch_search import Diagram, Part, Search
+
 _ROUND = 4
-"""Number of branches that several processes follow before those that came out the same are told apart."""
-Part = tuple[str, Callable[..., dict[str, Any]], Any]
-"""A part of the work: its name, the function that does it, and what it takes besides the plan and a progress."""
+"""Number of branches that several workers follow, at each value of a second number, before those that came out the same
+are told apart."""
 
 
 def branch(
@@ -45,7 +43,10 @@ def branch(
     seed: int = 0,
     errors: bool = True,
     max_points: int = MAX_POINTS,
-    workers: int = 1,
+    effort: int = EFFORT,
+    also_over: Axis | None = None,
+    workers: Workers = 1,
+    scheduler: str | None = None,
     out: str | Path | None = None,
     force: bool = False,
     progress: Progress | None = None,
@@ -68,8 +69,8 @@ def branch(
     max_period_multiple : int
         Largest period multiple: branches that spring from flips are followed up to it.
     starts : int
-        Number of random starts besides the problem's own initial state at both ends of the range: they find branches
-        that do not spring from those.
+        Number of random starts besides the problem's own initial state and the motion without contact at both ends of
+        the range: they find branches that do not spring from those.
     seed : int
         Seed of the random starts.
     errors : bool
@@ -77,8 +78,16 @@ def branch(
     max_points : int
         Largest number of points of a branch; one that needs more, or more tries than go with so many, ends as
         ``effort``.
-    workers : int
-        Number of processes, -1 for all processors.
+    effort : int
+        Number of points of all branches together, each counted by its period multiple, from which on no further branch
+        is followed, at each value of `also_over`; the dataset tells how many motions are left out.
+    also_over : Axis, optional
+        A second number, and the values for which all this is done: bifurcations that go on from value to value lie on
+        one locus.
+    workers : int or map-like callable
+        Number of processes, -1 for all processors; or a function that maps a function over an iterable.
+    scheduler : str, optional
+        Address of a dask scheduler whose workers do the work instead, ``tcp://host:8786``.
     out : str or Path, optional
         File of the dataset, as NetCDF.  Until the search is finished, a journal beside it keeps the branches that are
         done, and the same call resumes.
@@ -102,19 +111,20 @@ def branch(
     Interrupted
         After Ctrl-C.
     """
-    plan = BranchPlan(
-        problem, path, first, last, solver, dict(options or {}), max_period_multiple, starts, seed, errors, max_points
-    )
+    numerics, limits = dict(options or {}), (max_points, effort)
+    how = max_period_multiple, starts, seed, errors, *limits, also_over
+    plan = BranchPlan(problem, path, first, last, solver, numerics, *how)
     found = None if out is None else stored(plan, out, force=force)
     if found is not None:
         return found
-    return find_branches(plan, workers=workers, out=out, force=force, progress=progress)
+    return find_branches(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
 
 
 def find_branches(
     plan: BranchPlan,
     *,
-    workers: int = 1,
+    workers: Workers = 1,
+    scheduler: str | None = None,
     out: str | Path | None = None,
     force: bool = False,
     progress: Progress | None = None,
@@ -125,8 +135,10 @@ def find_branches(
     ----------
     plan : BranchPlan
         The plan.
-    workers : int
-        Number of processes, -1 for all processors.
+    workers : int or map-like callable
+        Number of processes, -1 for all processors, or a function like `map`.
+    scheduler : str, optional
+        Address of a dask scheduler whose workers do the work instead.
     out : str or Path, optional
         File of the dataset.
     force : bool
@@ -153,88 +165,82 @@ def find_branches(
     """
     from lapjoint.campaigns.branch_dataset import branch_dataset
 
-    count = check_workers(workers)
-    if not isinstance(count, int):
-        raise InputError(f"workers = {workers!r}: must be a number of processes")
+    workers = check_workers(workers)
     plan.check()
     if out is None:
-        return branch_dataset(plan, _Search(plan, None, count, progress).run())
+        return branch_dataset(plan, _Work(plan, None, workers, scheduler, progress).done())
     journal = BranchJournal(plan, out, force=force)
     with journal.going():
-        dataset = branch_dataset(plan, _Search(plan, journal, count, progress).run())
+        dataset = branch_dataset(plan, _Work(plan, journal, workers, scheduler, progress).done())
         write_netcdf(dataset, out)
         journal.remove()
     return dataset
 
 
-class _Search:
-    """A search under way."""
+class _Work:
+    """The work on a plan."""
 
     def __init__(
-        self, plan: BranchPlan, journal: BranchJournal | None, workers: int, progress: Progress | None
+        self,
+        plan: BranchPlan,
+        journal: BranchJournal | None,
+        workers: Workers,
+        scheduler: str | None,
+        progress: Progress | None,
     ) -> None:
-        self._plan, self._journal, self._workers, self._progress = plan, journal, workers, progress
+        self._plan, self._journal, self._progress = plan, journal, progress
+        self._workers, self._scheduler = workers, scheduler
         self._parts: dict[str, dict[str, Any]] = {} if journal is None else journal.parts
-        self._known_of = plan.size + 1  # one branch at least is to be expected
+        self._known_of = (plan.size + 1) * plan.values  # one branch at least is to be expected at each value
 
-    def run(self) -> list[dict[str, Any]]:
-        """All branches, as `solve_branch` gives them, in the sequence in which they were accepted."""
-        from lapjoint.campaigns.branch_parts import solve_branch, solve_start
+    def done(self) -> list[Diagram]:
+        """What is found at each value of the second number."""
+        from lapjoint.campaigns.branch_search import Search
 
-        starts: list[Part] = [(f"start {i}", solve_start, i) for i in range(self._plan.size)]
-        waiting = [seed for found in self._done(starts) for seed in found["seeds"]]
-        branches: list[dict[str, Any]] = []
-        self._known_of -= 1
-        seen, together = 0, 1 if self._workers == 1 else _ROUND
-        while waiting:
-            now: list[tuple[int, dict[str, Any]]] = []
-            while waiting and len(now) < together:
-                seed = waiting.pop(0)
-                if not self._is_known(seed, branches):
-                    now.append((seen, seed))
-                seen += 1
-            parts: list[Part] = [(f"branch {number}", solve_branch, seed) for number, seed in now]
-            self._known_of += len(now)
-            for (_, seed), found in zip(now, self._done(parts), strict=True):
-                if found["points"] and not self._is_known(seed, branches):
-                    branches.append(found)
-                    waiting += found["seeds"]
-        return branches
+        alone = self._workers == 1 and self._scheduler is None
+        searches = [Search(self._plan, i, 1 if alone else _ROUND) for i in range(self._plan.values)]
+        for together in [[search] for search in searches] if alone else [searches]:
+            self._do(together)
+        return [search.diagram for search in searches]
 
-    def _is_known(self, seed: Mapping[str, Any], branches: list[dict[str, Any]]) -> bool:
-        from lapjoint.campaigns.branch_parts import is_known
+    def _do(self, searches: list[Search]) -> None:
+        """Do some searches at the same time."""
+        expected = {id(search): 1 for search in searches}
+        while True:
+            rounds = [(search, search.next()) for search in searches]
+            if not any(parts for _, parts in rounds):
+                return
+            for search, parts in rounds:
+                branches = sum(part.seed is not None for part in parts)
+                self._known_of += max(branches - expected[id(search)], 0)
+                expected[id(search)] = max(expected[id(search)] - branches, 0)
+            self._solve([part for _, parts in rounds for part in parts])
+            for search, parts in rounds:
+                search.take(parts, [self._parts[part.name] for part in parts])
 
-        return any(is_known(self._plan, seed, one) for one in branches)
+    def _solve(self, parts: list[Part]) -> None:
+        """Do those parts that are not done."""
+        from lapjoint.campaigns.branch_round import Round
 
-    def _done(self, parts: list[Part]) -> list[dict[str, Any]]:
-        """The results of some parts, in their sequence; those that are missing are worked out."""
-        missing = [part for part in parts if part[0] not in self._parts]
+        missing = tuple(part for part in parts if part.name not in self._parts)
         self._say()
-        for name, result in self._worked_out(missing):
-            if self._journal is None:
-                self._parts[name] = result
-            else:
-                self._journal.keep(name, result)
-            self._say()
-        return [self._parts[name] for name, _, _ in parts]
 
-    def _worked_out(self, missing: list[Part]) -> Iterator[tuple[str, dict[str, Any]]]:
-        """Results, in any sequence."""
-        if self._workers == 1 or len(missing) < 2:
-            for name, function, what in missing:
-                yield name, function(self._plan, what, self._say)
-            return
-        # The first makes numba compile the march and store the machine code, which the processes then load.
-        name, function, what = missing[0]
-        yield name, function(self._plan, what, self._say)
-        with process_pool(min(self._workers, len(missing) - 1)) as pool:
-            with interrupts_held():
-                futures = {
-                    pool.submit(partial(function, self._plan), what): name for name, function, what in missing[1:]
-                }
-            for future in as_completed(futures):
-                yield futures[future], future.result()
+        def deliver(solved: Solved) -> None:
+            for cell, found in solved.points.items():
+                self._keep(missing[cell].name, found.result)  # type: ignore[attr-defined]  # of a Round it is Found
 
-    def _say(self, share: float = 0.0) -> None:
+        if missing:
+            todo = [Batch((cell,)) for cell in range(len(missing))]
+            workers, scheduler = (1, None) if len(missing) == 1 else (self._workers, self._scheduler)
+            send(Round(self._plan, missing), todo, workers, scheduler, deliver, self._say)
+
+    def _keep(self, name: str, result: dict[str, Any]) -> None:
+        if self._journal is None:
+            self._parts[name] = result
+        else:
+            self._journal.keep(name, result)
+        self._say()
+
+    def _say(self, share: float = 0.0, whole: float = 1.0) -> None:
         if self._progress is not None:
-            self._progress(len(self._parts) + share, self._known_of)
+            self._progress(len(self._parts) + share / whole, self._known_of)

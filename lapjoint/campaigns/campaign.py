@@ -47,8 +47,8 @@ class Kept(Protocol):
         """A digest of the identity."""
 
 
-class Campaign(Kept, Protocol):
-    """Work that is done cell by cell."""
+class Cells(Kept, Protocol):
+    """Cells that workers solve: all that these ask of their work."""
 
     @property
     def solver(self) -> str:
@@ -68,20 +68,6 @@ class Campaign(Kept, Protocol):
 
     def chains(self) -> Iterator[tuple[int, ...]]:
         """The cells of each chain, in the sequence in which they are solved, where they are chained."""
-
-    def check(self) -> Solver:
-        """Check everything that can be checked before any work, and make the solver.
-
-        Returns
-        -------
-        Solver
-            The solver, with its options.
-
-        Raises
-        ------
-        InputError
-            If something is not allowed.
-        """
 
     def answer(
         self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
@@ -124,6 +110,24 @@ class Campaign(Kept, Protocol):
         -------
         Point
             The answer.
+        """
+
+
+class Campaign(Cells, Protocol):
+    """Work that is done cell by cell, and makes a dataset of what its cells come to."""
+
+    def check(self) -> Solver:
+        """Check everything that can be checked before any work, and make the solver.
+
+        Returns
+        -------
+        Solver
+            The solver, with its options.
+
+        Raises
+        ------
+        InputError
+            If something is not allowed.
         """
 
     def dataset(self, points: Mapping[int, Any]) -> xr.Dataset:

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from lapjoint.campaigns.batch import Batch, Solved, after, solve_batch
-from lapjoint.campaigns.campaign import Campaign
+from lapjoint.campaigns.campaign import Cells
 from lapjoint.campaigns.workers import Deliver, given_up
 from lapjoint.errors import InputError, SolverError
 
@@ -26,7 +26,7 @@ LOOK = 5.0
 """Time between two looks at the workers, while nothing is finished, s."""
 
 
-def work_on_cluster(plan: Campaign, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
+def work_on_cluster(plan: Cells, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
     """Solve all batches on the workers of a dask scheduler.
 
     Dask sends a batch whose worker died to another worker, a few times.  If all of them die, the batch is sent again
@@ -34,7 +34,7 @@ def work_on_cluster(plan: Campaign, batches: Iterable[Batch], scheduler: str, de
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     batches : iterable of Batch
         The work.
@@ -135,7 +135,7 @@ async def _answer(scheduler: str) -> None:
     comm.abort()
 
 
-def _work(client: Any, plan: Campaign, batches: Iterable[Batch], deliver: Deliver) -> None:
+def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) -> None:
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}

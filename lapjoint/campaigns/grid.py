@@ -10,6 +10,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -224,11 +225,25 @@ class Grid:
         InputError
             If there is no such problem; the message names the values.
         """
-        tables = copy.deepcopy(self._tables)
-        for axis, value in zip(self.axes, values, strict=True):
-            for path, number in self._numbers(axis, value):
-                assign(tables, path, number, f"axis {axis.path}")
-        return problem_from_tables(tables, _described(self.axes, values))
+        numbers = [
+            (path, number, f"axis {axis.path}")
+            for axis, value in zip(self.axes, values, strict=True)
+            for path, number in self._numbers(axis, value)
+        ]
+        with suppress(InputError):  # its message would be of parts, and not of tables
+            return problem_from_tables(self._assigned(numbers, parts=True), _described(self.axes, values))
+        return problem_from_tables(self._assigned(numbers, parts=False), _described(self.axes, values))
+
+    def _assigned(self, numbers: list[tuple[str, float, str]], *, parts: bool) -> dict[str, Any]:
+        """The tables with some numbers; the parts in which none lies are those of the problem, if that is wanted."""
+        touched = {path_keys(path)[0] for path, _, _ in numbers}
+        tables = {
+            key: getattr(self.problem, key) if parts and key not in touched else copy.deepcopy(table)
+            for key, table in self._tables.items()
+        }
+        for path, number, source in numbers:
+            assign(tables, path, number, source)
+        return tables
 
     @cached_property
     def _tables(self) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.batch import after, batches, solve_batch, solver_of
-from lapjoint.campaigns.campaign import Campaign, Kept, Rehearses
+from lapjoint.campaigns.campaign import Campaign, Cells, Kept, Rehearses
 from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.journal import Journal
 from lapjoint.campaigns.pace import Pace
@@ -330,7 +330,7 @@ def all_cells(
 
 
 def send(
-    plan: Campaign,
+    plan: Cells,
     todo: list[Batch],
     workers: Workers,
     scheduler: str | None,
@@ -341,7 +341,7 @@ def send(
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     todo : list of Batch
         What is to be done of it, at least one batch.
@@ -366,7 +366,7 @@ def send(
         work_here(plan, todo, deliver, progress)
 
 
-def _after_first_cell(plan: Campaign, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
+def _after_first_cell(plan: Cells, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
     """Solve the first cell in this process, or rehearse it, and give the batches that are left for the workers.
 
     That makes numba compile the march and store the machine code on the disk.  The workers then load it, instead of

@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any
 
 from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_batch
-from lapjoint.campaigns.campaign import Campaign
+from lapjoint.campaigns.campaign import Cells
 from lapjoint.errors import InputError
 from lapjoint.processes import end_pool, interrupts_held, new_pool
 from lapjoint.solver import Progress
@@ -56,12 +56,12 @@ def check_workers(workers: Workers) -> Workers:
     return len(os.sched_getaffinity(0)) if workers == -1 else workers
 
 
-def work_here(plan: Campaign, batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
+def work_here(plan: Cells, batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
     """Solve all batches in this process, one after the other.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     batches : iterable of Batch
         The work.
@@ -78,12 +78,12 @@ def work_here(plan: Campaign, batches: Iterable[Batch], deliver: Deliver, progre
             left = solved.left
 
 
-def work_mapped(plan: Campaign, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
+def work_mapped(plan: Cells, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
     """Solve all batches by a function like `map`, in rounds: the rest of an unfinished batch is in the next round.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     batches : iterable of Batch
         The work.
@@ -101,12 +101,12 @@ def work_mapped(plan: Campaign, batches: Iterable[Batch], mapper: Mapper, delive
                 left.append(solved.left)
 
 
-def given_up(plan: Campaign, batch: Batch, reason: str) -> Solved:
+def given_up(plan: Cells, batch: Batch, reason: str) -> Solved:
     """Give up the first cell of a batch.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     batch : Batch
         The batch.
@@ -121,12 +121,12 @@ def given_up(plan: Campaign, batch: Batch, reason: str) -> Solved:
     return Solved({batch.cells[0]: plan.point({"message": reason})}, batch.section, after(batch, 1, batch.section))
 
 
-def work_in_processes(plan: Campaign, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
+def work_in_processes(plan: Cells, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
     """Solve all batches in a pool of processes; the sweep goes on when processes die.
 
     Parameters
     ----------
-    plan : Campaign
+    plan : Cells
         The work.
     batches : iterable of Batch
         The work.
@@ -162,7 +162,7 @@ class _Run:
     for twice this time for each suspected batch.  Afterwards the rest of a batch waits with the others again.
     """
 
-    def __init__(self, plan: Campaign, waiting: deque[Batch], workers: int, deliver: Deliver) -> None:
+    def __init__(self, plan: Cells, waiting: deque[Batch], workers: int, deliver: Deliver) -> None:
         self._plan, self._waiting, self._deliver = plan, waiting, deliver
         self._workers = min(workers, len(waiting))
         self._suspected: deque[Batch] = deque()

@@ -112,11 +112,11 @@ def frequencies(first: float, last: float, step: float, hz: bool = False) -> tup
     return tuple((first + i * step) * radians for i in range(int(steps) + 1))
 
 
-def axis_from(text: str) -> Axis:
+def axis_from(text: str, option: str = "--over") -> Axis:
     """An axis from ``PATH=FROM:TO:COUNT`` or ``PATH=a,b,c``."""
     path, equals, values = text.partition("=")
     if not equals or not path.strip():
-        raise InputError(f"--over {text}: must be PATH=FROM:TO:COUNT or PATH=a,b,c, as in stops.*.gap=1e-3:3e-3:5")
+        raise InputError(f"{option} {text}: must be PATH=FROM:TO:COUNT or PATH=a,b,c, as in stops.*.gap=1e-3:3e-3:5")
     try:
         if ":" not in values:
             return Axis(path, tuple(float(value) for value in values.split(",")))
@@ -125,9 +125,9 @@ def axis_from(text: str) -> Axis:
     except ValueError as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"--over {text}: must be FROM:TO:COUNT or numbers with commas between them") from None
+        raise InputError(f"{option} {text}: must be FROM:TO:COUNT or numbers with commas between them") from None
     if not 1 <= count <= MOST_POINTS or not math.isfinite(last - first):
-        raise InputError(f"--over {text}: must have finite ends, and a count from 1 to {MOST_POINTS}")
+        raise InputError(f"{option} {text}: must have finite ends, and a count from 1 to {MOST_POINTS}")
     return Axis(path, tuple(np.linspace(first, last, count).tolist()))
 
 

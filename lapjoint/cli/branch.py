@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from lapjoint.cli.completing import FILE
-from lapjoint.cli.options import problem_options, solver_options
+from lapjoint.cli.options import campaign_options, problem_options, solver_options
 
 
 @click.command()
@@ -46,8 +46,21 @@ from lapjoint.cli.options import problem_options, solver_options
     show_default=True,
     help="Most points of a branch; one that needs more ends as `effort`.",
 )
-@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
-@click.option("--force", is_flag=True, help="Throw away something else that is in FILE.")
+@click.option(
+    "--effort",
+    type=int,
+    default=20_000,
+    show_default=True,
+    help="Follow no further branch once all have so many points, each counted by its period multiple.",
+)
+@click.option(
+    "--also-over",
+    "second",
+    metavar="PATH=VALUES",
+    help="Do all this for values of another number, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    "damping.ratio=0.02,0.08: the loci of bifurcations in both.",
+)
+@campaign_options
 def branch(
     problem: str,
     overrides: tuple[str, ...],
@@ -64,26 +77,31 @@ def branch(
     seed: int,
     errors: bool,
     max_points: int,
+    effort: int,
+    second: str | None,
     workers: int,
+    scheduler: str | None,
     force: bool,
 ) -> None:
     """Follow the periodic motions of PROBLEM, stable or not, while one of its numbers changes.
 
-    Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located.  Interrupted in any way, the
-    same command resumes.
+    Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located; with --also-over, their loci in
+    two numbers.  Interrupted in any way, the same command resumes.
     """
     from lapjoint.campaigns.branch_plan import BranchPlan
     from lapjoint.campaigns.branching import find_branches
     from lapjoint.cli import arguments
-    from lapjoint.cli.branch_printing import print_branches
+    from lapjoint.cli.branch_printing import is_whole, print_branches
     from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", out, ".nc")
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
-    how = max_period_multiple, starts, seed, errors, max_points
+    also_over = None if second is None else arguments.axis_from(second, "--also-over")
+    how = max_period_multiple, starts, seed, errors, max_points, effort, also_over
     plan = BranchPlan(this, path, first, last, solver_name, numerics, *how)
-    found = found_or_stored(plan, "branch", "these branches", find_branches, out=out, force=force, workers=workers)
+    found = found_or_stored(
+        plan, "branch", "these branches", find_branches, out=out, force=force, workers=workers, scheduler=scheduler
+    )
     print_branches(found)
-    ends = [*found.branch_first_end.values, *found.branch_last_end.values]
-    click.get_current_context().exit(1 if not ends or {"lost", "effort"} & set(ends) else 0)
+    click.get_current_context().exit(0 if is_whole(found) else 1)

@@ -2,40 +2,81 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.campaigns.branch_dataset import KINDS
 from lapjoint.cli.echo import echo
+from lapjoint.figures.branch_names import bifurcation_name, locus_name, number_of, second_number_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
+ROWS_SHOWN = 40
+
+
+def is_whole(dataset: xr.Dataset) -> bool:
+    """Whether branches were found, and all that began was followed to its end."""
+    ends = {*dataset.branch_first_end.values, *dataset.branch_last_end.values}
+    failed = int(dataset.sizes.get("failure", 0))
+    return bool(ends) and not ends & {"lost", "effort"} and not int(dataset.left_out.sum()) and not failed
+
 
 def print_branches(dataset: xr.Dataset) -> None:
-    """Print each branch in a line, with its bifurcations below.
+    """Print each branch in a line, with its bifurcations below; with a second number, the loci of these instead.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         The dataset of branches.
     """
-    name = next(str(key) for key, value in dataset.variables.items() if value.attrs.get("path"))
-    numbers = dataset.branch_first_end.size
-    if not numbers:
+    if not dataset.branch_first_end.size:
         echo("no periodic motion was found from any start")
-    for i in range(numbers):
-        mine = np.flatnonzero(dataset.branch.values == i)
-        values, stable = dataset[name].values[mine], int(dataset.stable.values[mine].sum())
-        multiple = int(dataset.period_multiple.values[mine[0]])
-        ends = f"{dataset.branch_first_end.values[i]}, {dataset.branch_last_end.values[i]}"
-        echo(
-            f"branch {i}: period multiple {multiple}, {mine.size} points, {stable} stable, "
-            f"from {values.min():.6g} to {values.max():.6g}; ends: {ends}"
-        )
-        for j in np.flatnonzero(dataset.bifurcation_branch.values == i):
-            echo(f"  {bifurcation_text(dataset, int(j))}")
+    if second_number_of(dataset) is None:
+        for i in range(dataset.branch_first_end.size):
+            _print_branch(dataset, i)
+    else:
+        _print_loci(dataset)
+    _print_what_is_missing(dataset)
+
+
+def _print_branch(dataset: xr.Dataset, i: int) -> None:
+    mine = np.flatnonzero(dataset.branch.values == i)
+    values, stable = dataset[number_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
+    multiple = int(dataset.period_multiple.values[mine[0]])
+    ends = f"{dataset.branch_first_end.values[i]}, {dataset.branch_last_end.values[i]}"
+    echo(
+        f"branch {i}: period multiple {multiple}, {mine.size} points, {stable} stable, "
+        f"from {values.min():.6g} to {values.max():.6g}; ends: {ends}"
+    )
+    for j in np.flatnonzero(dataset.bifurcation_branch.values == i):
+        echo(f"  {bifurcation_text(dataset, int(j))}")
+
+
+def _print_loci(dataset: xr.Dataset) -> None:
+    """The longest loci first, each in a line with both its ends."""
+    second = dataset[second_number_of(dataset)]
+    locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
+    echo(f"{dataset.branch_first_end.size} branches at {second.size} values of {second.attrs['path']}; loci:")
+    numbers, counts = np.unique(locus, return_counts=True)
+    for shown, k in enumerate(np.argsort(-counts, kind="stable")):
+        if shown == ROWS_SHOWN:
+            echo(f"  ... and {numbers.size - shown} more, in the file")
+            return
+        mine = np.flatnonzero(locus == numbers[k])
+        mine = mine[np.argsort(at[mine], kind="stable")]
+        ends = " to ".join(f"{value[j]:.6g} at {at[j]:.6g}" for j in dict.fromkeys((mine[0], mine[-1])))
+        echo(f"  {locus_name(dataset, int(mine[0]))}, {mine.size} of {second.size} values: {ends}")
+
+
+def _print_what_is_missing(dataset: xr.Dataset) -> None:
+    left = int(dataset.left_out.sum())
+    if left:
+        motions = "1 motion" if left == 1 else f"{left} motions"
+        echo(f"effort = {dataset.attrs['effort']} is spent: the branches of {motions} were not followed")
+    for reason in dataset.failure_message.values if "failure_message" in dataset else ():
+        echo(f"not followed: {reason}")
 
 
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
@@ -51,11 +92,11 @@ def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
     Returns
     -------
     str
-        Its value with its error, its name and, of a graze, the stop.
+        Its value with its error, its name and, of a graze, the stop and what the branch does there.
     """
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
-    text = f"{value:.9g} ± {error:.1g}  {KINDS[int(dataset.bifurcation_kind[j])]}"
-    stop = int(dataset.bifurcation_stop[j])
-    if stop >= 0:
-        text += f" of {dataset.stop_name.values[stop]}: {dataset.bifurcation_after.values[j]}"
-    return text
+    stated = f" ± {error:.1g}" if math.isfinite(error) else ""
+    after = str(dataset.bifurcation_after.values[j])
+    text = f"{value:.9g}{stated}  {bifurcation_name(dataset, j)}" + (f": {after}" if after else "")
+    asked = bool(dataset.attrs["errors"])
+    return text if stated or not asked else f"{text} (not confirmed by the finer solver)"

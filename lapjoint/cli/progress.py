@@ -8,10 +8,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from lapjoint.cli.echo import echo
 from lapjoint.plain_text import duration_text
-from lapjoint.solver import Progress
+
+if TYPE_CHECKING:  # solvers are loaded with numpy, and each call of the command line comes by here
+    from lapjoint.solver import Progress
 
 
 @contextmanager

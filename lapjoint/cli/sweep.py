@@ -117,15 +117,15 @@ def sweep(
 def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | None) -> None:
     """Draw what a sweep, `lapjoint branch` or `lapjoint basins` found, from its file CURVE.
 
-    Of a sweep and of branches, the impulse of each stop over what was changed; of basins, which motion each start ends
-    in, or the share of each motion.
+    Of a sweep and of branches, the impulse of each stop over what was changed; of branches in two numbers, the loci of
+    their bifurcations; of basins, which motion each start ends in, or the share of each motion.
     """
     from lapjoint.campaigns.basin_plan import BasinPlan
     from lapjoint.campaigns.branch_plan import BranchPlan
     from lapjoint.campaigns.dataset import read_result
     from lapjoint.campaigns.plan import Plan
     from lapjoint.cli import arguments
-    from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_curve, plot_curve_wide, save
+    from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_curve, plot_curve_wide, plot_loci, save
     from lapjoint.figures.sweep_variables import IMPULSE
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
@@ -134,7 +134,7 @@ def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | N
     of = dataset.attrs.get("result_of")
     if of == BranchPlan.noun:
         arguments.refuse("a diagram of branches has one look", wide=wide, hz=hz, variable=variable)
-        save(plot_branches(dataset), path)
+        save(plot_loci(dataset) if "also_over" in dataset.attrs else plot_branches(dataset), path)
     elif of == BasinPlan.noun:
         arguments.refuse("a figure of basins has one look", wide=wide, hz=hz, variable=variable)
         save(plot_basins(dataset), path)

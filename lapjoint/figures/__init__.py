@@ -6,6 +6,7 @@ writes as PNG, SVG or PDF.  All share one style, `lapjoint.figures.style`, and t
 
 from lapjoint.figures.basins import plot_basins
 from lapjoint.figures.branch_diagram import plot_branches
+from lapjoint.figures.branch_loci import plot_loci
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
 from lapjoint.figures.convergence import plot_convergence
 from lapjoint.figures.exceedance import plot_exceedance
@@ -32,6 +33,7 @@ __all__ = [
     "plot_curve_wide",
     "plot_exceedance",
     "plot_joint",
+    "plot_loci",
     "plot_mode_shapes",
     "plot_motion",
     "plot_phase_portrait",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.errors import InputError
+from lapjoint.figures.branch_names import KIND_NAMES, number_of
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label
 from lapjoint.problem import FloatArray
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
 ORDINATES = {"impulse": "impulse in a period [N s]", "peak_force": "largest force [N]"}
 """Variables that a diagram may show, and the labels of their axes."""
-KIND_NAMES = ("fold", "flip", "Neimark-Sacker", "symmetry breaking", "grazing", "unresolved")
-"""Names of bifurcations in a legend, in the sequence of their codes in a dataset."""
 
 
 @style()
@@ -48,7 +47,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     if ordinate not in ORDINATES:
         raise InputError(f"ordinate = {ordinate!r}: allowed: {', '.join(ORDINATES)}")
     axes = new_axes(COLUMN_WIDTH, 2.7) if axes is None else axes
-    name = next(str(key) for key, value in dataset.variables.items() if "path" in value.attrs)
+    name = number_of(dataset)
     x, values = dataset[name].values, dataset[ordinate].values
     for branch in range(dataset.branch_first_end.size):
         mine = np.flatnonzero(dataset.branch.values == branch)
@@ -58,7 +57,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     for stop, label in enumerate(dataset.stop_name.values):
         axes.plot([], [], color=COLOURS[stop % len(COLOURS)], label=str(label))
     if dataset.stop_name.size:
-        _mark(axes, dataset, x, values)
+        _mark(axes, dataset, values, ordinate)
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_xlabel(axis_label(dataset, name))
     axes.set_ylabel(ORDINATES[ordinate])
@@ -76,17 +75,20 @@ def _draw(axes: Axes, x: FloatArray, y: FloatArray, stable: FloatArray, colour: 
         axes.plot(x[part], y[part], color=colour, linestyle="-" if stable[first] else (0, (2.5, 1.5)), linewidth=0.9)
 
 
-def _mark(axes: Axes, dataset: xr.Dataset, x: FloatArray, values: FloatArray) -> None:
-    """Bifurcations, on the curve of the stop that is pressed hardest, at the point that follows each."""
+def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, ordinate: str) -> None:
+    """Bifurcations, on the curve of the stop that is pressed hardest: where each is, or at the point that follows."""
     stop = int(np.argmax(np.abs(values).max(axis=0))) if values.size else 0
     kinds = dataset.bifurcation_kind.values
-    at = np.minimum(dataset.bifurcation_point.values, x.size - 1)
+    heights = values[np.minimum(dataset.bifurcation_point.values, len(values) - 1), stop]
+    if ordinate == "impulse":
+        known = dataset.bifurcation_impulse.values[:, stop]
+        heights = np.where(np.isfinite(known), known, heights)
     for kind, label in enumerate(KIND_NAMES):
         mine = kinds == kind
         if mine.any():
             axes.plot(
                 dataset.bifurcation_value.values[mine],
-                values[at[mine], stop],
+                heights[mine],
                 linestyle="",
                 marker=MARKERS[kind],
                 markersize=3.5,

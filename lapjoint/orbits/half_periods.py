@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.finite_differences import FiniteDifferences
-from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent
+from lapjoint.orbits.parameters import FieldDerivatives
+from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent, UnitNorms
 from lapjoint.orbits.watch import SegmentWatch, Watch
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
@@ -31,6 +32,24 @@ class Return:
     """Number of half periods."""
     start: SectionPoint
     """Where the march began."""
+
+    @property
+    def by_number(self) -> FloatArray | None:
+        """Derivative of the end by the number that was asked for, see `Linearised.by_number`; None if not known."""
+        known = self.linearised.by_number
+        return -known if self.count % 2 and known is not None else known
+
+    def without_segments(self) -> Return:
+        """The same, of which the march from switch to switch is made again if it is asked for.
+
+        Returns
+        -------
+        Return
+            It takes far less memory.
+        """
+        half_periods, start, count = self.half_periods, self.start, self.count
+        light = replace(self.linearised, trace=lambda: half_periods.linearised(start, count).linearised.segments)
+        return replace(self, linearised=light)
 
     @cached_property
     def watch(self) -> Watch:
@@ -78,7 +97,9 @@ class HalfPeriods:
             `PeriodMap.norm` of the units.
         """
         if n not in self._unit_norms:
-            self._unit_norms[n] = np.array([self.map.norm(unit) for unit in np.eye(n)])
+            map_ = self.map
+            known = map_.unit_norms(n) if isinstance(map_, UnitNorms) else [map_.norm(unit) for unit in np.eye(n)]
+            self._unit_norms[n] = np.asarray(known, dtype=float)
         return self._unit_norms[n]
 
     def marched(self, point: SectionPoint, count: int) -> SectionPoint:
@@ -99,7 +120,12 @@ class HalfPeriods:
         end = self.map.march(point, count).end
         return self.map.mirrored(end) if count % 2 else end
 
-    def linearised(self, point: SectionPoint, count: int) -> Return:
+    @cached_property
+    def _fields(self) -> FieldDerivatives | None:
+        """The map, if it knows derivatives by numbers of its problem."""
+        return self.map if isinstance(self.map, FieldDerivatives) else None
+
+    def linearised(self, point: SectionPoint, count: int, field: str | None = None) -> Return:
         """March over some half periods, with the derivative.
 
         Parameters
@@ -108,13 +134,16 @@ class HalfPeriods:
             Where the march begins.
         count : int
             Number of half periods; a multiple of `least`.
+        field : str, optional
+            Path of a number of the problem, by which the derivative is wanted, too, if the map knows it.
 
         Returns
         -------
         Return
             The end of the march and its derivative, mirrored if `count` is odd.
         """
-        found = self.tangent.linearised(point, count)
+        by_field = None if field is None or self._fields is None else self._fields.linearised_by(field, point, count)
+        found = by_field or self.tangent.linearised(point, count)
         if count % 2:
             return Return(self.map.mirrored(found.end), -found.matrix, self, found, count, point)
         return Return(found.end, found.matrix, self, found, count, point)

@@ -1,32 +1,39 @@
 """How a section point's image changes with a number of the problem: a gap, a stiffness, the excitation frequency.
 
-With the excitation frequency the period changes too: by that derivative the period can be an unknown.
+With the excitation frequency the period changes too: by that derivative the period can be an unknown.  A solver may
+know the derivative by some numbers in closed form; by others it comes from differences of marches.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.orbits.period_map import PeriodMap
-from lapjoint.problem import FloatArray
+import numpy as np
 
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.orbits.period_map import Linearised, PeriodMap
+from lapjoint.problem import BaseMotion, FloatArray, Problem
+from lapjoint.problem.excitation import HarmonicsBaseMotion
+
+FREQUENCY, AMPLITUDE = "base_motion.angular_frequency", "base_motion.amplitude"
+"""Paths of the frequency of all periodic excitation, and of the amplitude of a harmonic base motion."""
 _STEP = 1e-5
 """Step of the differences over the value: rounding, 1e-16 / 1e-5, and curvature, 1e-10, leave ten digits."""
 
 
 @runtime_checkable
 class FieldDerivatives(Protocol):
-    """A period map that knows its derivatives by fields of its problem."""
+    """A period map that knows its derivatives by some numbers of its problem."""
 
-    def derivative_by(self, field: str, start: SectionPoint, half_periods: int) -> FloatArray:
-        """Derivative of the end of a march by a number of the problem, while the start stays where it is.
+    def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
+        """March on and carry all deviations along, and the change by a number, while the start stays where it is.
 
         Parameters
         ----------
         field : str
-            Path of the number, as ``stops.0.gap``.
+            Path of the number, as `lapjoint.Axis` takes it: `FREQUENCY` is that of all periodic excitation.
         start : SectionPoint
             Where the march begins.
         half_periods : int
@@ -34,9 +41,56 @@ class FieldDerivatives(Protocol):
 
         Returns
         -------
-        FloatArray, shape (n,)
-            In the coordinates that belong to the end of the march, over the SI unit of the field.
+        Linearised, or None
+            With `Linearised.by_number` and, in all segments, `Segment.change`; None if the map does not know the
+            derivative by this number.
+
+        Raises
+        ------
+        SolverError
+            If the march cannot go on.
         """
+
+
+@dataclass(frozen=True)
+class ExcitationChange:
+    """How the ``H`` harmonic forces of a problem change with a number, over the number's unit."""
+
+    frequency: float
+    """Derivative of the logarithm of all angular frequencies."""
+    sizes: FloatArray
+    """Derivatives of the logarithms of the amplitudes, shape ``(H,)``."""
+
+
+def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
+    """How the excitation of a problem changes with a number.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its excitation has a period.
+    field : str
+        Path of the number, as `FieldDerivatives.linearised_by` takes it.
+
+    Returns
+    -------
+    ExcitationChange, or None
+        None if the number is not the frequency of all excitation, or the amplitude of a harmonic base motion, or
+        if there are sampled forces.
+    """
+    base, forces = problem.base_motion, problem.forces
+    if forces.sampled or problem.excitation_frequency is None:
+        return None
+    of_base = np.array([force.x is None for force in forces.harmonic], dtype=float)
+    if field == FREQUENCY:
+        value = base.angular_frequency if isinstance(base, _PERIODIC) else problem.excitation_frequency
+        return ExcitationChange(1 / value, 2 * of_base / value)
+    if field == AMPLITUDE and isinstance(base, BaseMotion) and base.amplitude > 0:
+        return ExcitationChange(0.0, of_base / base.amplitude)
+    return None
+
+
+_PERIODIC = (BaseMotion, HarmonicsBaseMotion)
 
 
 def derivative_by_field(
@@ -65,7 +119,9 @@ def derivative_by_field(
     """
     here = period_map_at(value)
     if isinstance(here, FieldDerivatives):
-        return here.derivative_by(field, start, half_periods)
+        known = here.linearised_by(field, start, half_periods)
+        if known is not None and known.by_number is not None and known.end.state == start.state:
+            return known.by_number
     end, ends = here.march(start, half_periods).end, []
     for sign in (1, -1):
         beside = period_map_at(value * (1 + sign * _STEP))

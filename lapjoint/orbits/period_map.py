@@ -231,6 +231,23 @@ def period_pieces(period: float, duration: float) -> list[float]:
 
 
 @dataclass(frozen=True)
+class SegmentChange:
+    """How an orbit moves between two switches with a number of its problem, while its start stays where it is.
+
+    At the positions of the P stops and at one time, with the K terms of the `Segment`,
+
+        dz_s(t)/dp = Re sum_k (waves[s, k] + secular[s, k] tau) exp(rates[k] tau) + sum_p polynomial[s, p] tau^p
+    """
+
+    waves: ComplexArray
+    """m over the number's unit, shape ``(P, K)``."""
+    secular: ComplexArray
+    """m/s over the number's unit, shape ``(P, K)``."""
+    polynomial: FloatArray
+    """m, m/s and m/s2 over the number's unit, shape ``(P, 3)``."""
+
+
+@dataclass(frozen=True)
 class Segment:
     """The part of an orbit between two switches, and how deviations from the orbit travel along it.
 
@@ -262,6 +279,8 @@ class Segment:
     """Rows that give a deviation's polynomial at each stop from e, m and m/s, shape ``(P, 2, n)``."""
     switched: int
     """The stop that switches at the end; -1 if none does."""
+    change: SegmentChange | None = None
+    """How it moves with a number of the problem; None if that was not asked for."""
 
 
 @dataclass(frozen=True)
@@ -274,6 +293,9 @@ class Linearised:
     """Derivative of the end by the start, both in the coordinates that belong to the start, shape ``(n, n)``."""
     trace: Callable[[], tuple[Segment, ...]] = field(repr=False)
     """Gives the march from switch to switch, without gaps in time; called only where it is asked for."""
+    by_number: FloatArray | None = None
+    """Derivative of the end by a number of the problem, while the start stays where it is, in the coordinates that
+    belong to the start, over the number's unit, shape ``(n,)``; None if it was not asked for."""
 
     @cached_property
     def segments(self) -> tuple[Segment, ...]:
@@ -304,6 +326,25 @@ class Tangent(Protocol):
         ------
         SolverError
             If the march cannot go on.
+        """
+
+
+@runtime_checkable
+class UnitNorms(Protocol):
+    """A period map that knows the size of a unit of each coordinate of a deviation."""
+
+    def unit_norms(self, n: int) -> FloatArray:
+        """`PeriodMap.norm` of the units.
+
+        Parameters
+        ----------
+        n : int
+            Number of coordinates.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            In the unit of `PeriodMap.norm`.
         """
 
 

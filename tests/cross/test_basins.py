@@ -7,9 +7,11 @@ import math
 import os
 import resource
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from population import joint
 
 import analytic
 from lapjoint import Problem, basins, paper_joint
@@ -90,3 +92,30 @@ def test_many_starts_end_where_they_are_said_to_end(
             wrong.append(why_not(period_map, plan, number, multiple, section, periods))
     assert len(wrong) >= 0.99 * DRAWN
     assert not any(wrong), [why for why in wrong if why]
+
+
+POPULATION, STARTS = 60, 8
+BY_CHANCE = 0.02
+"""Share of starts whose transient is chaotic, so that rounding decides where they end: as measured of marches."""
+
+
+@pytest.mark.slow
+def test_starts_of_random_joints_end_in_the_motions_that_they_are_bound_to() -> None:
+    checked, bound, wrong = 0, 0, []
+    for index in range(POPULATION):
+        problem, options = joint(5, index), {"n_modes": 5}
+        how: dict[str, Any] = {"energy": 1e-5, "starts": STARTS, "seed": index, "options": options, "effort": 1000}
+        found, plan = basins(problem, **how), BasinPlan(problem, **how)
+        period_map = analytic.Solver(n_modes=5).period_map(problem)
+        periods = math.ceil(DECAYS / (period_map.lowest_damping_rate * period_map.period))
+        for number in range(STARTS):
+            motion = int(found.motion[number])
+            checked += 1
+            if motion >= 0 and not int(found.pushed[number]):
+                bound += 1
+                multiple, section = int(found.period_multiple[motion]), str(found.section_point.values[motion])
+                why = why_not(period_map, plan, number, multiple, section, periods)
+                wrong += [f"joint {index}: {why}"] * bool(why)
+    print(f"{bound} of {checked} starts bound, {len(wrong)} of them elsewhere: {wrong}")
+    assert bound >= 0.5 * checked
+    assert len(wrong) <= BY_CHANCE * bound, wrong

@@ -20,8 +20,8 @@ from lapjoint.problem.symmetry import mirror_twins
 AnySolver = analytic.Solver | fe_lapjoint.Solver
 SEED = 5
 WITHOUT_STOPS = range(12)
-WITH_STOPS = (0, 4, 6, 8, 10, 14)  # cantilevers with one stop, whose motions repeat soon
-LEAST = 25  # numbers compared
+WITH_STOPS = (0, 4, 8, 10)  # cantilevers with one stop, whose motions repeat soon
+LEAST = 16  # numbers compared
 CONTACTS = 3  # from rest, compared one by one
 PERIODS = 4  # of the fundamental, marched for them
 FEW: tuple[AnySolver, ...] = (analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=4))

@@ -21,8 +21,8 @@ ANALYTIC = analytic.Solver()
 FINITE_ELEMENTS = fe_lapjoint.Solver(elements=8)  # a coarse beam is a beam, too, and ten times as fast to march
 
 COUNT, SEED = 600, 31415  # problems that decide; nothing was ever chosen by how this seed goes
-QUICK_SEED, QUICK = 2, (5, 6, 10, 11, 12, 27, 28, 29, 31, 33, 34, 43)  # free vibration dies away soon in these
-QUICK_HARMONICS = (5, 10, 11, 12, 27, 29, 43)  # of the same seed, driven by harmonics, and so in these
+QUICK_SEED, QUICK = 2, (6, 11, 27, 28, 33, 43)  # free vibration dies away soon in these
+QUICK_HARMONICS = (5, 11, 27, 43)  # of the same seed, driven by harmonics, and so in these
 HARMONICS = 120  # problems driven by harmonics
 MOST_UNDECIDED = 0.05
 MOST_ELSEWHERE = 0.02

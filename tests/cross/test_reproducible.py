@@ -57,9 +57,9 @@ from lapjoint import paper_joint
 
 joint = paper_joint(angular_frequency=515.0)
 for solver in (analytic.Solver(n_modes=60), fe_lapjoint.Solver()):
-    steady = solver.steady_state(joint)
+    steady = solver.steady_state(joint, errors=False)
     bits = steady.section_point.coordinates.tobytes() + steady.multipliers.tobytes() + steady.impulses.tobytes()
-    contacts = solver.simulate(joint, duration=0.05).contacts
+    contacts = solver.simulate(joint, duration=0.05, errors=False).contacts
     print(hashlib.sha256(bits + repr([(c.start, c.impulse) for c in contacts]).encode()).hexdigest())
 """
 

@@ -87,7 +87,9 @@ def test_undamped_transients_never_settle_and_this_is_said(omega: float, amplitu
         assert steady.outcome is Outcome.UNDECIDED
 
 
-@pytest.mark.parametrize("damping", [ModalDamping(ratio=0.02), ViscousDamping(coefficient=1500.0)])
+@pytest.mark.parametrize(
+    "damping", [pytest.param(ModalDamping(ratio=0.02), marks=pytest.mark.slow), ViscousDamping(coefficient=1500.0)]
+)
 def test_chaos_is_certified_by_a_positive_exponent(damping: ModalDamping | ViscousDamping) -> None:
     problem = paper_joint(angular_frequency=380.0).replace(damping=damping)
     steady = fe_lapjoint.Solver(elements=2).steady_state(problem)
@@ -175,6 +177,7 @@ def test_a_stop_on_a_fixed_point_is_never_touched() -> None:
     assert fe_lapjoint.Solver(elements=8).steady_state(held).outcome is Outcome.NO_CONTACT
 
 
+@pytest.mark.slow
 def test_a_motion_that_circles_an_unstable_orbit_is_certified_quasiperiodic() -> None:
     problem = paper_joint(angular_frequency=1100.0, damping_ratio=0.01)
     # The second stretch lasts for all periods allowed; 1700 tell the exponent 0 from the damping's -0.4 1/s.

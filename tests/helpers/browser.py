@@ -1,4 +1,4 @@
-"""Pages in a real browser, where one is installed: what overflows, and what an accessibility checker finds."""
+"""Pages in a real browser, where one is installed: what overflows, what lies on what, and an accessibility checker."""
 
 from __future__ import annotations
 
@@ -27,6 +27,35 @@ SERIOUS = ("serious", "critical")
 """Impacts of an accessibility checker's findings that no page may have."""
 _LOOK = """<!doctype html><meta charset="utf-8"><body><script>
 const PAGES = %(pages)s, WIDTHS = %(widths)s, AXE = %(axe)s;
+const MOVES = ["fixed", "sticky"];  // what stays in sight lies on what scrolls below it
+function overlaps(shown, view) {
+  const lines = [];
+  const texts = shown.createTreeWalker(shown.body, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const text = texts.currentNode, parent = text.parentElement;
+    if (!text.data.trim() || parent.closest("script, style, mjx-container") || !parent.checkVisibility()) continue;
+    let moves = false, hidden = false;
+    for (let e = parent; e; e = e.parentElement) {
+      moves ||= MOVES.includes(view.getComputedStyle(e).position);
+      hidden ||= e.clientWidth === 1 || view.getComputedStyle(e).opacity === "0";  // for screen readers alone
+    }
+    if (moves || hidden) continue;
+    const range = shown.createRange();
+    range.selectNodeContents(text);
+    for (const r of range.getClientRects()) {
+      const inset = r.height / 4;  // a font is taller than its letters
+      lines.push({text: text.data.trim().slice(0, 40), node: text, l: r.left + 1, r: r.right - 1, t: r.top + inset,
+        b: r.bottom - inset});
+    }
+  }
+  lines.sort((a, b) => a.t - b.t);
+  const found = [];
+  for (let i = 0; i < lines.length; i++) for (let j = i + 1; j < lines.length && lines[j].t < lines[i].b; j++) {
+    const a = lines[i], b = lines[j];
+    if (a.node !== b.node && a.l < b.r && b.l < a.r) found.push([a.text, b.text]);
+  }
+  return found;
+}
 async function look(page, width) {
   const frame = document.createElement("iframe");
   frame.style = `width:${width}px;height:800px;border:0`;
@@ -42,6 +71,7 @@ async function look(page, width) {
     (e) => e.innerText && e.clientWidth > 1 && e.scrollWidth > e.clientWidth + 1 && hides(e));
   const found = {page, width, page_width: shown.documentElement.scrollWidth, tables: boxes.length, beyond};
   found.cut = cut.map((e) => e.outerHTML.slice(0, 200));
+  found.overlaps = overlaps(shown, frame.contentWindow);
   if (AXE) {
     const script = shown.createElement("script");
     script.textContent = AXE;
@@ -78,6 +108,8 @@ class Seen:
     """Tables that are wider than their box."""
     cut: list[str]
     """Elements whose text is cut off."""
+    overlaps: list[list[str]]
+    """Pairs of texts that lie on each other."""
     violations: list[list[str]]
     """Findings of the accessibility checker: rule, impact, and where first."""
 

@@ -56,11 +56,17 @@ def contact_estimates(
 ) -> dict[str, Estimate]:
     """Start, end and impulse of the i-th contact from refined solutions, coarse to fine.
 
-    Errors are carried on: none is taken for surer than those before it, where changes may cancel by chance.
+    Changes may cancel by chance.  So errors are carried on, none is taken for surer than those before it; and where the
+    finest solution states errors of its own, none is taken for surer than these.
     """
 
     def estimate(field: str, j: int) -> Estimate:
-        return refined_estimate([getattr(run[j], field) for run in contacts], ratio, order, refined)
+        found = refined_estimate([getattr(run[j], field) for run in contacts], ratio, order, refined)
+        stated = _stated(contacts[-1], field, j)
+        if not found.uncertainty < stated < math.inf:
+            return found
+        how = f"{refined.what}, as the solver states"
+        return replace(found, uncertainty=stated, how=how, parts=((refined.source, stated),))
 
     times = [estimate(field, j) for j in range(i + 1) for field in ("start", "end")]
     impulses = [estimate("impulse", j) for j in range(i + 1)]
@@ -69,6 +75,14 @@ def contact_estimates(
         parts = (*found[field].parts, (ErrorSource.EVENT_TIMES, EVENT_FLOOR))
         found[field] = replace(found[field], uncertainty=found[field].uncertainty + EVENT_FLOOR, parts=parts)
     return found
+
+
+def _stated(contacts: Sequence[Contact], field: str, j: int) -> float:
+    """The error that a solution states of itself, or 0; of a rebound the larger one of the impacts on either side."""
+    if field == "impulse":
+        return contacts[j].impulse_error or 0.0
+    impacts = contacts[j : j + 2] if field == "end" else contacts[j : j + 1]
+    return max(contact.start_error or 0.0 for contact in impacts)
 
 
 def _carried(estimates: Sequence[Estimate]) -> Estimate:
@@ -80,11 +94,17 @@ def _carried(estimates: Sequence[Estimate]) -> Estimate:
 
 
 def compare_contacts(
-    problem: Problem, duration: float, count: int, finest: int, cap: float | None = None
+    problem: Problem, duration: float, count: int, finest: int, cap: float | None = None, stated: bool = False
 ) -> tuple[list[Check], History, History]:
-    """Checks of the first `count` contacts, and the finest histories of both solvers."""
-    exact = [solver.simulate(problem, duration, errors=False) for solver in analytic_levels(problem, 1.5)]
-    fe = [solver.simulate(problem, duration, errors=False) for solver in fe_levels(finest)]
+    """Checks of the first `count` contacts, and the finest histories of both solvers.
+
+    With `stated`, errors that the finest solutions state of themselves are heeded, at the cost of a march finer still.
+    """
+
+    def marched(solvers: Sequence[Solver]) -> list[History]:
+        return [one.simulate(problem, duration, errors=stated and one is solvers[-1]) for one in solvers]
+
+    exact, fe = marched(analytic_levels(problem, 1.5)), marched(fe_levels(finest))
     checks: list[Check] = []
     runs = [complete(history, count) for history in (*exact, *fe)]
     names, shortest = problem.stop_names, min(len(run) for run in runs)

@@ -57,7 +57,7 @@ def transient(problem: Problem, level: Level, say: Say) -> CaseResult:
     """The first contacts from the initial state."""
     say("from the initial state")
     duration = min(PERIODS * longest_period(problem), problem.longest)
-    checks, exact, fe = compare_contacts(problem, duration, 8, 48 if level == "quick" else 64)
+    checks, exact, fe = compare_contacts(problem, duration, 8, 48 if level == "quick" else 64, stated=True)
     return CaseResult(
         "transient",
         "First contacts from the initial state",

@@ -150,7 +150,8 @@ def _step(n: Numbers) -> Ruling:
 
 
 def _settles(n: Numbers) -> Ruling:
-    a, b = (value == n["frequencies"] for value in _both(n, "stable"))
+    settled = (value == n["frequencies"] for value in _both(n, "stable"))
+    a, b = (one and not changes for one, changes in zip(settled, _both(n, "changes"), strict=True))
     if not a and not b and max(_both(n, "stable")) > 0:
         return Ruling.UNDECIDABLE
     return _decided(a, b, Ruling.OVERTURNED, Ruling.CONFIRMED)
@@ -162,7 +163,8 @@ def _bound(n: Numbers) -> Ruling:
 
 
 def _even(n: Numbers) -> Ruling:
-    a, b = (value < EVEN for value in _both(n, "asymmetry"))
+    even = (value < EVEN for value in _both(n, "asymmetry"))
+    a, b = (one and not broken for one, broken in zip(even, _both(n, "broken"), strict=True))
     return _decided(a, b, Ruling.OVERTURNED, Ruling.CONFIRMED)
 
 
@@ -202,9 +204,11 @@ RULES = {
     "axis": Rule(f"both curves stay within {PAST_AXIS:g} of it", _axis),
     "low frequencies": Rule("neither curve has an impulse there", _silent),
     "step": Rule(f"a jump is the published scheme's alone if {STANDS_OUT:g} times as steep as the converged", _step),
-    "aperiodic": Rule("both find stable motions of one period at all frequencies, or at none", _settles),
+    "aperiodic": Rule(
+        "both find stable motions of one period at all frequencies, and no bifurcation between, or at none", _settles
+    ),
     "bound": Rule(f"both within {BOUND:.0%} of it, or below", _bound),
-    "window": Rule(f"both have both sides alike to {EVEN:g}", _even),
+    "window": Rule(f"both have both sides alike to {EVEN:g}, and no symmetry breaks between", _even),
     "asymmetric often": Rule(f"at {OFTEN:.0%} of the frequencies from 230 rad/s on", _often),
     "phase lag": Rule(f"within {IN_PHASE:g} degrees of pi, and {AS_LARGE:.0%} of the base's amplitude", _repeats),
     "enough modes": Rule(f"no more than {NEARLY_ALL:.0%} of the curve off by 1 % of the largest impulse", _enough),

@@ -39,7 +39,10 @@ _STEPS = 40
 _ROUNDING = 1e-6
 """Distance outside the circle up to which a multiplier may lie on it: without damping all of them do."""
 _LOCATED = 1e-9
-"""Change of the number over its scale, and of the motion over its size, at which a bifurcation is located."""
+"""Change of the number over its scale, and of the motion over its size, at which a bifurcation is located; and the
+value of a test function there."""
+_STUCK = 3
+"""Number of steps in turn that leave more than half of what was left, after which it is halved."""
 
 
 _VANISHES = 1e-4
@@ -206,25 +209,32 @@ def located(
         None if a place between the two is not found.
     """
     a, b, before = first, last, count(first)
-    fa, fb = abs(distance(a)), -abs(distance(b))
-    for i in range(_STEPS):
-        chord = b.chord(family, a)
-        length = float(np.linalg.norm(chord))
+    fa, fb, stuck = abs(distance(a)), -abs(distance(b)), 0
+    for _ in range(_STEPS):
+        length = float(np.linalg.norm(b.chord(family, a)))
         if length <= _LOCATED:
             return a
-        share = 0.5 if fa == fb or i % 3 == 2 else fa / (fa - fb)
+        share = 0.5 if fa == fb or stuck >= _STUCK else fa / (fa - fb)
         here = between_two(family, a, b, min(max(share, 1e-3), 1 - 1e-3), length)
         here = here or between_two(family, a, b, 0.5, length)
         if here is None:
             return None
         value = distance(here)
-        if abs(value) <= _LOCATED / 10:
+        if abs(value) <= _LOCATED:
             return here
         if count(here) == before:
-            a, fa, fb = here, abs(value), (0.5 * fb if i and fa > 0 else fb)
+            stuck = stuck + 1 if share < 0.5 else 0
+            a, fb, fa = here, fb * _anderson(abs(value), fa) if stuck else fb, abs(value)
         else:
-            b, fb, fa = here, -abs(value), (0.5 * fa if i else fa)
+            stuck = stuck + 1 if share > 0.5 else 0
+            b, fa, fb = here, fa * _anderson(abs(value), -fb) if stuck else fa, -abs(value)
     return a
+
+
+def _anderson(value: float, before: float) -> float:
+    """What the other end's value is multiplied by where the root stays on its side: Anderson's and Bjoerck's rule."""
+    share = 1 - value / before
+    return share if share > 0 else 0.5
 
 
 def between_two(family: Family, a: Place, b: Place, share: float, length: float) -> Place | None:

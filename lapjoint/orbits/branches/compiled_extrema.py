@@ -20,6 +20,8 @@ _FAINT = 1e-5
 """Rate of a term over the largest rate of all, up to which it is faint: its ripples are too low to matter."""
 _BLOCK = 16
 """Number of points from which on it is looked again which terms have become faint."""
+_GONE = -45.0
+"""Exponent from which on a term is not there any more: 3e-20 of what it was."""
 _STEPS = 60
 """Most steps of the search for an extremum, of which three or four are needed."""
 _EXACT = 1e-9
@@ -56,7 +58,7 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
     loud, active = int_zeros(terms), 0
     for s in range(motion.duration.size):
         duration = motion.duration[s]
-        if duration <= 0.0:  # between two stops that switch together, or where the motion begins at a switch
+        if duration <= 0:  # stops that switch at one time leave nothing between them
             continue
         tau, step, left = 0.0, 0.0, 0
         while True:
@@ -145,7 +147,7 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
     for k in range(motion.rates.shape[1]):
         r = motion.rates[s, k]
         wave = motion.weights[s, u, k] * motion.amplitudes[s, k]
-        if wave.real == 0.0 and wave.imag == 0.0:
+        if r.real * tau < _GONE or (wave.real == 0.0 and wave.imag == 0.0):
             continue
         wave *= np.exp(r * tau)
         z += wave.real
@@ -153,6 +155,58 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
         rate += wave.real
         bend += (wave * r).real
     return z, rate, bend
+
+
+@njit_called()
+def moved_events(
+    motion: Motion,
+    waves: ComplexArray,
+    secular: ComplexArray,
+    polynomial: FloatArray,
+    segment: IndexArray,
+    place: IndexArray,
+    tau: FloatArray,
+) -> FloatArray:
+    """How events of a motion move with it, when it moves in some direction.
+
+    Parameters
+    ----------
+    motion : Motion
+        The orbit.
+    waves, secular : ndarray, shape (S, U, K)
+        Change of the terms' amplitudes at the places, m, and its growth with the time since the segment began, m/s.
+    polynomial : ndarray, shape (S, U, 3)
+        Change of the coefficients of 1, tau, tau^2, m over powers of s.
+    segment, place : ndarray, shape (m,)
+        Segment and place of each event.
+    tau : ndarray, shape (m,)
+        When, s from the start of the segment.
+
+    Returns
+    -------
+    ndarray, shape (m, 4)
+        Change of z, m, and of its rate, m/s, at that time; the rate, m/s, and the rate of that, m/s2.
+    """
+    found = zeros((tau.size, 4))
+    for i in range(tau.size):
+        s, u, t = segment[i], place[i], tau[i]
+        one, two, three = polynomial[s, u, 0], polynomial[s, u, 1], polynomial[s, u, 2]
+        z, rate = one + t * (two + t * three), two + 2 * t * three
+        speed = motion.polynomial[s, u, 1] + 2 * t * motion.polynomial[s, u, 2]
+        bend = 2 * motion.polynomial[s, u, 2]
+        for k in range(motion.rates.shape[1]):
+            r = motion.rates[s, k]
+            if r.real * t < _GONE:
+                continue
+            wave = np.exp(r * t)
+            change = (waves[s, u, k] + t * secular[s, u, k]) * wave
+            z += change.real
+            rate += (r * change + secular[s, u, k] * wave).real
+            own = r * motion.weights[s, u, k] * motion.amplitudes[s, k] * wave
+            speed += own.real
+            bend += (r * own).real
+        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = z, rate, speed, bend
+    return found
 
 
 @njit_called()

@@ -12,6 +12,7 @@ from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
+from lapjoint.problem import FloatArray
 
 _FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
 """Arc length of the first step, and of the longest and shortest: motions change by so much of their size."""
@@ -26,8 +27,12 @@ _STRETCH = 1.4
 """Largest ratio of the step made and the step meant."""
 _GROWS = 4.0
 """By how much a step is lengthened at most."""
+_RISES = 1.5
+"""By how much what a step may be at most is raised after each, once one was not taken."""
 _SHORTER = 1 / 3
 """By how much a step is shortened that is not taken."""
+_SHORTEST_SHARE = 0.1
+"""The same where the angle that is too wide says by how much."""
 _AFRESH = 2e-3
 """Arc length of the first step after a graze."""
 _ROUND = 3
@@ -40,6 +45,8 @@ _NOTHING = 1
 """Number of the widest of these, 1e-5, that is next to nothing where a graze has been located before it."""
 _LATELY = 1.0
 """Distance from such a part, over its width, within which another one is due to the same cause."""
+_WHOLE = 2
+"""Number of places that are added at most in a step: only the last one is kept as a whole."""
 _FEW = 40
 """Number of places after such a part within which a curve that comes back to it folds there."""
 _JUMP_FAR = 0.05
@@ -54,6 +61,8 @@ _CONFIRMED = 2.0
 """Largest ratio of the way to a graze and of what it was to be after the last step, at which it is looked for."""
 _NEAR = 1e-3
 """Arc length to a graze within which it is looked for without that."""
+_SURE = 0.5
+"""Share of a step as long as the curve allows within which it is looked for without that, too."""
 _SLOWER = 2.0
 """Largest ratio of the way to a graze and of what the rates had."""
 _TRIES = 4
@@ -152,6 +161,8 @@ class _Follower:
         self._places, self._grazes, self._jumps = [start], list[Graze](), list[Jump]()
         self._rates = rates_of(family, start)
         self._step = _FIRST
+        self._bend: FloatArray | None = None
+        self._ceiling = _LONGEST
         self._refused = math.inf
         self._expected = 0.0
         self._end, self._tries = "", 0
@@ -180,12 +191,14 @@ class _Follower:
         if soon is not None and soon.length <= self._step:
             expected, self._expected = self._expected, soon.length * (1 - _TOWARDS)
             confirmed = max(soon.length, expected) <= _CONFIRMED * min(soon.length, expected)
-            if (confirmed or soon.length <= _NEAR) and self._cross(soon, _SLOWER * soon.length):
+            if (confirmed or soon.length <= max(_NEAR, _SURE * self._step)) and self._cross(
+                soon, _SLOWER * soon.length
+            ):
                 return
             if soon.length <= _TOO_NEAR and self._jump(self._widened()):
                 return
             self._step = max(min(self._step, _TOWARDS * soon.length), 0.5 * _SHORTEST)
-        new, angle = _stepped(self._family, self._here, self._step)
+        new, angle = _stepped(self._family, self._here, self._step, self._bend)
         if new is not None:
             rates = rates_of(self._family, new)
             seen = passed(self._here, self._rates, new, rates, self._step)
@@ -196,7 +209,9 @@ class _Follower:
                 seen.grazes[0], self._step
             ):
                 return
-        self._step *= _SHORTER
+        turned = angle > _WIDEST  # not so if it is not known
+        self._ceiling = max(_SHORTER * self._step, _AFRESH)
+        self._step *= max(_TURN / angle, _SHORTEST_SHARE) if turned else _SHORTER
         if self._step < _SHORTEST:
             self._pass_what_is_near()
 
@@ -251,26 +266,30 @@ class _Follower:
         elif self._turned_back(new):
             self._leave_out_more()
         else:
+            self._bend = _bend(self._family, self._here, new)
             self._come_to(new, rates)
-            self._step = min(self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS)), _LONGEST)
+            grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
+            self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
 
     def _pass(self, graze: Graze, beyond: Place | None) -> None:
         """Go across a graze, or end there."""
         if not self._family.low <= graze.value <= self._family.high:
             self._end = "boundary"
             return
-        self._grazes.append(graze)
+        before = graze.before.place.going_on_from(self._here).light()
+        self._grazes.append(replace(graze, before=replace(graze.before, place=before)))
         self._refused = math.inf
-        before = graze.before.place
-        self._places.append(before.going_on_from(self._here))
+        self._places.append(before)
         if beyond is None:
             self._end = "graze"
         else:
             self._come_to(beyond)
-            self._step = max(self._step, _AFRESH)
+            self._step, self._bend = max(self._step, _AFRESH), None
 
     def _come_to(self, place: Place, rates: Rates | None = None) -> None:
-        """Go on from a place."""
+        """Go on from a place; of those before, the motion between switches is not needed any more."""
+        for i in range(max(len(self._places) - _WHOLE, 0), len(self._places)):
+            self._places[i] = self._places[i].light()
         self._places.append(place)
         if self._limits.progress is not None:
             self._limits.progress(self._share())
@@ -310,7 +329,7 @@ class _Follower:
         beyond, width = found
         self._jumps.append(Jump(self._here.value, beyond.value, len(self._places), width))
         self._come_to(beyond)
-        self._step = _AFRESH
+        self._step, self._bend = _AFRESH, None
         return True
 
     def _turned_back(self, new: Place) -> bool:
@@ -351,12 +370,26 @@ def _comes_to_shorter(here: Place, new: Place) -> bool:
     return misses[0].shape == misses[1].shape and float(misses[0] @ (misses[1] * new.weights**2)) < 0
 
 
-def _stepped(family: Family, here: Place, step: float) -> tuple[Place | None, float]:
+def _bend(family: Family, here: Place, new: Place) -> FloatArray | None:
+    """Change of the tangent with the arc length from one place to the next, in its coordinates, shape ``(n + 1,)``.
+
+    None where their coordinates are not the same.
+    """
+    if here.point.state != new.point.state or here.weights.shape != new.weights.shape:
+        return None
+    scales = np.append(new.weights / here.weights, family.scale(here.value) / family.scale(new.value))
+    return np.asarray((new.tangent - here.tangent * scales) / float(np.linalg.norm(new.chord(family, here))))
+
+
+def _stepped(family: Family, here: Place, step: float, bend: FloatArray | None) -> tuple[Place | None, float]:
     """The next place of the curve, and the angle between the step and the tangent there; None if it is not found.
 
     Another orientation than here shows that it is of another curve, or that a graze spoils its tangent.
     """
-    value, guess = here.moved(family, step * here.tangent)
+    ahead = step * here.tangent
+    if bend is not None and step * float(np.linalg.norm(bend)) <= _WIDEST:
+        ahead = ahead + 0.5 * step**2 * bend
+    value, guess = here.moved(family, ahead)
     steep = abs(here.tangent[-1]) > _STEEP
     new = corrected(family, value, guess, here.count, fixed=steep and family.low <= value <= family.high)
     if new is None:

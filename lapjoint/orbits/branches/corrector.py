@@ -9,7 +9,7 @@ is singular at a fold.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -98,6 +98,21 @@ class Place:
             same.__dict__["extrema"] = self.extrema
         return same
 
+    def light(self) -> Place:
+        """The same without the march from switch to switch, of which the extrema have been found.
+
+        Returns
+        -------
+        Place
+            It takes far less memory.
+        """
+        orbit = replace(self.orbit, last=self.orbit.last.without_segments())
+        same = Place(self.value, orbit, self.weights, self.tangent, self.half_periods)
+        same.__dict__["extrema"] = self.extrema
+        if "spectrum" in self.orbit.__dict__:
+            orbit.__dict__["spectrum"] = self.orbit.spectrum
+        return same
+
     @cached_property
     def orientation(self) -> int:
         """The sign of the number's part in the tangent times that of det(1 - P_x): the same all along a curve.
@@ -173,12 +188,14 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
     allowed, column, weights = _FAR, np.zeros(0), np.zeros(0)
     for _ in range(_STEPS):
         half = family.at(value)
-        found = half.linearised(point, count)
+        found = family.linearised(value, point, count)
         r = half.map.difference(found.end, point)
         residual = half.relative(r, point)
         if not residual <= allowed:
             return None
-        if column.size != r.size or (residual <= RESIDUAL and fixed):
+        if found.by_number is not None:
+            column, weights = found.by_number, scaling(half, point, r.size)
+        elif column.size != r.size or (residual <= RESIDUAL and fixed):
             column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
         J = jacobian(found, column * family.scale(value), weights)
         if residual <= RESIDUAL:

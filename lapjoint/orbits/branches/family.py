@@ -10,8 +10,7 @@ import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
-from lapjoint.orbits.half_periods import HalfPeriods
-from lapjoint.orbits.parameters import FieldDerivatives
+from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import Refinement
 from lapjoint.problem import FloatArray, Problem
@@ -211,6 +210,25 @@ class Family:
         inward = ((value + step, value + step <= self.high), (value - step, value - step >= self.low))
         return tuple(other for other, allowed in inward if allowed)
 
+    def linearised(self, value: float, point: SectionPoint, count: int) -> Return:
+        """March over some half periods, with the derivatives by the point and, if the solver knows it, by the number.
+
+        Parameters
+        ----------
+        value : float
+            Of the number, in its SI unit.
+        point : SectionPoint
+            A point of the map there.
+        count : int
+            Number of half periods.
+
+        Returns
+        -------
+        Return
+            The end of the march and its derivatives, mirrored if `count` is odd.
+        """
+        return self.at(value).linearised(point, count, self.path)
+
     def derivative(self, value: float, point: SectionPoint, count: int) -> FloatArray:
         """Derivative of a section point's image by the number, while the point stays where it is.
 
@@ -230,10 +248,10 @@ class Family:
             can; else it comes from a difference, to a side where there are as many switches.
         """
         here = self.at(value)
+        known = self.linearised(value, point, count).by_number
+        if known is not None:
+            return known
         march = here.map.march(point, count)
-        if isinstance(here.map, FieldDerivatives) and march.end.state == point.state:
-            known = here.map.derivative_by(self.path, point, count)
-            return -known if count % 2 else known
         moved = here.map.difference(here.map.mirrored(march.end) if count % 2 else march.end, point)
         column = np.zeros(moved.size)
         for other in self.beside(value):

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema
-from lapjoint.orbits.compiled_intervals import IndexArray, Stops
+from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.period_map import Segment, Tangent
 from lapjoint.orbits.watch import stacked
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, Problem
 
 _PER_HALF_PERIOD = 64
 """Least number of points in half a period of the fastest excitation between which an extremum is looked for."""
@@ -138,15 +139,9 @@ def extrema_of(found: Return) -> Extrema:
         none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
         never = none.astype(bool)
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
-    _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
-    stops = Stops(
-        sign=np.array([stop.sign for stop in problem.stops], dtype=float),
-        gap=np.array([stop.gap for stop in problem.stops], dtype=float),
-        place=place,
-        beyond=np.arange(len(problem.stops)),
-    )
+    stops, _ = stops_of(problem)
     width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
-    at, time, value, highest = gap_extrema(stacked(segments, first), stops, width)
+    at, time, value, highest = gap_extrema(motion_of(found), stops, width)
     ends = [segment for segment in segments if segment.switched >= 0]
     switched = np.array([segment.switched for segment in ends], dtype=np.intp)
     closes = np.array([not segment.closed[segment.switched] for segment in ends], dtype=bool)
@@ -156,9 +151,53 @@ def extrema_of(found: Return) -> Extrema:
         closings = closings + closings[list(twins)]
         stop, switched = (np.minimum(one, np.array(twins)[one]) for one in (at, switched))
     when = np.array([segment.end for segment in ends], dtype=float)
-    return Extrema(
-        stop, at, time, value, highest, tuple(closings.tolist()), duration, switched.astype(np.intp), when, closes
+    closed, which = tuple(closings.tolist()), switched.astype(np.intp)
+    return Extrema(stop, at, time, value, highest, closed, duration, which, when, closes)
+
+
+def stops_of(problem: Problem) -> tuple[Stops, IndexArray]:
+    """The stops of a problem as compiled functions take them.
+
+    Parameters
+    ----------
+    problem : Problem
+        With ``P`` stops at ``U`` places.
+
+    Returns
+    -------
+    Stops
+        Each of them its own twin.
+    ndarray, shape (U,)
+        A stop at each of the places.
+    """
+    _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
+    stops = Stops(
+        sign=np.array([stop.sign for stop in problem.stops], dtype=float),
+        gap=np.array([stop.gap for stop in problem.stops], dtype=float),
+        place=place,
+        beyond=np.arange(len(problem.stops)),
     )
+    return stops, first
+
+
+def motion_of(found: Return) -> Motion:
+    """A motion as compiled functions take it.
+
+    Parameters
+    ----------
+    found : Return
+        The march over its half periods.
+
+    Returns
+    -------
+    Motion
+        At the places of the stops; the same object at every call.
+    """
+    kept: dict[str, Any] = found.__dict__
+    if "_motion" not in kept:
+        kept["_motion"] = stacked(found.linearised.segments, stops_of(found.half_periods.map.problem)[1])
+    motion: Motion = kept["_motion"]
+    return motion
 
 
 def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremum | None:
@@ -226,6 +265,31 @@ def _polished(found: Return, extremum: Extremum) -> Extremum:
         t -= v / a
     value = stop.sign * history.displacement(stop.x, history.start + t).item() - stop.gap
     return replace(extremum, time=t, value=value)
+
+
+def slope_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extremum: Extremum) -> float:
+    """Derivative of an extremum's value by the number of which the motion's segments know the change.
+
+    Parameters
+    ----------
+    half_periods : HalfPeriods
+        The map.
+    segments : tuple of Segment
+        The motion, with `Segment.change`.
+    extremum : Extremum
+        One of its extrema.
+
+    Returns
+    -------
+    float
+        m over the number's unit, while the start of the motion stays where it is.
+    """
+    one = next((s for s in segments if s.start <= extremum.time <= s.end), segments[-1])
+    tau, k, change = extremum.time - one.start, extremum.at, one.change
+    assert change is not None
+    waves = (change.waves[k] + tau * change.secular[k]) @ np.exp(one.rates * tau)
+    z = float(waves.real) + float(change.polynomial[k] @ np.array([1.0, tau, tau * tau]))
+    return half_periods.map.problem.stops[k].sign * z
 
 
 def gradient_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extremum: Extremum) -> FloatArray:

@@ -21,14 +21,14 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place, jacobian, place_from, scaling
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum
-from lapjoint.orbits.half_periods import Return
+from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum, slope_of
+from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.problem import FloatArray
 
-_STEPS = 12
+_STEPS = 9
 """Most steps of Newton's method, and of halves of them."""
-_HALVINGS = 3
+_HALVINGS = 2
 """How often a step is halved that leads past the graze, or away."""
 _STEP = 1e-8
 """Step of the differences over the scale of the number: nearer than any graze that is looked for."""
@@ -46,18 +46,18 @@ the tangent, and leaves the square of this.  Light contacts of a stiff stop are 
 so no length of the problem is what an extremum can be compared with."""
 _CLOSE_ENOUGH = 2e-5
 """The same where no motion nearer to the graze is found."""
-_ON_TARGET = 1e-9
-"""Distance from the target, as such an arc length, within which Newton's method ends."""
-_APPROACH = 0.2
-"""Share of the distance that is left after a step towards a graze that cannot be reached in one."""
+_ON_TARGET = 0.5
+"""Distance from the target over the target within which Newton's method ends."""
+_LEFT = 0.1
+"""Share of the way to a graze that is left by the first step of Newton's method towards it."""
+_LEFT_AT_MOST = 0.3
+"""Largest share of the way that is left by any."""
+_AMISS = 3.0
+"""Way that a step leaves, over the way by which it is expected to miss: by the last step's miss, with its square."""
 _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
 _NEAR = 0.05
 """Arc length from the graze within which the motion beyond it must lie."""
-_APPROACHES = 7
-"""Most steps towards a graze."""
-_FAILURES = 2
-"""Number of steps in turn that come to nothing after which one must be nearer to begin with."""
 
 
 @dataclass(frozen=True)
@@ -95,21 +95,8 @@ def located_graze(family: Family, place: Place, extremum: Extremum, rate: float)
     end = float(np.copysign(_CLOSE * scale, extremum.value))
     if abs(extremum.value) <= abs(end):
         end = extremum.value
-    now, share, failures = OnExtremum(place, extremum, 0.0), 0.0, 0
-    for _ in range(_APPROACHES):
-        target = end + share * (now.extremum.value - end)
-        found = on_extremum(family, now.place, now.extremum, target, scale)
-        if found is None or found.place.extrema.closings != place.extrema.closings:
-            failures += 1
-            if failures == _FAILURES:
-                break
-            share = _APPROACH if share == 0.0 else 0.5 * (1 + share)
-            continue
-        now, failures = found, 0
-        if target == end:
-            return now
-        share = 0.0 if abs(now.extremum.value) < 30 * abs(end) else share**2
-    return now if now.place is not place and abs(now.extremum.value) <= _CLOSE_ENOUGH * scale else None
+    found = on_extremum(family, place, extremum, end, scale, towards=True)
+    return found if found is not None and found.place.extrema.closings == place.extrema.closings else None
 
 
 def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum | None:
@@ -140,8 +127,10 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
     return None
 
 
-def on_extremum(family: Family, place: Place, extremum: Extremum, target: float, scale: float) -> OnExtremum | None:
-    """The motion near a place whose extremum has a given value.
+def on_extremum(
+    family: Family, place: Place, extremum: Extremum, target: float, scale: float, *, towards: bool = False
+) -> OnExtremum | None:
+    """The motion near a place whose extremum has about a given value.
 
     Parameters
     ----------
@@ -155,6 +144,8 @@ def on_extremum(family: Family, place: Place, extremum: Extremum, target: float,
         The value, m.
     scale : float
         Change of the value with the arc length, m, above zero.
+    towards : bool
+        Whether the target lies just before a graze, which no step is to cross.
 
     Returns
     -------
@@ -162,49 +153,9 @@ def on_extremum(family: Family, place: Place, extremum: Extremum, target: float,
         None if Newton's method finds none.
     """
     try:
-        return _on_extremum(family, place, extremum, target, scale)
+        return _Search(family, place, target, scale, towards).run(extremum)
     except (SolverError, InputError, np.linalg.LinAlgError):
         return None
-
-
-def _on_extremum(family: Family, place: Place, extremum: Extremum, target: float, scale: float) -> OnExtremum | None:
-    last: _Try | None = None
-    value, point, step, halved = place.value, place.point, np.zeros(0), 0
-    duration, before, column, slope = place.extrema.duration, np.inf, np.zeros(0), 0.0
-    for _ in range(_STEPS):
-        now = _tried(family, value, point, place.count, extremum, duration)
-        if now is None or (last is not None and not _is_better(now, last, target)):
-            halved += 1
-            if last is None or halved > _HALVINGS:
-                return None
-            step = 0.5 * step
-        else:
-            halved, misses = 0, (target - now.extremum.value) / scale
-            if not (np.isfinite(misses) and now.residual <= _FAR):
-                return None
-            half, found, weights = family.at(value), now.found, scaling(family.at(value), point, now.r.size)
-            on_target = now.residual <= RESIDUAL and abs(misses) <= max(_ON_TARGET, 1e-3 * abs(target) / scale)
-            size = math.hypot(now.residual, misses)
-            if on_target or size > _QUICK * before or column.size != now.r.size:
-                column, slope = _by_number(family, value, point, now, place.count)
-            before = size
-            J = jacobian(found, column * family.scale(value), weights)
-            row = gradient_of(half, found.linearised.segments, now.extremum) / weights / scale
-            bordered = np.vstack([J, np.append(row, slope * family.scale(value) / scale)])
-            if on_target:
-                unit = np.append(np.zeros(now.r.size), 1 / scale)
-                rate = float(np.linalg.solve(bordered, unit)[-1]) * family.scale(value)
-                there = place_from(value, point, now.residual, found, J, weights)
-                return OnExtremum(there, now.extremum, rate)
-            step = np.linalg.solve(bordered, np.append(-weights * now.r, misses))
-            last, extremum, duration = now, now.extremum, found.count * half.map.period / 2
-        if not float(np.linalg.norm(step)) < 1.0:
-            return None
-        half = family.at(last.value)
-        point = half.map.moved(last.point, step[:-1] / scaling(half, last.point, last.r.size))
-        value = last.value + float(step[-1]) * family.scale(last.value)
-        point = family.adopted(value, point)
-    return None
 
 
 @dataclass(frozen=True)
@@ -218,37 +169,136 @@ class _Try:
     residual: float
     extremum: Extremum
 
+    @property
+    def half_periods(self) -> HalfPeriods:
+        """The map there."""
+        return self.found.half_periods
 
-def _tried(
-    family: Family, value: float, point: SectionPoint, count: int, extremum: Extremum, duration: float
-) -> _Try | None:
-    """A guess; None if it has no such extremum."""
-    half = family.at(value)
-    found = half.linearised(point, count)
-    now = same_extremum(found, extremum, duration)
-    r = half.map.difference(found.end, point)
-    residual = half.relative(r, point)
-    if now is None or not np.isfinite(residual):
+    @property
+    def weights(self) -> FloatArray:
+        """`scaling` there, shape ``(n,)``."""
+        return scaling(self.half_periods, self.point, self.r.size)
+
+    @property
+    def duration(self) -> float:
+        """Length of the march, s."""
+        return self.found.count * self.half_periods.map.period / 2
+
+
+class _Search:
+    """Newton's method for a motion whose extremum has a given value."""
+
+    def __init__(self, family: Family, place: Place, target: float, scale: float, towards: bool) -> None:
+        self._family, self._place, self._target, self._scale = family, place, target, scale
+        self._towards = towards
+        self._column, self._slope = np.zeros(0), 0.0
+        self._tries, self._miss, self._left = 0, np.inf, _LEFT
+
+    def run(self, extremum: Extremum) -> OnExtremum | None:
+        """Find it from the extremum of the place where it begins."""
+        place, near = self._place, None
+        good = _Try(
+            place.value,
+            place.point,
+            place.orbit.last,
+            place.half_periods.map.difference(place.orbit.last.end, place.point),
+            place.orbit.residual,
+            extremum,
+        )
+        while True:
+            on_target = abs(good.extremum.value - self._target) <= _ON_TARGET * abs(self._target)
+            on_target &= good.residual <= RESIDUAL
+            J, bordered = self._bordered(good, on_target)
+            if on_target:
+                return self._found(good, J, bordered)
+            if self._tries and good.residual <= RESIDUAL and self._way(good) <= _CLOSE_ENOUGH and self._towards:
+                near = self._found(good, J, bordered)
+            aim = self._aim(good)
+            misses = (aim - good.extremum.value) / self._scale
+            step = np.linalg.solve(bordered, np.append(-good.weights * good.r, misses))
+            better = self._stepped(good, step)
+            if better is None:
+                return near
+            now, share = better
+            expected = good.extremum.value + share * (aim - good.extremum.value)
+            gone = abs(expected - good.extremum.value) / self._scale
+            self._left = _AMISS * abs(now.extremum.value - expected) / self._scale / max(gone, 1e-300) ** 2
+            good = now
+
+    def _way(self, one: _Try) -> float:
+        """Arc length to the graze, as the extremum's rate has it."""
+        return abs(one.extremum.value) / self._scale
+
+    def _aim(self, good: _Try) -> float:
+        """The value that the next step is for: the target, or as near to it as no step is expected to miss it by."""
+        way, end = self._way(good), abs(self._target) / self._scale
+        if not self._towards or way <= end:
+            return self._target
+        left = self._left * (way if self._tries == 0 else way**2)
+        return math.copysign(max(min(left, _LEFT_AT_MOST * way), end) * self._scale, self._target)
+
+    def _stepped(self, good: _Try, step: FloatArray) -> tuple[_Try, float] | None:
+        """The guess after a step, or after as large a share of it as makes it better, and that share."""
+        share = 1.0
+        for _ in range(_HALVINGS + 1):
+            self._tries += 1
+            if self._tries > _STEPS or not float(np.linalg.norm(share * step)) < 1.0:
+                return None
+            point = good.half_periods.map.moved(good.point, share * step[:-1] / good.weights)
+            value = good.value + share * float(step[-1]) * self._family.scale(good.value)
+            now = _tried(self._family, value, self._family.adopted(value, point), self._place.count, good)
+            if now is not None and self._is_better(now, good):
+                return now, share
+            share *= 0.5
+        return None
+
+    def _is_better(self, now: _Try, good: _Try) -> bool:
+        """Whether a guess is as near to a motion as Newton's method must come, and has not crossed the graze back."""
+        if (good.extremum.value > 0) == (self._target > 0) != (now.extremum.value > 0):
+            return False
+        return now.residual <= min(_FAR, max(_WORSE * good.residual, _ALLOWED))
+
+    def _bordered(self, now: _Try, last: bool) -> tuple[FloatArray, FloatArray]:
+        """`jacobian`, and the same with the derivatives of the extremum over the scale, shape ``(n + 1, n + 1)``."""
+        found, scale = now.found, self._family.scale(now.value)
+        segments, miss = found.linearised.segments, math.hypot(now.residual, self._way(now))
+        if found.by_number is not None:
+            self._column, self._slope = found.by_number, slope_of(now.half_periods, segments, now.extremum)
+        elif last or miss > _QUICK * self._miss or self._column.size != now.r.size:
+            self._column, self._slope = _by_number(self._family, now, self._place.count)
+        self._miss = miss
+        J = jacobian(found, self._column * scale, now.weights)
+        row = gradient_of(now.half_periods, segments, now.extremum) / now.weights
+        return J, np.vstack([J, np.append(row, self._slope * scale) / self._scale])
+
+    def _found(self, now: _Try, J: FloatArray, bordered: FloatArray) -> OnExtremum:
+        """The motion of a guess that closes."""
+        unit = np.append(np.zeros(now.r.size), 1 / self._scale)
+        rate = float(np.linalg.solve(bordered, unit)[-1]) * self._family.scale(now.value)
+        place = place_from(now.value, now.point, now.residual, now.found, J, now.weights)
+        return OnExtremum(place, now.extremum, rate)
+
+
+def _tried(family: Family, value: float, point: SectionPoint, count: int, last: _Try) -> _Try | None:
+    """A guess; None if it has no extremum like that of the last one."""
+    found = family.linearised(value, point, count)
+    now = same_extremum(found, last.extremum, last.duration)
+    r = found.half_periods.map.difference(found.end, point)
+    residual = found.half_periods.relative(r, point)
+    if now is None or not (np.isfinite(residual) and np.isfinite(now.value)):
         return None
     return _Try(value, point, found, r, residual, now)
 
 
-def _is_better(now: _Try, last: _Try, target: float) -> bool:
-    """Whether a guess is as near to a motion as Newton's method must come, and has not gone past the graze again."""
-    if (last.extremum.value > 0) == (target > 0) != (now.extremum.value > 0):
-        return False
-    return now.residual <= max(_WORSE * last.residual, _ALLOWED)
-
-
-def _by_number(family: Family, value: float, point: SectionPoint, now: _Try, count: int) -> tuple[FloatArray, float]:
+def _by_number(family: Family, now: _Try, count: int) -> tuple[FloatArray, float]:
     """Derivatives of the point's image and of an extremum by the number, while the point stays where it is."""
-    half, column, slope = family.at(value), np.zeros(now.r.size), 0.0
-    for other in family.beside(value, _STEP):
+    map_, column, slope = now.half_periods.map, np.zeros(now.r.size), 0.0
+    for other in family.beside(now.value, _STEP):
         beside = family.at(other)
-        found = beside.linearised(beside.map.adopted(point), count)
-        match = same_extremum(found, now.extremum, count * half.map.period / 2)
-        column = (half.map.difference(half.map.adopted(found.end), point) - now.r) / (other - value)
-        slope = 0.0 if match is None else (match.value - now.extremum.value) / (other - value)
+        found = beside.linearised(beside.map.adopted(now.point), count)
+        match = same_extremum(found, now.extremum, now.duration)
+        column = (map_.difference(map_.adopted(found.end), now.point) - now.r) / (other - now.value)
+        slope = 0.0 if match is None else (match.value - now.extremum.value) / (other - now.value)
         if match is not None and (match.value > 0) == (now.extremum.value > 0):
             break  # else the graze lies between the two
     return column, slope

@@ -1,8 +1,8 @@
 r"""What happens to the contacts of a motion on the way to a neighbouring one: nothing, or a graze, or several.
 
 Along the curve each extremum h* of a gap function, and each switch, moves in phase, and h* changes its value: `Rates`,
-per unit of arc length, from the motion a little further along the tangent.  By these an extremum of one motion finds
-itself in the next, however many there are, and the curve sees a graze before it comes to it.
+per unit of arc length, in closed form, or from the motion a little further along the tangent.  By these an extremum of
+one motion finds itself in the next, however many there are, and the curve sees a graze before it comes to it.
 
 Between two neighbours nothing happens if the switches of one are those of the other, each found where its rate leads,
 and if no extremum passes zero: one that is found again neither with another sign at the end, nor on the way and back,
@@ -17,11 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.orbits.branches.compiled_extrema import nearest
+from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.orbits.branches.compiled_extrema import moved_events, nearest
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of
+from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of, motion_of, stops_of
 from lapjoint.orbits.compiled_intervals import IndexArray
+from lapjoint.orbits.half_periods import Return
+from lapjoint.orbits.parameters import excitation_change
 from lapjoint.problem import FloatArray
 
 _BESIDE = 3e-6
@@ -60,13 +63,79 @@ def rates_of(family: Family, place: Place) -> Rates:
     Returns
     -------
     Rates
-        In the direction of the tangent.
+        In the direction of the tangent: in closed form where the solver knows its derivative by the number.
 
     Raises
     ------
     SolverError
         If the march beside it cannot go on.
     """
+    if place.orbit.last.by_number is not None and place.extrema.time.size:
+        return _exact(family, place)
+    return _by_difference(family, place)
+
+
+def _exact(family: Family, place: Place) -> Rates:
+    """Rates from the motion's own derivatives."""
+    found, here, problem = place.orbit.last, place.extrema, place.half_periods.map.problem
+    motion, (stops, first) = motion_of(found), stops_of(problem)
+    by_number = place.tangent[-1] * family.scale(place.value)
+    change = change_along(found, first, place.tangent[:-1] / place.weights, by_number)
+    ends = [(i, one.switched) for i, one in enumerate(found.linearised.segments) if one.switched >= 0]
+    which, switched = np.array(ends, dtype=np.intp).reshape(-1, 2).T
+    segment = np.searchsorted(motion.start, here.time, side="right") - 1
+    at = np.concatenate([here.at, switched])
+    tau = np.concatenate([here.time - motion.start[segment], motion.duration[which]])
+    moved = moved_events(motion, *change, np.concatenate([segment, which]), stops.place[at], tau)
+    excitation, m = excitation_change(problem, family.path), here.time.size
+    longer = 0.0 if excitation is None else -excitation.frequency * by_number  # of the logarithm of the duration
+    with np.errstate(divide="ignore", invalid="ignore"):
+        later = -np.concatenate([moved[:m, 1] / moved[:m, 3], moved[m:, 0] / moved[m:, 2]]) / here.duration
+    later -= np.concatenate([here.phase, here.switch_phase]) * longer
+    known = np.abs(later) <= _SAME / _BESIDE
+    later = np.where(known, later, 0.0)
+    return Rates(later[:m], np.where(known[:m], stops.sign[here.at] * moved[:m, 0], 0.0), later[m:])
+
+
+def change_along(
+    found: Return, first: IndexArray, point: FloatArray, number: float
+) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """How a motion changes between its switches with its start and with the number.
+
+    Parameters
+    ----------
+    found : Return
+        The march over its half periods, with the derivative by the number.
+    first : ndarray, shape (U,)
+        A stop at each of the places at which it is wanted.
+    point : FloatArray, shape (n,)
+        Change of the start.
+    number : float
+        Change of the number, in its SI unit.
+
+    Returns
+    -------
+    waves, secular : ComplexArray, shape (S, U, K)
+        See `lapjoint.orbits.branches.compiled_extrema.moved_events`.
+    polynomial : FloatArray, shape (S, U, 3)
+        The same.
+    """
+    motion = motion_of(found)
+    waves, secular = np.zeros((2, *motion.weights.shape), dtype=complex)
+    polynomial = np.zeros(motion.polynomial.shape)
+    for i, one in enumerate(found.linearised.segments):
+        assert one.change is not None
+        free, terms = one.deviations.shape[0], one.rates.size
+        waves[i, :, :free] = motion.weights[i, :, :free] * (one.deviations @ point)
+        polynomial[i, :, :2] = one.drift[first] @ point
+        waves[i, :, :terms] += number * one.change.waves[first]
+        secular[i, :, :terms] = number * one.change.secular[first]
+        polynomial[i] += number * one.change.polynomial[first]
+    return waves, secular, polynomial
+
+
+def _by_difference(family: Family, place: Place) -> Rates:
+    """Rates from the motion a little further along the tangent."""
     share, here = place.tangent[-1] * family.scale(place.value), place.extrema
     for value in family.beside(place.value):
         length = (value - place.value) / (share or 1e-300)

@@ -61,13 +61,14 @@ def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: f
     residual = np.inf
     for i in range(_STEPS):
         half = family.at(value)
-        found = half.linearised(point, count)
+        found = family.linearised(value, point, count)
         r = half.map.difference(found.end, point)
         if r.size != direction.size or half.relative(r, point) > max(0.5 * residual, 1e-2 if i < 3 else 0.0):
             return None
         residual = half.relative(r, point)
         weights = scaling(half, point, r.size)
-        J = jacobian(found, family.derivative(value, point, count) * family.scale(value), weights)
+        column = family.derivative(value, point, count) if found.by_number is None else found.by_number
+        J = jacobian(found, column * family.scale(value), weights)
         if residual <= RESIDUAL:
             return place_from(value, point, residual, found, J, weights)
         away = half.map.difference(point, half.map.adopted(bifurcation.point)) * weights

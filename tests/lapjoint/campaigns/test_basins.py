@@ -16,7 +16,7 @@ import xarray as xr
 from scipy.stats import binomtest
 from toy import bar
 
-from lapjoint import Axis, InputError, basins
+from lapjoint import Axis, InputError, ModalDamping, basins
 from lapjoint.campaigns import BasinPlan
 from lapjoint.campaigns.basin_chunk import Chunk
 from lapjoint.campaigns.basin_dataset import read_basins
@@ -187,3 +187,17 @@ def test_starts_whose_process_died_have_failed() -> None:
     assert found.motion.values.tolist() == [-1] * 5
     assert found.unbound_fraction.values.tolist() == [0.0, 0.0, 0.0, 1.0]
     assert set(found.failure_message.values) == {"it died"}
+
+
+def test_starts_that_all_end_in_no_motion_are_told_as_such(tmp_path: Path) -> None:
+    slow = MIRROR.replace(damping=ModalDamping(ratio=1e-5))
+    found = basins(slow, energy=20.0, starts=4, effort=1, out=tmp_path / "basins.nc", **TWO)
+    assert found.motion.values.tolist() == [-1] * 4
+    assert found.impulse.shape == found.impulse_error.shape == (0, len(MIRROR.stops))
+    assert float(found.unbound_fraction.sum()) == 1.0
+
+
+def test_a_beam_without_stops_has_one_motion_in_which_all_starts_end() -> None:
+    found = basins(MIRROR.replace(stops=()), energy=20.0, starts=4, **TWO)
+    assert found.motion.values.tolist() == [0] * 4
+    assert found.impulse.shape == (1, 0)

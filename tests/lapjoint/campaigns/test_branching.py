@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import lapjoint
-from lapjoint import BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns import branch_parts
+from lapjoint import FREQUENCY, Axis, BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
+from lapjoint.campaigns import branch_search
 from lapjoint.campaigns.branch_dataset import KINDS, read_branches
 from lapjoint.campaigns.dataset import read_curve
 from lapjoint.campaigns.journal import journal_path
@@ -19,6 +21,11 @@ from lapjoint.errors import Interrupted
 AMPLITUDE = "base_motion.amplitude"
 LOW, HIGH = 3e-4, 4e-4
 OPTIONS = {"n_modes": 3}
+DOUBLING: dict[str, Any] = {"options": {"n_modes": 2}, "errors": False, "max_period_multiple": 2}
+
+
+def by_map(function: Callable[[Any], Any], batches: Iterable[Any]) -> Iterator[Any]:
+    return map(function, batches)
 
 
 @pytest.fixture(scope="module")
@@ -78,16 +85,16 @@ def test_a_file_is_written_read_and_not_made_again(problem: Problem, found: xr.D
 def test_an_interrupted_search_resumes(
     problem: Problem, found: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out, solve_branch = tmp_path / "branch.nc", branch_parts.solve_branch
+    out, solve_branch = tmp_path / "branch.nc", branch_search.solve_branch
 
     def interrupted(*args: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(branch_parts, "solve_branch", interrupted)
+    monkeypatch.setattr(branch_search, "solve_branch", interrupted)
     with pytest.raises(Interrupted, match=r"2 parts of the work are kept in .*; the same command resumes"):
         lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False, out=out)
-    monkeypatch.setattr(branch_parts, "solve_branch", solve_branch)
-    monkeypatch.setattr(branch_parts, "solve_start", interrupted)
+    monkeypatch.setattr(branch_search, "solve_branch", solve_branch)
+    monkeypatch.setattr(branch_search, "solve_start", interrupted)
     made = lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False, out=out)
     xr.testing.assert_identical(made, found)
 
@@ -110,24 +117,108 @@ def test_a_branch_ends_with_the_effort_that_is_allowed(problem: Problem) -> None
     assert max(shares) == 1
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, by_map])
 def test_a_start_that_leads_to_a_known_branch_costs_one_process_nothing(
-    problem: Problem, found: xr.Dataset, workers: int, monkeypatch: pytest.MonkeyPatch
+    problem: Problem, found: xr.Dataset, workers: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made, solve_branch = [], branch_parts.solve_branch
+    made, solve_branch = [], branch_search.solve_branch
 
     def counted(*args: object) -> dict[str, object]:
         made.append(args)
         return solve_branch(*args)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(branch_parts, "solve_branch", counted)
+    monkeypatch.setattr(branch_search, "solve_branch", counted)
     if workers == 1:
         again = lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False)
         assert len(made) == 1
     else:
-        monkeypatch.setattr(branch_parts, "solve_branch", solve_branch)
+        monkeypatch.setattr(branch_search, "solve_branch", solve_branch)
         again = lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False, workers=workers)
     xr.testing.assert_identical(again, found)
+
+
+GAPS = (1.05e-3, 1e-3, 0.95e-3)
+ALSO: dict[str, Any] = {
+    "options": OPTIONS,
+    "errors": False,
+    "also_over": Axis("stops.*.gap", GAPS),
+}
+
+
+@pytest.fixture(scope="module")
+def in_two_numbers(problem: Problem) -> xr.Dataset:
+    """The branches for three gaps, found by one process."""
+    return lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, **ALSO)
+
+
+def test_a_second_number_gives_the_branches_of_each_of_its_values(
+    in_two_numbers: xr.Dataset, found: xr.Dataset
+) -> None:
+    assert in_two_numbers.stops_all_gap.values.tolist() == list(GAPS)
+    assert in_two_numbers.branch_also_over.values.tolist() == list(GAPS)
+    own = in_two_numbers.branch_also_over.values[in_two_numbers.branch.values] == 1e-3
+    np.testing.assert_array_equal(in_two_numbers.base_motion_amplitude.values[own], found.base_motion_amplitude.values)
+    mine = in_two_numbers.bifurcation_also_over.values == 1e-3
+    np.testing.assert_array_equal(in_two_numbers.bifurcation_value.values[mine], found.bifurcation_value.values)
+
+
+def test_bifurcations_that_scale_with_the_gap_lie_on_one_locus_each(in_two_numbers: xr.Dataset) -> None:
+    gap, value, locus = (in_two_numbers[f"bifurcation_{name}"].values for name in ("also_over", "value", "locus"))
+    assert np.bincount(locus).tolist() == [3, 3, 3]
+    for number, kind in enumerate(("grazing", "fold", "fold")):
+        mine = locus == number
+        assert {KINDS[one] for one in in_two_numbers.bifurcation_kind.values[mine]} == {kind}
+        assert np.ptp(value[mine] / gap[mine]) <= 1e-7 * value[mine][0] / gap[mine][0]  # located to 1e-9 each
+
+
+@pytest.mark.parametrize("workers", [2, by_map])
+def test_workers_find_the_same_in_two_numbers(problem: Problem, in_two_numbers: xr.Dataset, workers: Any) -> None:
+    xr.testing.assert_identical(lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, workers=workers, **ALSO), in_two_numbers)
+
+
+def test_a_search_in_two_numbers_resumes_where_it_was_interrupted(
+    problem: Problem, in_two_numbers: xr.Dataset, tmp_path: Path
+) -> None:
+    out = tmp_path / "loci.nc"
+
+    def interrupt(done: float, total: float) -> None:
+        if done >= 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted, match=r"5 parts of the work are kept in .*; the same command resumes"):
+        lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, out=out, progress=interrupt, **ALSO)
+    began: list[float] = []
+    made = lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, out=out, progress=lambda a, b: began.append(a), **ALSO)
+    assert began[0] == 5
+    xr.testing.assert_identical(made, in_two_numbers)
+    xr.testing.assert_equal(read_branches(out), made)
+
+
+@pytest.mark.parametrize("workers", [1, by_map])
+def test_no_branch_is_followed_once_the_effort_is_spent_and_the_number_left_out_is_told(
+    problem: Problem, workers: Any
+) -> None:
+    hard = problem.replace(
+        stops=(problem.stops[0].model_copy(update={"stiffness": 500.0}),),
+        base_motion=BaseMotion(amplitude=HIGH, angular_frequency=5.0),
+    )
+    whole = lapjoint.branch(hard, FREQUENCY, 5.0, 8.0, **DOUBLING, workers=workers)
+    short = lapjoint.branch(hard, FREQUENCY, 5.0, 8.0, **DOUBLING, effort=1, workers=workers)
+    assert int(whole.left_out) == 0
+    assert short.branch_first_end.size == 1
+    assert short.attrs["effort"] == 1
+    assert int(short.left_out) >= 2
+
+
+def test_what_could_not_be_followed_is_told(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*args: object) -> dict[str, object]:
+        return {"seeds": [], "points": [], "message": "stopped at t = 0.1 s"}
+
+    monkeypatch.setattr(branch_search, "solve_branch", stopped)
+    found = lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False)
+    assert found.failure_message.values.tolist() == [
+        f"a motion at {AMPLITUDE} = {value:g}: stopped at t = 0.1 s" for value in (LOW, HIGH)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -135,6 +226,10 @@ def test_a_start_that_leads_to_a_known_branch_costs_one_process_nothing(
     [
         ({"max_period_multiple": 0}, "max_period_multiple = 0: must be an integer from 1 to 64"),
         ({"max_points": 1}, "max_points = 1: must be an integer from 2 to"),
+        ({"effort": 0}, "effort = 0: must be an integer from 1 to"),
+        ({"also_over": Axis(AMPLITUDE, (1.0,))}, "is the number that changes along the branches already"),
+        ({"also_over": Axis("stops.*.gap", (1e-3, -2.0))}, r"stops\.\*\.gap = -2"),
+        ({"scheduler": "nowhere"}, "scheduler = 'nowhere'"),
         ({"starts": -1}, "starts = -1: must be an integer from 0 to"),
         ({"last": LOW}, "must differ from 0.0003, where the range begins"),
         ({"first": np.nan}, "from = nan: must be a finite number"),

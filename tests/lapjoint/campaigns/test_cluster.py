@@ -12,15 +12,26 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 import xarray as xr
 from counting_solver import installed
 
-from lapjoint import Beam, ModalDamping, Problem, Stop, Support, paper_joint, statistics
+from lapjoint import (
+    BaseMotion,
+    Beam,
+    ModalDamping,
+    Problem,
+    Stop,
+    Support,
+    ViscousDamping,
+    branch,
+    paper_joint,
+    statistics,
+)
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem.random_motion import RandomBaseMotion
@@ -30,32 +41,61 @@ JOINT = paper_joint()
 AXES = [Axis(FREQUENCY, range(100, 140))]
 
 
-@pytest.fixture
-def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int], int]]:
+class Cluster(NamedTuple):
     """Address of a scheduler, the process groups of its two workers (each a nanny and its child), and its own."""
-    folder = tmp_path / "package"
-    folder.mkdir()
-    monkeypatch.setenv("PYTHONPATH", installed(folder))
-    monkeypatch.syspath_prepend(str(folder))
-    monkeypatch.setenv("COUNTING_SECONDS", "0.05")  # of the workers: one is killed at work
-    where = tmp_path / "scheduler.json"
+
+    address: str
+    workers: list[int]
+    scheduler: int
+
+    def kill_a_worker(self) -> None:
+        """Kill one at work; its nanny starts another."""
+        from distributed import Client
+
+        with Client(self.address, set_as_default=False) as client:
+            os.kill(min(client.run(os.getpid).values()), signal.SIGKILL)
+
+
+@contextmanager
+def begun(folder: Path) -> Iterator[Cluster]:
+    """A scheduler and two workers; the counting solver, which takes its time there, is installed there and here."""
     processes: list[subprocess.Popen[bytes]] = []
+    where, package = folder / "scheduler.json", folder / "package"
+    package.mkdir()
+    with pytest.MonkeyPatch.context() as here:
+        here.setenv("PYTHONPATH", installed(package))
+        here.syspath_prepend(str(package))
+        slow = {"COUNTING_SECONDS": "0.05", "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}  # of its own three
 
-    def begin(program: str, *options: str) -> int:
-        command = [sys.executable, "-m", f"distributed.cli.{program}", *options, "--scheduler-file", str(where)]
-        quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        processes.append(subprocess.Popen([*command, "--no-dashboard"], start_new_session=True, cwd=tmp_path, **quiet))
-        return processes[-1].pid
+        def begin(program: str, *options: str) -> int:
+            command = [sys.executable, "-m", f"distributed.cli.{program}", *options, "--scheduler-file", str(where)]
+            given: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+            given |= {"env": os.environ | slow, "start_new_session": True}
+            processes.append(subprocess.Popen([*command, "--no-dashboard"], **given))
+            return processes[-1].pid
 
-    try:
-        scheduler = begin("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
-        workers = [begin("dask_worker", "--nthreads", "1", "--host", "127.0.0.1") for _ in range(2)]
-        monkeypatch.delenv("COUNTING_SECONDS")
-        yield address(where), workers, scheduler
-    finally:
-        for process in processes:
-            kill_group(process.pid)
-            process.wait(timeout=30)
+        try:
+            scheduler = begin("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
+            workers = [begin("dask_worker", "--nthreads", "1", "--host", "127.0.0.1") for _ in range(2)]
+            yield Cluster(address(where), workers, scheduler)
+        finally:
+            for process in processes:
+                kill_group(process.pid)
+                process.wait(timeout=30)
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    """One for all tests that leave it alive."""
+    with begun(tmp_path_factory.mktemp("cluster")) as cluster:
+        yield cluster
+
+
+@pytest.fixture
+def doomed(tmp_path: Path) -> Iterator[Cluster]:
+    """One of its own for a test that ends it."""
+    with begun(tmp_path) as cluster:
+        yield cluster
 
 
 def address(where: Path) -> str:
@@ -75,32 +115,30 @@ def kill_group(group: int) -> None:
 
 @pytest.mark.parametrize("start", ["rest", "up"])
 def test_a_cluster_that_loses_a_worker_finds_what_one_process_finds(
-    start: Any, cluster: tuple[str, list[int], int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    start: Any, cluster: Cluster, tmp_path: Path
 ) -> None:
-    scheduler, workers, _ = cluster
-    killers: list[threading.Timer] = []
+    killers: list[threading.Thread] = []
 
     def kill_one(done: float, total: float) -> None:
         if done >= 10 and not killers:
-            killers.append(threading.Timer(0.0, kill_group, [workers[0]]))
+            killers.append(threading.Thread(target=cluster.kill_a_worker))
             killers[0].start()
 
     given: dict[str, Any] = {"solver": "counting", "start": start}
-    found = sweep(JOINT, AXES, scheduler=scheduler, out=tmp_path / "curve.nc", progress=kill_one, **given)
+    found = sweep(JOINT, AXES, scheduler=cluster.address, out=tmp_path / "curve.nc", progress=kill_one, **given)
     assert killers
+    killers[0].join()
     xr.testing.assert_identical(found, sweep(JOINT, AXES, **given))
 
 
-def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: tuple[str, list[int], int]) -> None:
+def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: Cluster) -> None:
     axes = [Axis(FREQUENCY, range(100, 104))]
-    found = sweep(JOINT, axes, solver="counting", options={"dies_at": 102.0}, scheduler=cluster[0])
+    found = sweep(JOINT, axes, solver="counting", options={"dies_at": 102.0}, scheduler=cluster.address)
     assert found.outcome.values.tolist() == [1, 1, -1, 1]
     assert found.message.values.tolist() == ["", "", "the workers that solved it died", ""]
 
 
-def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(
-    cluster: tuple[str, list[int], int], tmp_path: Path
-) -> None:
+def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
     shaken = Problem(
         beam=Beam(length=1.0, bending_stiffness=200.0, mass_per_length=1.0),
         supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
@@ -108,18 +146,40 @@ def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(
         damping=ModalDamping(ratio=0.1),
         base_motion=RandomBaseMotion(psd=[[5.0, 1.0], [40.0, 1.0]]),
     )
-    scheduler, workers, _ = cluster
     killed: list[float] = []
 
     def kill_one(done: float, total: float) -> None:
         if done >= 2 and not killed:
             killed.append(done)
-            kill_group(workers[0])
+            cluster.kill_a_worker()
 
     given: dict[str, Any] = {"duration": 1.5, "seeds": 8, "options": {"n_modes": 2}}
-    found = statistics(shaken, scheduler=scheduler, out=tmp_path / "stats.nc", progress=kill_one, **given)
+    found = statistics(shaken, scheduler=cluster.address, out=tmp_path / "stats.nc", progress=kill_one, **given)
     assert killed
     xr.testing.assert_identical(found, statistics(shaken, **given))
+
+
+def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
+    bar = Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
+        damping=ViscousDamping(coefficient=0.8),
+        base_motion=BaseMotion(amplitude=3e-4, angular_frequency=5.0),
+    )
+    killed: list[float] = []
+
+    def kill_one(done: float, total: float) -> None:
+        if done >= 9 and not killed:
+            killed.append(done)
+            cluster.kill_a_worker()
+
+    also = Axis("stops.*.gap", (0.95e-3, 1e-3, 1.05e-3, 1.1e-3))
+    given: dict[str, Any] = {"options": {"n_modes": 2}, "errors": False, "also_over": also}
+    where = bar, "base_motion.amplitude", 3e-4, 4e-4
+    found = branch(*where, scheduler=cluster.address, out=tmp_path / "loci.nc", progress=kill_one, **given)
+    assert killed
+    xr.testing.assert_identical(found, branch(*where, **given))
 
 
 @pytest.mark.slow
@@ -152,16 +212,15 @@ def test_an_address_that_is_none_is_refused(address: str, monkeypatch: pytest.Mo
     ],
 )
 def test_a_cluster_that_dies_ends_the_sweep_with_a_message(
-    lost: str, message: str, cluster: tuple[str, list[int], int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lost: str, message: str, doomed: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("lapjoint.campaigns.cluster.ALONE", 2.0)
     monkeypatch.setattr("lapjoint.campaigns.cluster.LOOK", 0.5)
-    address, workers, scheduler = cluster
 
     def kill_all(done: float, total: float) -> None:
         if done >= 5:
-            for group in workers if lost == "workers" else [scheduler]:
+            for group in doomed.workers if lost == "workers" else [doomed.scheduler]:
                 kill_group(group)
 
     with pytest.raises(SolverError, match=message):
-        sweep(JOINT, AXES, solver="counting", scheduler=address, out=tmp_path / "curve.nc", progress=kill_all)
+        sweep(JOINT, AXES, solver="counting", scheduler=doomed.address, out=tmp_path / "curve.nc", progress=kill_all)

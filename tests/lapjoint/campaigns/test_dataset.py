@@ -244,11 +244,16 @@ def test_the_strip_tells_what_was_established() -> None:
     [plan(), plan(12, 3), plan(12, 12), plan(12, start="random", starts=4), plan(1), plan(4, 3, starts=2)],
     ids=["one axis", "lines", "map", "starts", "one point", "lines and starts"],
 )
-@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
-def test_every_kind_of_sweep_is_drawn(this: Plan, ending: str, tmp_path: Path) -> None:
+def test_every_kind_of_sweep_is_drawn(this: Plan, tmp_path: Path) -> None:
     found = dataset(this)
-    save(plot_curve(found), tmp_path / f"curve.{ending}")
+    save(plot_curve(found), tmp_path / "curve.png")
     axes = plot_curve_wide(found)
     assert len(axes) == 5
-    save(axes[0], tmp_path / f"wide.{ending}")
-    assert (tmp_path / f"wide.{ending}").stat().st_size > 1000
+    save(axes[0], tmp_path / "wide.png")
+    assert (tmp_path / "wide.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize("ending", ["svg", "pdf"])
+def test_a_sweep_is_drawn_in_vectors(ending: str, tmp_path: Path) -> None:
+    save(plot_curve(dataset(plan(4, 3))), tmp_path / f"curve.{ending}")
+    assert (tmp_path / f"curve.{ending}").stat().st_size > 1000

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from lapjoint.campaigns.branch_dataset import read_branches
+from lapjoint.cli.branch_printing import bifurcation_text
 from lapjoint.cli.main import main
 
 PROBLEM = """
@@ -75,6 +78,45 @@ def test_a_branch_that_takes_too_much_effort_says_so_by_its_status() -> None:
 
 
 @pytest.mark.usefixtures("here")
+def test_branches_in_two_numbers_print_their_loci_and_plot_draws_them() -> None:
+    over = ("--from", "3e-4", "--to", "4e-4", "--also-over", "stops.*.gap=0.95e-3:1.05e-3:3")
+    result = run("branch", "bar.toml", *OVER, *over, "--out", "loci.nc")
+    assert result.exit_code == 0, result.output
+    lines = result.stdout.splitlines()
+    assert lines[1] == "3 branches at 3 values of stops.*.gap; loci:"
+    assert lines[2].startswith("  first grazing of tip, 3 of 3 values: 0.000317")
+    assert [line.split(",")[0] for line in lines[3:]] == ["  fold", "  fold"]
+    assert run("plot", "loci.nc", "-o", "loci.svg").exit_code == 0
+    drawn = Path("loci.svg").read_text()
+    assert "gap (all stops) [m]" in drawn
+    assert "first grazing of tip" in drawn
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("asked", [True, False])
+def test_an_error_that_no_finer_solver_confirms_is_said_in_words(asked: bool) -> None:
+    over = (*OVER[:-1], *OVER[-1:] * (not asked), "--from", "3e-4", "--to", "4e-4", "--out", "b.nc")
+    result = run("branch", "bar.toml", *over)
+    assert "inf" not in result.stdout
+    assert result.stdout.count(" ± ") == 3 * asked
+    found = read_branches("b.nc")
+    found.bifurcation_error[1] = np.inf
+    said = bifurcation_text(found, 1)
+    assert said.endswith("fold (not confirmed by the finer solver)" if asked else "fold")
+    assert "±" not in said
+
+
+@pytest.mark.usefixtures("here")
+def test_motions_that_the_effort_leaves_out_are_told_by_their_number_and_the_status() -> None:
+    over = ("--over", "base_motion.angular_frequency", "--from", "5", "--to", "8", "--modes", "2", "--no-errors")
+    hard = ("--set", "stops.*.stiffness=500", "--set", "base_motion.amplitude=4e-4")
+    result = run("branch", "bar.toml", *hard, *over, "--effort", "1", "--out", "b.nc")
+    assert result.exit_code == 1, result.output
+    assert "effort = 1 is spent: the branches of " in result.stdout
+    assert result.stdout.rstrip().endswith(" were not followed")
+
+
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -85,6 +127,12 @@ def test_a_branch_that_takes_too_much_effort_says_so_by_its_status() -> None:
         (("--from", "1", "--to", "2", "--out", "b.nc", "--starts", "-1"), "starts = -1"),
         (("--from", "1", "--to", "2", "--out", "b.nc", "--max-points", "0"), "max_points = 0"),
         (("--from", "1", "--to", "2", "--out", "b.nc", "--workers", "0"), "workers = 0"),
+        (("--from", "1", "--to", "2", "--out", "b.nc", "--effort", "0"), "effort = 0"),
+        (
+            ("--from", "1", "--to", "2", "--out", "b.nc", "--also-over", "stops.*.gap"),
+            "--also-over stops.*.gap: must be",
+        ),
+        (("--from", "1", "--to", "2", "--out", "b.nc", "--also-over", "beam.colour=1,2"), "beam.colour"),
     ],
 )
 def test_bad_input_ends_with_a_message_and_status_2(arguments: tuple[str, ...], says: str) -> None:

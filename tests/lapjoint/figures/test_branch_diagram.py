@@ -8,37 +8,57 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from lapjoint import BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
+from lapjoint import Axis, BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns.branch_dataset import branch_dataset
 from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.branch_search import Diagram
 from lapjoint.campaigns.point import Point
-from lapjoint.figures import plot_branches
+from lapjoint.figures import plot_branches, plot_loci
 
 VALUES = (1.0, 2.0, 3.0, 2.5, 2.0, 3.0, 4.0)
 IMPULSES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 STABLE = (True, True, True, False, False, True, True)
 
 
-@pytest.fixture
-def dataset() -> xr.Dataset:
-    """A branch with two folds, written by hand."""
-    problem = Problem(
+def cantilever() -> Problem:
+    return Problem(
         beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
         supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
         stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0, name="tip"),),
         damping=ViscousDamping(coefficient=0.8),
         base_motion=BaseMotion(amplitude=1e-3, angular_frequency=1.0),
     )
+
+
+def diagram(*folds: tuple[float, int]) -> Diagram:
+    """A branch with folds at some values, each before a point."""
     points = [
         vars(Point("PERIODIC", 1, False, 0.0, 0.5 if stable else 1.5, 0.0, impulses=(impulse,)))
         for impulse, stable in zip(IMPULSES, STABLE, strict=True)
     ]
-    folds: list[dict[str, Any]] = [
+    found: list[dict[str, Any]] = [
         {"kind": "fold", "value": value, "error": 1e-9, "index": i, "stop": -1, "after": "", "impulses": (0.2,)}
-        for value, i in ((3.1, 3), (1.9, 5))
+        for value, i in folds
     ]
-    branch = {"values": VALUES, "points": points, "bifurcations": folds, "ends": ("boundary", "boundary")}
-    return branch_dataset(BranchPlan(problem, "base_motion.angular_frequency", 1.0, 4.0), [branch])
+    branch = {"values": VALUES, "points": points, "bifurcations": found, "ends": ("boundary", "boundary")}
+    return Diagram([branch])
+
+
+@pytest.fixture
+def dataset() -> xr.Dataset:
+    """A branch with two folds, written by hand."""
+    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
+    return branch_dataset(plan, [diagram((3.1, 3), (1.9, 5))])
+
+
+@pytest.fixture
+def in_two_numbers() -> xr.Dataset:
+    """The same at three gaps; at the last one fold is far away, and one is not resolved."""
+    also = Axis("stops.*.gap", (2e-3, 1e-3, 3e-3))
+    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
+    last = diagram((1.2, 3), (1.95, 5), (3.5, 6))
+    last.branches[0]["bifurcations"][2]["kind"] = "unresolved"
+    return branch_dataset(plan, [diagram((3.2, 3), (1.9, 5)), diagram((3.1, 3), (1.8, 5)), last])
 
 
 def test_stable_parts_are_solid_and_unstable_ones_dashed(dataset: xr.Dataset) -> None:
@@ -57,3 +77,21 @@ def test_bifurcations_are_marked_with_their_names(dataset: xr.Dataset) -> None:
 def test_an_unknown_ordinate_is_refused(dataset: xr.Dataset) -> None:
     with pytest.raises(InputError, match="ordinate = 'speed': allowed: impulse, peak_force"):
         plot_branches(dataset, ordinate="speed")
+
+
+def test_lines_join_bifurcations_where_one_goes_on(in_two_numbers: xr.Dataset) -> None:
+    axes = plot_loci(in_two_numbers)
+    drawn = [list(zip(line.get_xdata(), line.get_ydata(), strict=True)) for line in axes.lines]
+    assert sorted(line for line in drawn if line) == [
+        [(1e-3, 1.8), (2e-3, 1.9), (3e-3, 1.95)],
+        [(1e-3, 3.1), (2e-3, 3.2)],
+        [(3e-3, 1.2)],
+        [(3e-3, 3.5)],
+    ]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["fold", "unresolved"]
+    assert axes.get_xlabel() == "gap (all stops) [m]"
+
+
+def test_branches_of_one_problem_have_no_loci(dataset: xr.Dataset) -> None:
+    with pytest.raises(InputError, match="of one problem, not of several values of a second number"):
+        plot_loci(dataset)

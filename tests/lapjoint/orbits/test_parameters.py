@@ -9,10 +9,13 @@ import pytest
 
 import analytic
 import fe_lapjoint
-from lapjoint import FREE, paper_joint
-from lapjoint.orbits import PeriodMap
-from lapjoint.orbits.parameters import derivative_by_field
-from lapjoint.problem import FloatArray
+from lapjoint import FREE, Axis, paper_joint
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.campaigns.grid import Grid
+from lapjoint.orbits import Linearised, PeriodMap, Segment
+from lapjoint.orbits.parameters import AMPLITUDE as AMPLITUDE_FIELD
+from lapjoint.orbits.parameters import FREQUENCY, FieldDerivatives, derivative_by_field
+from lapjoint.problem import FloatArray, SineLoad
 
 OMEGA, AMPLITUDE, RATIO = 100.0, 1e-5, 0.05  # so small an amplitude touches no stop
 SOLVERS = {"analytic": analytic.Solver(n_modes=6), "FE": fe_lapjoint.Solver(elements=4)}
@@ -62,6 +65,65 @@ def test_derivatives_are_those_of_the_closed_form(solver: str, field: str) -> No
     assert np.abs(found) == pytest.approx(np.abs(expected), rel=1e-4, abs=1e-5 * np.abs(expected).max())
 
 
+FIELDS = {"frequency": FREQUENCY, "amplitude": AMPLITUDE_FIELD}
+
+
+def family_at(solver: str, field: str) -> tuple[float, Callable[[float], PeriodMap]]:
+    """A value of a number of a joint in contact, and its period maps, and a load at a point, too."""
+    problem = paper_joint(angular_frequency=300.0, damping_ratio=RATIO).replace(
+        point_loads=(SineLoad(x=1.1, force=300.0, angular_frequency=300.0, phase=0.4),)
+    )
+    value = 300.0 if field == FREQUENCY else problem.base_motion.amplitude  # type: ignore[union-attr]
+    grid = Grid(problem, (Axis(field, (value,)),))
+    return value, lambda number: SOLVERS[solver].period_map(grid.with_values((number,)))
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("field", FIELDS)
+@pytest.mark.parametrize("half_periods", [1, 2, 3])
+def test_closed_forms_are_the_limit_of_differences_through_contacts(solver: str, field: str, half_periods: int) -> None:
+    path = FIELDS[field]
+    value, at = family_at(solver, path)
+    here = at(value)
+    assert isinstance(here, FieldDerivatives)
+    start = here.march(here.initial(), 6).end
+    found = here.linearised_by(path, start, half_periods)
+    assert found is not None
+    assert found.by_number is not None
+    assert sum(one.switched >= 0 for one in found.segments) >= 2 * half_periods
+    plain = here.linearised(start, half_periods)  # type: ignore[attr-defined]
+    assert found.matrix == pytest.approx(plain.matrix, rel=1e-12, abs=1e-12 * np.abs(plain.matrix).max())
+    step, beside = 1e-6 * value, []
+    for sign in (1, -1):
+        map_ = at(value + sign * step)
+        beside.append(map_.linearised(map_.adopted(start), half_periods))  # type: ignore[attr-defined]
+    ends = [here.difference(here.adopted(one.end), plain.end) for one in beside]
+    if plain.end.state == start.state:
+        expected = (ends[0] - ends[1]) / (2 * step)
+        parts = np.split(np.abs(found.by_number - expected) / np.abs(expected).max(), 2)
+        # Differences over 1e-6 of the value keep ten digits of the motion; q and v have sizes of their own.
+        assert max(part.max() for part in parts) < 1e-6
+    for i, one in enumerate(found.segments):
+        t = (one.start + one.end) / 2
+        rows = [displacements(other.segments[i], t) for other in beside]
+        slope = (rows[0] - rows[1]) / (2 * step)
+        assert one.change is not None
+        assert slope_of(one, t) == pytest.approx(slope, rel=1e-5, abs=1e-5 * np.abs(slope).max())
+
+
+def displacements(one: Segment, t: float) -> FloatArray:
+    tau = t - one.start
+    waves = one.weights * one.amplitudes * np.exp(one.rates * tau)
+    return np.asarray(waves.sum(axis=1).real + one.polynomial @ np.array([1.0, tau, tau**2]))
+
+
+def slope_of(one: Segment, t: float) -> FloatArray:
+    tau, change = t - one.start, one.change
+    assert change is not None
+    waves = (change.waves + change.secular * tau) * np.exp(one.rates * tau)
+    return np.asarray(waves.sum(axis=1).real + change.polynomial @ np.array([1.0, tau, tau**2]))
+
+
 def test_a_map_that_knows_its_derivatives_is_asked() -> None:
     at = maps("analytic")("base_amplitude")
 
@@ -74,8 +136,8 @@ def test_a_map_that_knows_its_derivatives_is_asked() -> None:
         def __getattr__(self, name: str) -> object:
             return getattr(self.inner, name)
 
-        def derivative_by(self, field: str, start: object, half_periods: int) -> FloatArray:
-            return np.array([float(half_periods)])
+        def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised:
+            return Linearised(start, np.eye(1), lambda: (), np.array([float(half_periods)]))
 
     known = derivative_by_field(lambda value: Knows(at(value)), "base_amplitude", AMPLITUDE, at(AMPLITUDE).initial(), 2)  # type: ignore[arg-type, return-value]
     assert known.tolist() == [2.0]

@@ -57,7 +57,7 @@ def _quickest(count: int) -> tuple[list[Fault], list[str]]:
 
 
 def test_the_quickest_faults_change_verdicts_and_their_absence_does_not() -> None:
-    faults, cases = _quickest(3)
+    faults, cases = _quickest(2)
     sound = source_of(TREE, CONTROL.module)
     changes = [Changed(fault.name, fault.module, fault.put_into(source_of(TREE, fault.module))) for fault in faults]
     changes.append(Changed("control", CONTROL.module, CONTROL.put_into(sound)))

@@ -8,13 +8,11 @@ from pathlib import Path
 import pytest
 
 from validation.faults import mutants
-from validation.faults.changed_tree import installed_tree
 from validation.faults.mutants import Outcome, Run, commit_of, main
-from validation.faults.mutation import drawn
 from validation.faults.trial import Result, Seen
 
 ROOT = Path(__file__).resolve().parents[3]
-FIRST, SECOND = drawn(installed_tree(), 1, 2)
+FIRST, SECOND = (outcome.mutant for outcome in mutants.recorded_run().outcomes[:2])
 
 
 def _run() -> Run:

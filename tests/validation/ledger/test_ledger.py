@@ -12,6 +12,7 @@ import xarray as xr
 import analytic
 from lapjoint import Outcome, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
+from lapjoint.campaigns.branch_dataset import KINDS
 from validation.cases import ledger, mode_map, sensitivity
 from validation.ledger.curves import Curve
 from validation.ledger.entry import Entry, claims, counted, ledger_table, said
@@ -19,6 +20,7 @@ from validation.ledger.modal import modal_entries
 from validation.ledger.numerics import numerical_entries
 from validation.ledger.rules import RULES, Ruling, rule_of
 from validation.ledger.tolerance_claims import tolerance_entries
+from validation.ledger.window_branches import Window, in_window, window
 from validation.ledger.window_claims import phase_lag
 from validation.references.reading import sources
 from validation.verdict import Verdict
@@ -32,7 +34,8 @@ def test_every_claim_on_frequencies_and_numerics_has_the_ruling_that_is_expected
     assert len(ledger_table("all", entries).rows) == len(entries)
 
 
-SETTLED = {"analytic stable": 3, "fe stable": 3, "frequencies": 3}
+SETTLED = {"analytic stable": 3, "fe stable": 3, "frequencies": 3, "analytic changes": 0, "fe changes": 0}
+WHOLE = {"analytic broken": 0, "fe broken": 0}
 FOUND: dict[str, tuple[dict[str, float], dict[str, float]]] = {
     # By kind: numbers as they are found, and those of them that would give another ruling.
     "density": ({"fit printed": 0, "fit other": 23, "frequencies": 24}, {"fit printed": 23, "fit other": 0}),
@@ -72,8 +75,14 @@ FOUND: dict[str, tuple[dict[str, float], dict[str, float]]] = {
     ),
     "aperiodic": (SETTLED, {"analytic stable": 0, "fe stable": 0}),
     "bound": ({"analytic": 835.41, "fe": 835.41}, {"analytic": 456.0, "fe": 456.0}),
-    "window/2060": ({"analytic asymmetry": 3e-15, "fe asymmetry": 2e-16}, {"analytic asymmetry": 1, "fe asymmetry": 1}),
-    "window/2160": ({"analytic asymmetry": 1e-15, "fe asymmetry": 8e-16}, {"analytic asymmetry": 1, "fe asymmetry": 1}),
+    "window/2060": (
+        {"analytic asymmetry": 3e-15, "fe asymmetry": 2e-16, **WHOLE},
+        {"analytic asymmetry": 1, "fe asymmetry": 1},
+    ),
+    "window/2160": (
+        {"analytic asymmetry": 1e-15, "fe asymmetry": 8e-16, **WHOLE},
+        {"analytic asymmetry": 1, "fe asymmetry": 1},
+    ),
     "asymmetric often": ({"analytic share": 0.0, "fe share": 0.0}, {"analytic share": 0.5, "fe share": 0.5}),
     "phase lag": (
         {
@@ -177,3 +186,39 @@ def test_findings_are_read_off_a_variant() -> None:
     assert found.settled == 3
     assert found.periodic == 4
     assert found.ratios == pytest.approx((0.488, 2.91), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("key", "what"), [("aperiodic", "changes"), ("window/2060", "broken"), ("window/2160", "broken")]
+)
+def test_a_bifurcation_between_the_points_of_a_sweep_overturns_an_overturned_window(key: str, what: str) -> None:
+    found, _ = numbers_of(key)
+    assert rule_of(key).judge(found) is Ruling.OVERTURNED
+    assert rule_of(key).judge({**found, f"analytic {what}": 1}) is Ruling.UNDECIDABLE
+
+
+@pytest.mark.parametrize("solver", ["analytic", "fe"])
+@pytest.mark.parametrize("first", [1398.0, 2060.0, 2160.0])
+def test_one_branch_leads_through_each_window_of_the_paper_without_a_bifurcation(solver: str, first: float) -> None:
+    assert window(solver, first, first + 1.0) == Window(changes=0, broken=0)
+
+
+def test_what_happens_in_a_window_is_counted_and_what_happens_elsewhere_is_not() -> None:
+    kinds = [KINDS.index("grazing"), KINDS.index("symmetry breaking"), KINDS.index("fold")]
+    found = xr.Dataset(
+        {
+            "angular_frequency": ("point", [100.0, 110.0, 120.0, 130.0, 140.0]),
+            "branch": ("point", [0] * 5),
+            "stable": ("point", [1, 1, 0, 1, 1]),
+            "symmetric": ("point", [1] * 5),
+            "period_multiple": ("point", [1] * 5),
+            "branch_first_end": ("branch_number", ["boundary"]),
+            "bifurcation_kind": ("bifurcation", kinds),
+            "bifurcation_value": ("bifurcation", [102.0, 115.0, 125.0]),
+        }
+    )
+    assert in_window(found, 101.0, 103.0) == Window(changes=0, broken=0)  # a graze alone changes nothing
+    assert in_window(found, 114.0, 116.0) == Window(changes=2, broken=1)  # and the unstable motion next to it
+    assert in_window(found, 124.0, 126.0) == Window(changes=2, broken=0)
+    assert in_window(found, 132.0, 133.0) == Window(changes=0, broken=0)
+    assert in_window(found, 139.0, 141.0) == Window(changes=1, broken=1)  # no branch leads through it

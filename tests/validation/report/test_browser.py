@@ -51,7 +51,7 @@ def test_every_table_fits_its_box_and_the_page_its_width(folder: Path, tmp_path:
     for seen in look_at(tmp_path, folder, ["report.html"], WIDTHS):
         assert seen.page_width <= seen.width
         assert seen.tables > 10  # or nothing was measured
-        assert (seen.beyond, seen.cut) == (0, [])
+        assert (seen.beyond, seen.cut, seen.overlaps) == (0, [], [])
 
 
 @pytest.mark.parametrize(("scheme", "width"), [(LIGHT, 390), (DARK, 1280)])
@@ -67,11 +67,13 @@ def test_the_checker_would_have_found_something(tmp_path: Path) -> None:
         '<!doctype html><html lang="en"><title>Bad</title><p style="color:#999;background:#aaa">pale</p>'
         '<img src="x.png">'
         '<p style="width:600px">wide</p><p style="width:50px;overflow:hidden;white-space:nowrap">cut off at its end</p>'
+        '<p style="margin:0">below</p><p style="margin-top:-1em">above</p>'
     )
     (seen,) = look_at(tmp_path / "profile", tmp_path, ["bad.html"], (390,), checked=True)
     assert {"color-contrast", "image-alt"} <= {rule for rule, *_ in seen.serious}
     assert seen.page_width > 390
     assert len(seen.cut) == 1
+    assert seen.overlaps == [["below", "above"]]
 
 
 def test_paper_holds_the_verdicts_and_not_the_evidence(folder: Path, tmp_path: Path) -> None:

@@ -1,0 +1,207 @@
+r"""How a march changes with a number p of the problem, while its start stays where it is: one more deviation.
+
+Within a state the motion is a free one and a forced one, and only the forced one depends on p by itself.  So what a
+deviation w = d(q, v)/dp has beyond the forced motion's own change travels as any deviation does, see
+`analytic.march.tangent`.  With the answer to the harmonics Im sum_h A_h exp(i (Omega_h t + phi_h)) that change is
+
+    Im sum_h (dA_h + i t A_h dOmega_h) exp(i theta_h) + d(static answer).
+
+At a switch the gap function and the passage depend on p, too, and at the end of the march its duration does:
+
+    dT = -(grad h . w + dh/dp) / h',    w_new = J (w + f_old dT) + (b - f_new) dT + d(passage)/dp.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from analytic.march.oscillator import SPLIT
+from analytic.march.tables import Tables
+from analytic.march.tangent import motion_rates
+from analytic.march.terms import set_phases
+from lapjoint.by_reference import by_reference
+from lapjoint.compiled_arrays import complex_zeros
+from lapjoint.compiling import njit_inner
+from lapjoint.problem import FloatArray
+
+
+@by_reference
+class Change(NamedTuple):
+    """Derivatives of the logarithms of frequencies and sizes of a joint's ``H`` harmonics, over the number's unit."""
+
+    omega: float
+    """Of all angular frequencies."""
+    size: FloatArray
+    """Of the size of each, shape ``(H,)``."""
+
+
+@njit_inner()
+def answer_slope(tables: Tables, change: Change, slot: int, h: int, i: int, extra: int) -> complex:
+    """Derivative of the logarithm of a mode's answer to a harmonic.
+
+    Parameters
+    ----------
+    tables, change : Tables, Change
+        The states of the joint, and how its harmonics change.
+    slot, h, i : int
+        The state, the harmonic, and the mode.
+    extra : int
+        The second term of a mode that is damped above critical.
+
+    Returns
+    -------
+    complex
+        Over the unit of the number.
+    """
+    omega = tables.omega[h]
+    if change.omega == 0.0:
+        return complex(change.size[h], 0.0)
+    root = tables.root[slot, i]
+    damping, stiffness = -2 * root.real, root.real**2 + root.imag**2
+    if tables.kind[slot, i] == SPLIT:
+        other = tables.root[slot, extra].real
+        damping, stiffness = -root.real - other, root.real * other
+    turned = omega * change.omega * complex(2 * omega, -damping)
+    slope: complex = change.size[h] + turned / complex(stiffness - omega * omega, damping * omega)
+    return slope
+
+
+@njit_inner()
+def add_forced_change(tables: Tables, change: Change, slot: int, t: float, factor: float, now: FloatArray) -> None:
+    """Add the forced motion's own change, times a factor, to the last of some deviations, in place.
+
+    Parameters
+    ----------
+    tables, change : Tables, Change
+        The states of the joint, and how its harmonics change.
+    slot : int
+        The state.
+    t : float
+        When, s from the start of the march.
+    factor : float
+        Without unit.
+    now : FloatArray, shape (2 N, m)
+        Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, as columns; the last one is over the unit of the number.
+    """
+    n, last = tables.modes[slot], now.shape[1] - 1
+    theta = complex_zeros(tables.omega.size)
+    set_phases(tables, t, theta)
+    for h in range(theta.size):
+        omega, extra = tables.omega[h], n
+        rise = change.omega * omega
+        for i in range(n):
+            wave = tables.harmonic[slot, h, i] * theta[h]
+            q = wave * (answer_slope(tables, change, slot, h, i, extra) + complex(0.0, t * rise))
+            extra += tables.kind[slot, i] == SPLIT
+            now[i, last] += factor * q.imag
+            now[n + i, last] += factor * (omega * q.real + rise * wave.real)
+
+
+@njit_inner()
+def add_switch_change(
+    tables: Tables,
+    change: Change,
+    old: int,
+    k: int,
+    t: float,
+    rate: float,
+    q_old: FloatArray,
+    v_old: FloatArray,
+    q_new: FloatArray,
+    v_new: FloatArray,
+    now: FloatArray,
+) -> None:
+    """Add what a switch and its passage change by themselves to the last of some deviations after it, in place.
+
+    Parameters
+    ----------
+    tables, change : Tables, Change
+        The states of the joint, and how its harmonics change.
+    old, k : int
+        The state before, and the stop that switches.
+    t, rate : float
+        When, s from the start of the march, and with which h', m/s.
+    q_old, v_old, q_new, v_new : ndarray, shape (N,)
+        The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
+    now : ndarray, shape (2 N_new, m)
+        Deviations (dq, dv) just after the switch, as `analytic.march.tangent.saltation` gives them.
+    """
+    new, u, last = tables.next_slot[old, k], tables.position[k], now.shape[1] - 1
+    n_old, n_new = tables.modes[old], tables.modes[new]
+    S, onto = tables.carry[old, k], tables.carry_residual[old, k]
+    theta = complex_zeros(tables.omega.size)
+    set_phases(tables, t, theta)
+    before = motion_rates(tables, old, theta, q_old, v_old)
+    after = motion_rates(tables, new, theta, q_new, v_new)
+    z = 0.0
+    for h in range(theta.size):
+        own = tables.forced[old, u, h]
+        for i in range(n_old):
+            own -= tables.weight[old, u, i] * tables.harmonic[old, h, i]
+        z += (own * theta[h] * complex(change.size[h], t * change.omega * tables.omega[h])).imag
+    delay = z * (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
+    for j in range(n_new):
+        x, y = -after[j] * delay, -after[n_new + j] * delay
+        for i in range(n_old):
+            x += S[j, i] * before[i] * delay
+            y += S[j, i] * before[n_old + i] * delay
+        for h in range(theta.size):
+            omega, sine, cosine, size = tables.omega[h], theta[h].imag, theta[h].real, change.size[h]
+            turned = omega * (delay + change.omega * t)
+            x += onto[1 + h, j] * (cosine * turned + size * sine)
+            y += onto[1 + h, j] * omega * ((change.omega + size) * cosine - sine * turned)
+        now[j, last] += x
+        now[n_new + j, last] += y
+
+
+@njit_inner()
+def add_end_change(
+    tables: Tables, slot: int, t: float, later: float, q: FloatArray, v: FloatArray, now: FloatArray
+) -> None:
+    """Add what the march goes on at its end, whose time depends on the number, to the last deviation, in place.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state at the end.
+    t : float
+        When, s from the start of the march.
+    later : float
+        Derivative of that time by the number, s over its unit.
+    q, v : ndarray, shape (N,)
+        The motion there, kg^1/2 m and kg^1/2 m/s.
+    now : ndarray, shape (2 N, m)
+        Deviations (dq, dv) there.
+    """
+    theta = complex_zeros(tables.omega.size)
+    set_phases(tables, t, theta)
+    rates = motion_rates(tables, slot, theta, q, v)
+    for i in range(now.shape[0]):
+        now[i, now.shape[1] - 1] += later * rates[i]
+
+
+@njit_inner()
+def forced_change(tables: Tables, change: Change, slot: int, u: int, h: int) -> complex:
+    """Derivative of the complex amplitude of the forced motion at a position of stops, by a harmonic.
+
+    Parameters
+    ----------
+    tables, change : Tables, Change
+        The states of the joint, and how its harmonics change.
+    slot, u, h : int
+        The state, the position, and the harmonic.
+
+    Returns
+    -------
+    complex
+        m over the number's unit.
+    """
+    total: complex = tables.forced[slot, u, h] * change.size[h]
+    extra = tables.modes[slot]
+    for i in range(tables.modes[slot]):
+        slope = answer_slope(tables, change, slot, h, i, extra) - change.size[h]
+        extra += tables.kind[slot, i] == SPLIT
+        total += tables.weight[slot, u, i] * tables.harmonic[slot, h, i] * slope
+    return total

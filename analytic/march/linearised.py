@@ -1,0 +1,82 @@
+"""A recorded march with all deviations from it, and with its derivative by a number of the problem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.march.change import Change, add_end_change, add_forced_change, add_switch_change
+from analytic.march.compiled import Log
+from analytic.march.march import March
+from analytic.march.tables import Tables
+from analytic.march.tangent import flow, saltation
+from lapjoint.compiling import njit_called
+from lapjoint.problem import FloatArray
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Deviations along a march of ``M`` segments, as columns (dq, dv): of all coordinates, and by the number."""
+
+    motion: March
+    """The march, recorded."""
+    change: Change | None
+    """How the joint's tables change with the number; None without one."""
+    starts: FloatArray
+    """The deviations at the start of each segment, kg^1/2 m and kg^1/2 m/s, shape ``(M, 2 N, n + 1)``, or, without a
+    number, ``(M, 2 N, n)``."""
+    end: FloatArray
+    """The deviations at the end of the march, shape ``(2 N_end, n + 1)`` or ``(2 N_end, n)``."""
+
+
+def carried_along(motion: March, change: Change | None = None, later: float = 0.0) -> Carried:
+    """All deviations along a march, and last its derivative by a number of the problem, if there is one.
+
+    Parameters
+    ----------
+    motion : March
+        A march from the time 0, recorded.
+    change : Change, optional
+        How the joint's tables change with the number.
+    later : float
+        Derivative of the duration by the number, s over the number's unit.
+
+    Returns
+    -------
+    Carried
+        The number leaves the start of the march where it is.
+    """
+    tables, log = motion.joint.tables, motion.log
+    n = 2 * int(tables.modes[log.slot[0]])
+    count = n if change is None else n + 1
+    starts = np.zeros((log.slot.size, 2 * tables.kind.shape[1], count))
+    end = _carry(tables, change, log, later, np.eye(n, count), starts)
+    return Carried(motion, change, starts, end)
+
+
+@njit_called()
+def _carry(
+    tables: Tables, change: Change | None, log: Log, later: float, now: FloatArray, starts: FloatArray
+) -> FloatArray:
+    """Carry deviations `now`, ``(2 N, m)``, along a march; see `Carried`."""
+    for i in range(log.slot.size):
+        slot = log.slot[i]
+        for j in range(now.shape[0]):
+            for c in range(now.shape[1]):
+                starts[i, j, c] = now[j, c]
+        if change is not None:
+            add_forced_change(tables, change, slot, log.start[i], -1.0, now)
+        flow(tables, slot, log.end[i] - log.start[i], now)
+        if change is not None:
+            add_forced_change(tables, change, slot, log.end[i], 1.0, now)
+        if log.stop[i] >= 0 and i + 1 < log.slot.size:
+            t, k, rate = log.end[i], log.stop[i], log.rate[i]
+            q_old, v_old, q_new, v_new = log.q_end[i], log.v_end[i], log.q[i + 1], log.v[i + 1]
+            now = saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, now)
+            if change is not None:
+                add_switch_change(tables, change, slot, k, t, rate, q_old, v_old, q_new, v_new, now)
+    last = log.slot.size - 1
+    if change is not None:
+        add_end_change(tables, log.slot[last], log.end[last], later, log.q_end[last], log.v_end[last], now)
+    return now

@@ -1,0 +1,88 @@
+"""The parts of a search for branches that can be done at the same time, as cells that workers solve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from lapjoint.campaigns.branch_parts import family_of, follow_a_little
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.branch_search import Part
+from lapjoint.solver import Progress, Solver
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a part came to."""
+
+    result: dict[str, Any]
+    """As `lapjoint.campaigns.branch_parts.solve_start` or `solve_branch` gives it."""
+
+    @property
+    def message(self) -> str:
+        """Why there is nothing; empty where there is something."""
+        return str(self.result.get("message", ""))
+
+
+@dataclass(frozen=True)
+class Round:
+    """Parts of the work that do not depend on each other: `lapjoint.campaigns.campaign.Cells`."""
+
+    noun: ClassVar[str] = BranchPlan.noun
+    cells_noun: ClassVar[str] = BranchPlan.cells_noun
+    longest_batch: ClassVar[int] = 1
+    chained: ClassVar[bool] = False
+    plan: BranchPlan
+    """The plan, of all values of the second number."""
+    parts: tuple[Part, ...]
+    """The parts, each a cell."""
+
+    @property
+    def size(self) -> int:
+        """Number of parts."""
+        return len(self.parts)
+
+    @property
+    def solver(self) -> str:
+        """Entry-point name of the solver."""
+        return self.plan.solver
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """Numerical options of the solver."""
+        return self.plan.options
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """That of the plan."""
+        return self.plan.identity
+
+    @property
+    def fingerprint(self) -> str:
+        """That of the plan."""
+        return self.plan.fingerprint
+
+    def chains(self) -> Iterator[tuple[int, ...]]:
+        """No part follows another. See `lapjoint.campaigns.campaign.Cells.chains`."""
+        return iter(())
+
+    def answer(
+        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
+    ) -> tuple[Found, None]:
+        """Do a part. See `lapjoint.campaigns.campaign.Cells.answer`."""
+        return Found(self.parts[cell].solved(self.plan, progress)), None
+
+    def point(self, fields: Mapping[str, Any]) -> Found:
+        """A part that is given up. See `lapjoint.campaigns.campaign.Cells.point`."""
+        return Found({"seeds": [], "points": [], **fields})
+
+    def rehearse(self, solver: Solver) -> None:
+        """Have what workers need compiled. See `lapjoint.campaigns.campaign.Rehearses.rehearse`."""
+        first = self.parts[0]
+        plan = self.plan.at(first.value)
+        if first.seed is None:
+            half = family_of(plan).at(plan.first)
+            half.marched(half.map.initial(), half.least)
+        else:
+            follow_a_little(plan, first.seed)

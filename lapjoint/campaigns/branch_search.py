@@ -1,0 +1,146 @@
+"""A search for branches as a sequence of rounds: starts first, then the branches of the motions that they lead to.
+
+Motions that lie on a branch that is known are left out, by the sequence of the motions and not of the work; so neither
+the number of workers nor an interruption changes what is found, or in what sequence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from lapjoint.campaigns.branch_parts import is_known, solve_branch, solve_start
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.solver import Progress
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the work, that one process does."""
+
+    value: int
+    """Number of the value of the second number."""
+    number: int
+    """Number of the start, or of the motion among all that are found at this value."""
+    seed: Mapping[str, Any] | None = None
+    """The motion whose branch is followed, as `lapjoint.campaigns.branch_parts.plain_seed` gives it; or None."""
+
+    @property
+    def name(self) -> str:
+        """What the journal calls it."""
+        own = f"{'start' if self.seed is None else 'branch'} {self.number}"
+        return f"value {self.value}: {own}" if self.value else own
+
+    def solved(self, plan: BranchPlan, progress: Progress | None = None) -> dict[str, Any]:
+        """What it comes to.
+
+        Parameters
+        ----------
+        plan : BranchPlan
+            The plan, of all values.
+        progress : callable, optional
+            Called with the share of a branch that is followed, and with one.
+
+        Returns
+        -------
+        dict of str to Any
+            As `solve_start` or `solve_branch` gives it.
+        """
+        own = plan.at(self.value)
+        if self.seed is None:
+            return solve_start(own, self.number)
+        return solve_branch(own, self.seed, None if progress is None else lambda share: progress(share, 1.0))
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """All that a search has found at one value of the second number."""
+
+    branches: Sequence[dict[str, Any]]
+    """The branches, as `lapjoint.campaigns.branch_parts.solve_branch` gives them, in sequence."""
+    failures: Sequence[str] = ()
+    """Why starts, or motions that were found, could not be followed."""
+    left_out: int = 0
+    """Number of motions whose branches were not followed, as the effort was spent."""
+
+
+class Search:
+    """The search at one value of the second number.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan, of all values.
+    value : int
+        Number of the value.
+    together : int
+        Number of branches that are followed in one round, before those that came out the same are told apart.
+    """
+
+    def __init__(self, plan: BranchPlan, value: int, together: int) -> None:
+        self._plan, self._value, self._together = plan.at(value), value, together
+        self._waiting: list[dict[str, Any]] = []
+        self._seen = 0
+        self._begun = False
+        self._branches: list[dict[str, Any]] = []
+        self._failures: list[str] = []
+        self._left_out = 0
+
+    @property
+    def diagram(self) -> Diagram:
+        """What is found so far."""
+        return Diagram(self._branches, self._failures, self._left_out)
+
+    def next(self) -> tuple[Part, ...]:
+        """The parts of the next round; none when all is done."""
+        if not self._begun:
+            self._begun = True
+            return tuple(Part(self._value, i) for i in range(self._plan.size))
+        now: list[Part] = []
+        while self._waiting and len(now) < self._together and not self._spent:
+            seed = self._waiting.pop(0)
+            if not self._is_known(seed):
+                now.append(Part(self._value, self._seen, seed))
+            self._seen += 1
+        return tuple(now)
+
+    def take(self, parts: Sequence[Part], found: Sequence[dict[str, Any]]) -> None:
+        """Take what the parts of a round have come to.
+
+        Parameters
+        ----------
+        parts : sequence of Part
+            The parts.
+        found : sequence of dict
+            What each came to.
+        """
+        over: list[Mapping[str, Any]] = []
+        for part, one in zip(parts, found, strict=True):
+            if part.seed is not None and self._spent:
+                over.append(part.seed)
+            elif one.get("message"):
+                reason = self._failure(part, one["message"])
+                self._failures += [reason] if reason not in self._failures else []
+            elif part.seed is None:
+                self._waiting += one["seeds"]
+            elif not self._is_known(part.seed):
+                self._branches.append(one)
+                self._waiting += one["seeds"]
+        if self._spent:
+            self._left_out = sum(not self._is_known(seed) for seed in (*over, *self._waiting))
+
+    @property
+    def _spent(self) -> bool:
+        """Whether the branches have as many points as are allowed, each counted by its period multiple."""
+        multiples = (point["period_multiple"] for branch in self._branches for point in branch["points"])
+        return bool(sum(multiples) >= self._plan.effort)
+
+    def _is_known(self, seed: Mapping[str, Any]) -> bool:
+        return any(is_known(self._plan, seed, one) for one in self._branches)
+
+    def _failure(self, part: Part, reason: str) -> str:
+        """Why nothing came of a part, with where that is."""
+        value = self._plan.value_of(part.number) if part.seed is None else part.seed["value"]
+        what = f"start {part.number}" if part.seed is None else "a motion"
+        return f"{what} at {self._plan.axis.path} = {value:.9g}: {reason}"
