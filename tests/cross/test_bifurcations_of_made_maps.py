@@ -23,8 +23,9 @@ from lapjoint.orbits.branches.tracing import Seed, trace
 LOW, HIGH = 1.0, 2.0
 AMPLITUDE = "base_motion.amplitude"
 _GRID = np.linspace(LOW, HIGH, 4001)
-NEAR = 0.02
-"""Of the number, a tenth of a step: two bifurcations that undo each other within it may be overlooked."""
+NEAR = 0.05
+"""Of the number, an eighth of the longest step: two bifurcations that undo each other within it may be overlooked."""
+EXACT = 1e-7  # of the number: a multiplier is off by 1e-9 at most, and moves a hundredth as fast as the number at least
 Curve = Callable[[float], float]
 
 
@@ -76,7 +77,7 @@ def check(blocks: list[tuple[Curve, Curve]]) -> int:
     known, found = known_in(blocks), sorted(found_in(blocks), key=lambda one: one.value)
     missed = []
     for one in known:
-        if found and found[0].kind == one[0] and found[0].value == pytest.approx(one[1], rel=3e-9):
+        if found and found[0].kind == one[0] and found[0].value == pytest.approx(one[1], rel=EXACT):
             found.pop(0)
         else:
             missed.append(one)

@@ -1,8 +1,9 @@
 """Branches and basins: grazes, folds and flips by both solvers, against closed forms, other codes and plain marches.
 
 A cantilever that comes to its stop goes over a graze, whose amplitude is closed form, and two folds.  A bar against one
-stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1.  On either side of a bifurcation, and
-from every start of a small basin, a plain march must end as it says.
+stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1; one that touches its stop once a
+period folds where the amplitude of the bilinear oscillator is extreme over the duration of its contact.  On either side
+of a bifurcation, and from every start of a small basin, a plain march must end as it says.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from lapjoint.answers import SectionPoint
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, number, table
 from validation.cases.rigid_bar import CURVED, DOUBLED, RATIO, SOFT
+from validation.references.bilinear_map import BilinearMap, Piece
 from validation.references.rigid_bar import RigidBar
 from validation.references.rigid_bar_orbits import multipliers, periodic
 from validation.references.shaken_cantilever import ShakenCantilever
@@ -59,6 +61,42 @@ DOUBLE = 1.016
 """Of the frequency of the flip: a march from rest comes to the motion of two periods there, and below to another of
 three."""
 REPEATS = 1e-3  # of an impulse: a motion of two periods has impulses that differ by 5 % at `BESIDE`
+SPAN = (
+    2.85e-4,
+    3.7e-4,
+)  # m, of the amplitude of the base, around both folds of a bar that touches its stop once a period
+PINNED = """
+title = "Bar on a pin beside one stop: a fold of its motions of one contact"
+[beam]
+length = {length}
+bending_stiffness = {stiffness}
+mass_per_length = {mass}
+[[supports]]
+x = 0.0
+translational = inf
+torsional = {torsional}
+[[stops]]
+x = {place}
+side = "top"
+gap = {gap}
+stiffness = {stop}
+[damping]
+kind = "modal"
+ratio = {ratio}
+[base_motion]
+amplitude = 2.85e-4
+angular_frequency = {omega}
+"""
+BAR = {
+    "length": 1.5,  # m
+    "mass": 4.0,  # kg/m
+    "torsional": 450.0,  # N m
+    "place": 1.2,  # m
+    "gap": 1e-3,  # m
+    "stop": 1200.0,  # N/m
+    "ratio": 0.05,
+    "omega": 13.0,  # rad/s, above the 10 of its free vibration
+}
 CROSSED = 1e-6  # rad/s: by so much the witness's differences may displace where its multiplier is -1
 BASIN = """
 title = "Bar on a pin beside one stop: two motions"
@@ -280,6 +318,48 @@ def over_flips(say: Say) -> Iterator[Check | Criterion]:
     yield Check("bar, flip: analytic, against the rigid bar", "rad/s", a, b)
 
 
+def closed_folds() -> list[float]:
+    """Where the amplitude of the rigid bar is extreme over the duration of its contact, m, the smaller one first."""
+    mass, free = BAR["mass"] * BAR["length"] / 3, BAR["torsional"] / BAR["length"] ** 2
+    lever = BAR["place"] / BAR["length"]
+    both = free + BAR["stop"] * lever**2
+    level = BAR["stop"] * lever * BAR["gap"] / both
+    pieces = [
+        Piece(mass, 2 * BAR["ratio"] * math.sqrt(stiffness * mass), stiffness, rest)
+        for stiffness, rest in ((free, 0.0), (both, level))
+    ]
+    load = BAR["mass"] * BAR["length"] / 2
+    known = BilinearMap(pieces[0], pieces[1], lever, BAR["gap"], load, BAR["omega"])
+    return sorted(one.amplitude for one in known.folds() if known.exists(one))
+
+
+def over_contacts(say: Say) -> Iterator[Check | Criterion]:
+    """A bar that touches its stop once a period over the amplitude, at two bending stiffnesses, against closed form."""
+    exact, folds = closed_folds(), dict[tuple[str, float], list[Estimate]]()
+    for solver, factor in (("analytic", 1.0), ("analytic", RATIO), ("fe", 1.0)):
+        say(f"bar of one contact, {solver}, {SOFT * factor:g} N m2")
+        problem = from_toml(PINNED.format(stiffness=repr(SOFT * factor), **BAR))
+        found = bifurcations(branch(problem, AMPLITUDE, *SPAN, solver=solver, options=BARS[solver][0]), solver)
+        values = [one.value for one in found if one.kind == "fold"]
+        name = f"folds of the bar of one contact, {SOFT * factor:g} N m2: {solver}"
+        yield Criterion(name, "1", float(len(values)), len(exact), len(exact), "as the closed form has")
+        if len(values) != len(exact):
+            return
+        yield from sure(f"bar of one contact, {SOFT * factor:g} N m2, bifurcation", solver, found)
+        folds[solver, factor] = sorted(values, key=lambda one: one.value)
+    both = zip(folds["analytic", 1.0], folds["fe", 1.0], strict=True)
+    for i, (one, other) in enumerate(both):
+        yield Check(f"bar of one contact, fold {i + 1}: both solvers", "m", one, other)
+    limits = zip(folds["analytic", 1.0], folds["analytic", RATIO], exact, strict=True)
+    for i, (soft, stiff, value) in enumerate(limits):
+        change = stiff.value - soft.value
+        errors = stiff.uncertainty + (stiff.uncertainty + soft.uncertainty) / (RATIO - 1)
+        how = f"beams {SOFT:g} and {RATIO * SOFT:g} N m2 stiff, taken to the limit"
+        a = Estimate(stiff.value + change / (RATIO - 1), CURVED * abs(change) + errors, how)
+        b = Estimate(value, 0.0, "amplitude as a function of the duration of contact", Kind.ANALYTICAL)
+        yield Check(f"bar of one contact, fold {i + 1}: analytic, against the bilinear oscillator", "m", a, b)
+
+
 def beside_flip(solver: Any, problem: Problem, flip: float, name: str) -> Iterator[Criterion]:
     """A plain march down over the flip: above it every other period repeats, below it each does."""
     assert isinstance(problem.base_motion, BaseMotion)
@@ -336,7 +416,7 @@ def wilson(share: float, count: int) -> tuple[float, float]:
 
 def run(level: Level, say: Say) -> CaseResult:
     """All of it."""
-    items = [*over_folds(say), *over_flips(say), *basin(say)]
+    items = [*over_folds(say), *over_flips(say), *over_contacts(say), *basin(say)]
     checks = tuple(item for item in items if isinstance(item, Check))
     rows = [(c.name, c.unit, number(c.a.value, 10), number(c.b.value, 10), number(c.allowed, 2)) for c in checks]
     return CaseResult(
@@ -344,8 +424,10 @@ def run(level: Level, say: Say) -> CaseResult:
         "Branches, bifurcations and basins",
         "Periodic motions are followed over a number of the problem by both solvers: a cantilever over a graze, whose "
         "amplitude is closed form, and over two folds; a bar over a flip, which is where the leading multiplier of a "
-        "rigid bar, by numpy alone, passes -1. On either side of each bifurcation, and from each start of a small "
-        "basin of two motions, a plain march ends as the branch or the basin says.",
+        "rigid bar, by numpy alone, passes -1; a bar of one contact a period over two folds, where the amplitude of "
+        "the bilinear oscillator, in closed form over the duration of its contact, is extreme. On either side of each "
+        "bifurcation, and from each start of a small basin of two motions, a plain march ends as the branch or the "
+        "basin says.",
         checks=checks,
         criteria=tuple(item for item in items if isinstance(item, Criterion)),
         tables=(table("Bifurcations and shares", ("quantity", "unit", "one", "other", "allowed"), rows),),

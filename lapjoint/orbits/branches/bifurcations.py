@@ -50,6 +50,16 @@ _VANISHES = 1e-4
 
 
 @dataclass(frozen=True)
+class NotLocated:
+    """A part of a curve on which multipliers pass the circle, but not where they can be followed."""
+
+    first: float
+    """The number before it, in its SI unit."""
+    last: float
+    """The number after it."""
+
+
+@dataclass(frozen=True)
 class Located:
     """A bifurcation of a smooth part of a curve."""
 
@@ -59,7 +69,7 @@ class Located:
     """The motion there."""
 
 
-def between(family: Family, first: Place, last: Place) -> Iterator[Located]:
+def between(family: Family, first: Place, last: Place) -> Iterator[Located | NotLocated]:
     """The bifurcations between two neighbouring places with the same contacts, in their sequence along the curve.
 
     Parameters
@@ -71,13 +81,13 @@ def between(family: Family, first: Place, last: Place) -> Iterator[Located]:
 
     Yields
     ------
-    Located
+    Located or NotLocated
         They may be several.
     """
     yield from _within(family, first, last, 0)
 
 
-def _within(family: Family, first: Place, last: Place, halvings: int) -> Iterator[Located]:
+def _within(family: Family, first: Place, last: Place, halvings: int) -> Iterator[Located | NotLocated]:
     """The bifurcations between two places, the way between which has been halved so often."""
     a, b = _signature(first), _signature(last)
     change = tuple(int(x != y) for x, y in zip(a[:2], b[:2], strict=True)), abs(b[2] - a[2])
@@ -93,6 +103,8 @@ def _within(family: Family, first: Place, last: Place, halvings: int) -> Iterato
             yield from _within(family, middle, last, halvings + 1)
             return
     yield from found
+    if change != _NONE and not found:
+        yield NotLocated(first.value, last.value)
 
 
 def _at_changes(family: Family, first: Place, last: Place, only: Kind | None) -> Iterator[Located]:

@@ -253,8 +253,9 @@ def passed(here: Place, rates: Rates, new: Place, new_rates: Rates | None, lengt
     )
     crossed = np.flatnonzero(flips)
     order = crossed[np.argsort(np.abs(h0[crossed]) / np.maximum(np.abs(v0[crossed]), 1e-300), kind="stable")]
-    grazes = tuple(Coming(a[int(mine[i])], float((v0[i] or h1[i] - h0[i]) / length)) for i in order)
-    return Passed(same and a.closings == b.closings and not grazes and not through, grazes)
+    rates_there = np.where(v0 == 0.0, h1 - h0, v0) / max(length, 1e-300)  # a graze may be where the curve is
+    grazes = tuple(Coming(a[int(mine[i])], float(rates_there[i])) for i in order if rates_there[i] != 0.0)
+    return Passed(same and a.closings == b.closings and not crossed.size and not through, grazes)
 
 
 def _passes_alone(extrema: Extrema, change: FloatArray, paired: IndexArray) -> bool:

@@ -11,8 +11,8 @@ import numpy as np
 from lapjoint.answers.branches import Bifurcation, Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint, impulses_per_period
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.bifurcations import Located, between
-from lapjoint.orbits.branches.continuation import Graze, Limits, Run, follow
+from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
+from lapjoint.orbits.branches.continuation import Graze, Jump, Limits, Run, follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.switching import switched
@@ -156,18 +156,24 @@ def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifu
     for graze in run.grazes:
         yield _grazing(family, graze, errors), None
     for jump in run.jumps:
-        middle = 0.5 * (jump.first + jump.last)
-        yield Bifurcation("unresolved", middle, 0.5 * abs(jump.last - jump.first), jump.index), None
+        yield _unresolved(jump, jump.index), None
     apart = {jump.index for jump in run.jumps}
     for i, (a, b) in enumerate(pairwise(run.places)):
         if i + 1 in apart or a.extrema.closings != b.extrema.closings:
             continue
         for one in between(family, a, b):
+            if isinstance(one, NotLocated):
+                yield _unresolved(one, i + 1), None
+                continue
             yield _smooth(family, one, i + 1, errors), one.place if one.kind in _SPRINGING else None
 
 
 _SPRINGING = ("flip", "symmetry breaking")
 """Kinds of bifurcations from which a branch of periodic motions springs."""
+
+
+def _unresolved(part: Jump | NotLocated, index: int) -> Bifurcation:
+    return Bifurcation("unresolved", 0.5 * (part.first + part.last), 0.5 * abs(part.last - part.first), index)
 
 
 def _smooth(family: Family, one: Located, index: int, errors: bool) -> Bifurcation:

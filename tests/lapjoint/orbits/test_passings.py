@@ -167,3 +167,12 @@ def test_rates_in_closed_form_are_those_of_the_motion_just_beside() -> None:
         assert a.size
         # The motion beside is 3e-8 of the number away: seven digits are left.
         assert a == pytest.approx(b, rel=1e-4, abs=1e-5 * np.abs(b).max())
+
+
+def test_an_extremum_of_no_known_rate_that_comes_back_shows_no_way_to_a_graze() -> None:
+    # By its rate at the end it has been above the gap on the way; at the start its rate is not known, and so is 0.
+    here, new = (bumps([0.3, 0.8], [1.0, -1e-3], [True, True]) for _ in range(2))
+    still = np.zeros(2)
+    seen = passed(here, Rates(still, still, still), new, Rates(still, np.array([0.0, -1.0]), still), 0.1)
+    assert not seen.nothing
+    assert seen.grazes == ()
