@@ -34,6 +34,8 @@ from validation.verdict import Criterion
 _GAUSS = np.polynomial.legendre.leggauss(12)  # points and weights on each panel
 _PANELS_X = 24  # along the beam, at least: two for each half wave of the twelfth mode
 _MOST_HALVINGS = 8  # of the panels in time, until an integral no longer moves
+_BALANCED = 1e-3
+"""Angular momentum over that of all momentum at one end: less is that of a motion that balances, and rounding."""
 REPEATS = 1e-6
 """Of the size of a motion: what is nearer is the same.  Orbits close to 1e-9; truncation adds jumps at switches."""
 
@@ -205,6 +207,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
     m, L = problem.beam.m, problem.beam.length
     breaks = np.unique([history.start, *history.switch_times, history.end])
     found: list[Criterion] = []
+    momentum = 0.0  # that came and went, kg m/s
     arms: tuple[tuple[str, Callable[[FloatArray], FloatArray], float], ...] = (
         ("momentum", np.ones_like, 0.0),
         ("angular momentum", _from_middle(L), 1.0),
@@ -226,7 +229,9 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
 
         ends = m * ((w * arm(x)) @ history.evaluate(x, np.array([history.start, history.end]), dt=1))
         stops = [-c.impulse * float(arm(np.asarray(problem.stops[c.stop].x))) for c in history.contacts]
-        scale = float(np.abs(ends).sum() + np.abs(stops).sum()) or 1e-300
+        amount = float(np.abs(ends).sum() + np.abs(stops).sum())
+        scale = max(amount, _BALANCED * (L / 2) ** slope * momentum, 1e-300)
+        momentum = max(momentum, amount)
         given = _time_integral(force, breaks, history, tolerance, scale) + sum(stops)
         left = float(ends[1] - ends[0] - given) / scale
         reason = "quadrature and truncation, by the stated impulses"
