@@ -181,7 +181,7 @@ def check_contacts(found: Sequence[Judged]) -> None:
     assert times <= MOST_TIMES
 
 
-QUICK = (4, 8, 30)
+QUICK = (4, 8)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

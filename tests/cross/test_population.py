@@ -58,7 +58,7 @@ def check(found: Iterable[Judged]) -> None:
 
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
 def test_no_certificate_of_a_few_random_joints_is_false(solver: AnySolver) -> None:
-    check(judged(solver, joint, QUICK_SEED, i) for i in QUICK)
+    check(judged(solver, joint, QUICK_SEED, i) for i in QUICK[:: 1 + (solver is FINITE_ELEMENTS)])
 
 
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])

@@ -134,7 +134,8 @@ def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_expone
     assert short.exponent.quarters[-1] == pytest.approx(decay, rel=1e-4)
 
 
-@pytest.mark.parametrize("longest", [pytest.param(14, marks=pytest.mark.slow), 56])
+@pytest.mark.slow
+@pytest.mark.parametrize("longest", [14, 56])
 def test_of_a_motion_and_one_that_circles_it_the_one_marched_to_is_certified(longest: int) -> None:
     """With 18 elements a motion of 56 periods lies 0.8 % of its size from a stable orbit of 14.
 

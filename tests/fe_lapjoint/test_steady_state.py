@@ -131,6 +131,7 @@ def test_only_motions_that_half_a_period_mirrors_are_called_symmetric() -> None:
     assert not solver.steady_state(gentle.replace(point_loads=(StepLoad(x=2.5, force=1.0),))).symmetric
 
 
+@pytest.mark.slow
 def test_of_two_orbits_that_mirror_each_other_the_one_marched_to_is_found() -> None:
     """They lie so near each other, 0.4 %, that the march is long undecided between them."""
     solver, period = fe_lapjoint.Solver(elements=4), 2 * math.pi / 1100.0

@@ -113,7 +113,7 @@ def kill_group(group: int) -> None:
         os.killpg(group, signal.SIGKILL)
 
 
-@pytest.mark.parametrize("start", ["rest", "up"])
+@pytest.mark.parametrize("start", [pytest.param("rest", marks=pytest.mark.slow), "up"])
 def test_a_cluster_that_loses_a_worker_finds_what_one_process_finds(
     start: Any, cluster: Cluster, tmp_path: Path
 ) -> None:
@@ -138,6 +138,7 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: Cluster) -> 
     assert found.message.values.tolist() == ["", "", "the workers that solved it died", ""]
 
 
+@pytest.mark.slow
 def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
     shaken = Problem(
         beam=Beam(length=1.0, bending_stiffness=200.0, mass_per_length=1.0),
@@ -159,6 +160,7 @@ def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cl
     xr.testing.assert_identical(found, statistics(shaken, **given))
 
 
+@pytest.mark.slow
 def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
     bar = Problem(
         beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),

@@ -205,7 +205,7 @@ def test_ctrl_c_says_what_is_kept_and_ends_the_workers(
     assert not (counting / "curve.nc").exists()
 
 
-@pytest.mark.parametrize("start", ["rest", "up"])
+@pytest.mark.parametrize("start", [pytest.param("rest", marks=pytest.mark.slow), "up"])
 def test_a_worker_that_dies_is_replaced(start: Any, counting: Path) -> None:
     options = {"dies_at": 120.0, "died": str(counting / "died")}
     curve = sweep(JOINT, [FREQUENCIES], start=start, workers=2, **counted(**options))
@@ -220,6 +220,7 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(counting: Path, monke
     assert str(curve.message.sel(angular_frequency=130.0).item()).startswith("the process that solved it died")
 
 
+@pytest.mark.slow
 def test_workers_killed_while_they_wait_are_replaced(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each time points come back, all workers are killed before the next are sent."""
     monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
