@@ -24,7 +24,7 @@ LOW, HIGH = 1.0, 2.0
 AMPLITUDE = "base_motion.amplitude"
 _GRID = np.linspace(LOW, HIGH, 4001)
 NEAR = 0.05
-"""Of the number, an eighth of the longest step: two bifurcations that undo each other within it may be overlooked."""
+"""Of the number, a fifth of the longest step: two bifurcations that undo each other within it may be overlooked."""
 EXACT = 1e-7  # of the number: a multiplier is off by 1e-9 at most, and moves a hundredth as fast as the number at least
 Curve = Callable[[float], float]
 
