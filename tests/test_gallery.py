@@ -39,6 +39,7 @@ BLOCK, BLOCKS_APART = 16, 0.25
 """Pixels, and the largest difference in blocks of that size, between pictures of one matplotlib: two marches of one
 strange attractor are 0.12 apart, pictures with and without strips 0.39 and more."""
 THREE_DIMENSIONAL = ("film", "side_by_side")
+LONG = (*THREE_DIMENSIONAL, "chaos", "branch_of_figure_4", "cascade")
 
 
 def picture_of(script: str) -> Path:
@@ -137,7 +138,9 @@ def shown_by(script: str) -> str:
     return str(text)
 
 
-@pytest.mark.parametrize("script", SCRIPTS)
+@pytest.mark.parametrize(
+    "script", [pytest.param(it, marks=pytest.mark.thorough if it in LONG else ()) for it in SCRIPTS]
+)
 def test_a_script_draws_its_picture_and_prints_what_the_page_shows(
     script: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], request: pytest.FixtureRequest
 ) -> None:

@@ -53,6 +53,7 @@ def run_outside(installed: Path, empty: Path, *arguments: str, timeout: float) -
     return done.stdout
 
 
+@pytest.mark.thorough
 def test_it_holds_all_that_the_packages_hold(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         held = {name for name in archive.namelist() if name.split("/")[0] in PACKAGES}
@@ -67,6 +68,7 @@ def test_it_holds_all_that_the_packages_hold(wheel: Path) -> None:
     assert f"-{VERSION}-" in wheel.name
 
 
+@pytest.mark.thorough
 def test_it_validates_itself_where_there_is_no_checkout(installed: Path, tmp_path: Path) -> None:
     where = run_outside(installed, tmp_path, "-c", "import validation; print(validation.__file__)", timeout=60)
     assert Path(where.strip()).is_relative_to(installed)

@@ -61,7 +61,7 @@ def test_states_known_from_other_motions_change_no_bit() -> None:
     assert list(steps(FREQUENCIES[0])) == one
 
 
-@pytest.mark.parametrize("solver", ["analytic", pytest.param("analytic-published", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("solver", ["analytic", pytest.param("analytic-published", marks=pytest.mark.thorough)])
 def test_eight_threads_that_know_nothing(solver: str) -> None:
     def answer(omega: float) -> tuple[bytes, ...]:
         history = make_solver(solver).simulate(problem(omega), 3 * 2 * math.pi / omega)

@@ -134,7 +134,7 @@ def test_what_is_left_behind_shrinks_with_more_modes() -> None:
         frozen_part(analytic.Solver(n_modes=5).simulate(paper_joint(), PERIOD))
 
 
-@pytest.mark.parametrize("density", [PAPER_DENSITY, pytest.param(TABLE_4_DENSITY, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("density", [PAPER_DENSITY, pytest.param(TABLE_4_DENSITY, marks=pytest.mark.thorough)])
 def test_the_three_peaks_of_figure_4(density: float) -> None:
     scheme = analytic.PublishedScheme()
 

@@ -91,6 +91,7 @@ def test_the_branches_of_a_bar_have_the_folds_and_flips_of_the_closed_form(kind:
     assert sum(check_exactly(draw(seed, kind, on_pin=False)) for seed in (0,)) >= 1
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("solver", "kind"), [("analytic", "flip"), ("fe", "fold")])
 def test_stiff_bars_tend_to_the_folds_and_flips_of_the_closed_form(kind: str, solver: str) -> None:
     assert check_in_the_limit(draw(1, kind, on_pin=True), SOLVERS[solver]) >= 1

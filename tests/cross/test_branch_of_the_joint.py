@@ -46,6 +46,7 @@ def check(branch: Branch, points: int) -> None:
         assert (np.abs(steady.impulses - point.motion.impulses) <= allowed).all(), point.value
 
 
+@pytest.mark.thorough
 def test_a_part_with_light_contacts_is_one_branch() -> None:
     branch = branch_between(54.0, 75.0)
     assert branch.ends == ("boundary", "boundary")

@@ -136,6 +136,7 @@ def settled(family: Family, value: float, start: SectionPoint) -> float:
     return float(map_.march(map_.march(map_.adopted(start), 2000).end, 2).impulses[0])
 
 
+@pytest.mark.thorough
 def test_a_march_on_either_side_of_a_flip_does_what_the_branch_says() -> None:
     low, high = 0.745, 0.754
     problem = bar(low, (1.0, 20.0))
@@ -160,7 +161,7 @@ def test_a_march_on_either_side_of_a_flip_does_what_the_branch_says() -> None:
     assert on_branch(family, seed, values, sections, seed.count)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_doubled_branch_that_is_come_upon_by_itself_ends_at_its_flip() -> None:
     low, high = 0.745, 0.754
     family, found = branch_of(Bar(), bar(low, (1.0, 20.0)), FREQUENCY, low, high, start=high, errors=False)

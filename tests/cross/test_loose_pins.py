@@ -83,6 +83,7 @@ def test_chaos_that_dies_by_chance_is_named_for_what_it_does(askew: bool) -> Non
         )
 
 
+@pytest.mark.thorough
 def test_narrow_chaos_is_told_from_a_march_that_is_held() -> None:
     """It wanders by 0.3 % only; pushed ten times as far it comes back, as it does with more modes."""
     for n_modes in (None, 16):
@@ -92,6 +93,7 @@ def test_narrow_chaos_is_told_from_a_march_that_is_held() -> None:
         assert steady.exponent.value == pytest.approx(14.7, abs=2.0)  # finite elements: 14.7 +- 0.6
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("omega", [190.0, 220.0])  # left and right part in the first, top and bottom in the second
 def test_finite_elements_leave_a_motion_that_repels_too_slowly_for_rounding(omega: float) -> None:
     """The multipliers are 1.035 and 1.043: from 1e-16 it takes a thousand periods to be seen."""

@@ -61,6 +61,7 @@ def test_no_certificate_of_a_few_random_joints_is_false(solver: AnySolver) -> No
     check(judged(solver, joint, QUICK_SEED, i) for i in QUICK[:: 1 + (solver is FINITE_ELEMENTS)])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
 def test_no_certificate_of_a_few_random_joints_under_harmonics_is_false(solver: AnySolver) -> None:
     check(judged(solver, harmonic_joint, QUICK_SEED, i) for i in QUICK_HARMONICS)

@@ -64,6 +64,7 @@ for solver in (analytic.Solver(n_modes=60), fe_lapjoint.Solver()):
 """
 
 
+@pytest.mark.thorough
 def test_the_number_of_threads_of_the_linear_algebra_changes_no_bit() -> None:
     def bits(threads: int) -> str:
         environment = {**os.environ, "OPENBLAS_NUM_THREADS": str(threads)}

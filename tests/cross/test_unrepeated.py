@@ -65,13 +65,15 @@ def assert_weakly_chaotic(found: SteadyState) -> None:
     assert found.exponent.standard_error < 0.25 * WEAK_CHAOS
 
 
-@pytest.mark.parametrize("n_modes", [None, 20, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n_modes", [None, 20, pytest.param(40, marks=pytest.mark.thorough)])
 def test_weak_chaos_is_not_taken_for_a_torus_analytic(n_modes: int | None) -> None:
     assert_weakly_chaotic(analytic.Solver(n_modes=n_modes).steady_state(PIPE, errors=False))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("elements", [12, 16, 24, 40])
+@pytest.mark.parametrize(
+    "elements",
+    [pytest.param(12, marks=pytest.mark.thorough), *(pytest.param(n, marks=pytest.mark.slow) for n in (16, 24, 40))],
+)
 def test_weak_chaos_is_not_taken_for_a_torus_fe(elements: int) -> None:
     assert_weakly_chaotic(fe_lapjoint.Solver(elements=elements).steady_state(PIPE, errors=False))
 
@@ -115,7 +117,7 @@ def fourteen(solver: str) -> SteadyState:
     raise AssertionError("no start leads to 14 periods")
 
 
-@pytest.mark.parametrize("solver", ["analytic", pytest.param("FE", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("solver", ["analytic", pytest.param("FE", marks=pytest.mark.thorough)])
 def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_exponent(solver: str) -> None:
     """A joint amid period doublings, after transient chaos: other meshes show 28 and 56 periods, a coarse one chaos.
 
@@ -134,7 +136,7 @@ def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_expone
     assert short.exponent.quarters[-1] == pytest.approx(decay, rel=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("longest", [14, 56])
 def test_of_a_motion_and_one_that_circles_it_the_one_marched_to_is_certified(longest: int) -> None:
     """With 18 elements a motion of 56 periods lies 0.8 % of its size from a stable orbit of 14.

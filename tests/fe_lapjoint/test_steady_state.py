@@ -88,7 +88,7 @@ def test_undamped_transients_never_settle_and_this_is_said(omega: float, amplitu
 
 
 @pytest.mark.parametrize(
-    "damping", [pytest.param(ModalDamping(ratio=0.02), marks=pytest.mark.slow), ViscousDamping(coefficient=1500.0)]
+    "damping", [pytest.param(ModalDamping(ratio=0.02), marks=pytest.mark.thorough), ViscousDamping(coefficient=1500.0)]
 )
 def test_chaos_is_certified_by_a_positive_exponent(damping: ModalDamping | ViscousDamping) -> None:
     problem = paper_joint(angular_frequency=380.0).replace(damping=damping)
@@ -131,7 +131,7 @@ def test_only_motions_that_half_a_period_mirrors_are_called_symmetric() -> None:
     assert not solver.steady_state(gentle.replace(point_loads=(StepLoad(x=2.5, force=1.0),))).symmetric
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_of_two_orbits_that_mirror_each_other_the_one_marched_to_is_found() -> None:
     """They lie so near each other, 0.4 %, that the march is long undecided between them."""
     solver, period = fe_lapjoint.Solver(elements=4), 2 * math.pi / 1100.0
@@ -178,7 +178,7 @@ def test_a_stop_on_a_fixed_point_is_never_touched() -> None:
     assert fe_lapjoint.Solver(elements=8).steady_state(held).outcome is Outcome.NO_CONTACT
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_motion_that_circles_an_unstable_orbit_is_certified_quasiperiodic() -> None:
     problem = paper_joint(angular_frequency=1100.0, damping_ratio=0.01)
     # The second stretch lasts for all periods allowed; 1700 tell the exponent 0 from the damping's -0.4 1/s.

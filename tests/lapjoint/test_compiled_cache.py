@@ -111,6 +111,7 @@ def test_every_module_that_has_a_say_in_how_numba_compiles_counts() -> None:
     assert told == set(HOW)
 
 
+@pytest.mark.thorough
 def test_every_process_finds_what_another_has_kept() -> None:
     """Sets in options and constants are written in a sequence that hashes of strings do not decide."""
     script = (

@@ -49,6 +49,7 @@ for y in (0.0, 4.0):
 """
 
 
+@pytest.mark.thorough
 def test_functions_that_only_compiled_ones_call_work_from_a_file_too(tmp_path: Path) -> None:
     (tmp_path / "made.py").write_text(MODULE, encoding="utf-8")
     (tmp_path / "use.py").write_text(USE, encoding="utf-8")

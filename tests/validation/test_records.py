@@ -146,7 +146,8 @@ def test_both_solvers_meet_the_same_contacts_under_one_record_within_their_state
         assert max(a.impulse_error or 0.0, b.impulse_error or 0.0) < 0.02 * abs(a.impulse)  # and they say something
 
 
-@pytest.mark.parametrize("method", ["DOP853", pytest.param("Radau", marks=pytest.mark.slow)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("method", ["DOP853", pytest.param("Radau", marks=pytest.mark.thorough)])
 def test_library_methods_integrate_records_too(method: str) -> None:
     problem = _shaken(200.0, 161, 1)
     exact, library = (

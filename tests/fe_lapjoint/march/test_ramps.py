@@ -130,6 +130,7 @@ def test_a_long_record_keeps_few_pieces() -> None:
     assert len(history.field.pieces) <= 8000 / LONGEST + 2
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("ratio", [0.02, 5.0])
 def test_a_library_method_finds_the_same_contacts(ratio: float) -> None:
     problem = shaken(2000.0, 0.05).replace(damping=ModalDamping(ratio=ratio))

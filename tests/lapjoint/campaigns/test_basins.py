@@ -35,6 +35,7 @@ RANDOM: dict[str, Any] = {"energy": 20.0, "starts": 2 * CHUNK + 9, **TWO}
 PLANE: dict[str, Any] = {"plane": "z(0.5),v(1.0)", "grid": (9, 11), "ranges": ((-3.0, 3.0), (-2.0, 2.0)), **TWO}
 
 
+@pytest.mark.thorough
 def test_two_workers_find_what_one_finds(tmp_path: Path) -> None:
     alone = basins(MIRROR, **RANDOM)
     together = basins(MIRROR, **RANDOM, workers=2, out=tmp_path / "basins.nc")
@@ -104,6 +105,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.thorough
 def test_a_killed_process_loses_no_more_than_its_last_batches(tmp_path: Path) -> None:
     out = tmp_path / "basins.nc"
     script = tmp_path / "script.py"

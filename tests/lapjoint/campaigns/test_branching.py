@@ -171,7 +171,7 @@ def test_bifurcations_that_scale_with_the_gap_lie_on_one_locus_each(in_two_numbe
         assert np.ptp(value[mine] / gap[mine]) <= 1e-7 * value[mine][0] / gap[mine][0]  # located to 1e-9 each
 
 
-@pytest.mark.parametrize("workers", [pytest.param(2, marks=pytest.mark.slow), by_map])
+@pytest.mark.parametrize("workers", [pytest.param(2, marks=pytest.mark.thorough), by_map])
 def test_workers_find_the_same_in_two_numbers(problem: Problem, in_two_numbers: xr.Dataset, workers: Any) -> None:
     xr.testing.assert_identical(lapjoint.branch(problem, AMPLITUDE, LOW, HIGH, workers=workers, **ALSO), in_two_numbers)
 
@@ -194,7 +194,7 @@ def test_a_search_in_two_numbers_resumes_where_it_was_interrupted(
     xr.testing.assert_equal(read_branches(out), made)
 
 
-@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), by_map])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.thorough), by_map])
 def test_no_branch_is_followed_once_the_effort_is_spent_and_the_number_left_out_is_told(
     problem: Problem, workers: Any
 ) -> None:

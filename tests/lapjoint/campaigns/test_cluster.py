@@ -113,7 +113,7 @@ def kill_group(group: int) -> None:
         os.killpg(group, signal.SIGKILL)
 
 
-@pytest.mark.parametrize("start", [pytest.param("rest", marks=pytest.mark.slow), "up"])
+@pytest.mark.parametrize("start", [pytest.param("rest", marks=pytest.mark.thorough), "up"])
 def test_a_cluster_that_loses_a_worker_finds_what_one_process_finds(
     start: Any, cluster: Cluster, tmp_path: Path
 ) -> None:
@@ -131,6 +131,7 @@ def test_a_cluster_that_loses_a_worker_finds_what_one_process_finds(
     xr.testing.assert_identical(found, sweep(JOINT, AXES, **given))
 
 
+@pytest.mark.thorough
 def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: Cluster) -> None:
     axes = [Axis(FREQUENCY, range(100, 104))]
     found = sweep(JOINT, axes, solver="counting", options={"dies_at": 102.0}, scheduler=cluster.address)
@@ -138,7 +139,7 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: Cluster) -> 
     assert found.message.values.tolist() == ["", "", "the workers that solved it died", ""]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
     shaken = Problem(
         beam=Beam(length=1.0, bending_stiffness=200.0, mass_per_length=1.0),
@@ -160,7 +161,7 @@ def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cl
     xr.testing.assert_identical(found, statistics(shaken, **given))
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
     bar = Problem(
         beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
@@ -206,6 +207,7 @@ def test_an_address_that_is_none_is_refused(address: str, monkeypatch: pytest.Mo
         sweep(JOINT, AXES, scheduler=address, options={"n_modes": 4})
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("lost", "message"),
     [

@@ -241,7 +241,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("room", [6000, 12000])
+@pytest.mark.parametrize("room", [6000, pytest.param(12000, marks=pytest.mark.thorough)])
 def test_a_file_that_may_not_grow_ends_the_command_with_status_3(room: int, out: Path) -> None:
     """The limit is the system's own; with less room the journal does not fit, with more the dataset does not."""
     script = out.parent / "script.py"

@@ -53,6 +53,7 @@ def test_values_lie_within_their_intervals_and_differ_between_realisations(whole
     assert (third.base_motion.seed, third.point_loads[0].seed) == (2, 9)  # type: ignore[union-attr]
 
 
+@pytest.mark.thorough
 def test_two_processes_find_what_one_does(whole: xr.Dataset) -> None:
     xr.testing.assert_identical(statistics(NOISY, seeds=4, workers=2, **GIVEN), whole)
 
@@ -95,6 +96,7 @@ def test_a_single_march_says_how_far_it_has_come() -> None:
     xr.testing.assert_identical(found, statistics(NOISY, **long))
 
 
+@pytest.mark.thorough
 def test_killed_at_once_they_resume_with_the_same_bits(whole: xr.Dataset, tmp_path: Path) -> None:
     out, problem = tmp_path / "stats.nc", tmp_path / "noisy.toml"
     write_problem(NOISY, problem)

@@ -159,7 +159,7 @@ def alive(group: int) -> bool:
 
 @pytest.mark.parametrize(
     ("workers", "start"),
-    [(1, "down"), (2, "rest"), *(pytest.param(*it, marks=pytest.mark.slow) for it in ((1, "rest"), (2, "up")))],
+    [(1, "down"), (2, "rest"), *(pytest.param(*it, marks=pytest.mark.thorough) for it in ((1, "rest"), (2, "up")))],
 )
 def test_killed_at_once_it_resumes_and_loses_only_what_was_in_flight(
     workers: int, start: Any, counting: Path, monkeypatch: pytest.MonkeyPatch
@@ -205,7 +205,7 @@ def test_ctrl_c_says_what_is_kept_and_ends_the_workers(
     assert not (counting / "curve.nc").exists()
 
 
-@pytest.mark.parametrize("start", [pytest.param("rest", marks=pytest.mark.slow), "up"])
+@pytest.mark.parametrize("start", [pytest.param("rest", marks=pytest.mark.thorough), "up"])
 def test_a_worker_that_dies_is_replaced(start: Any, counting: Path) -> None:
     options = {"dies_at": 120.0, "died": str(counting / "died")}
     curve = sweep(JOINT, [FREQUENCIES], start=start, workers=2, **counted(**options))
@@ -213,6 +213,7 @@ def test_a_worker_that_dies_is_replaced(start: Any, counting: Path) -> None:
     xr.testing.assert_identical(curve, sweep(JOINT, [FREQUENCIES], start=start, **counted(**options)))
 
 
+@pytest.mark.thorough
 def test_a_point_that_kills_every_worker_is_given_up_alone(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lapjoint.campaigns.workers.MOST_DEATHS", 2)  # each death costs a pool
     curve = sweep(JOINT, [FREQUENCIES], workers=2, **counted(dies_at=130.0))
@@ -220,7 +221,7 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(counting: Path, monke
     assert str(curve.message.sel(angular_frequency=130.0).item()).startswith("the process that solved it died")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_workers_killed_while_they_wait_are_replaced(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each time points come back, all workers are killed before the next are sent."""
     monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
@@ -248,6 +249,7 @@ def test_a_point_where_the_solver_gives_up_is_kept_and_the_sweep_goes_on(countin
     assert (curve.outcome == 1).sum() == 39
 
 
+@pytest.mark.thorough
 def test_a_point_that_is_not_valid_is_named(counting: Path) -> None:
     for workers in (1, 2):
         with pytest.raises(InputError, match=r"^base_motion\.angular_frequency = 130: beam\.length = 2\.5: not here$"):
@@ -424,6 +426,7 @@ def test_bad_input_is_refused_before_any_work(
     assert not journal_path(tmp_path / "curve.nc").exists()
 
 
+@pytest.mark.thorough
 def test_a_script_without_a_guard_is_told_so(counting: Path) -> None:
     path = counting / "script.py"
     once = "import lapjoint.processes\nlapjoint.processes.MOST_STARTS = 1\n"

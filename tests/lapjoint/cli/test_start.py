@@ -113,7 +113,7 @@ def interrupted_after(seconds: float, cache: Path) -> tuple[int, list[str]]:
     return command.returncode, messages(said)
 
 
-@pytest.mark.parametrize("seconds", [0.8, 2.4])
+@pytest.mark.parametrize("seconds", [0.8, pytest.param(2.4, marks=pytest.mark.thorough)])
 def test_ctrl_c_while_it_starts_and_compiles_is_one_line(seconds: float, tmp_path: Path) -> None:
     assert interrupted_after(seconds, tmp_path) in ((130, ["lapjoint: interrupted"]), (0, []))
 

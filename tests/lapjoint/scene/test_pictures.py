@@ -245,6 +245,7 @@ class TestDrawn:
         assert (lit == 255).all(axis=2).mean() > 0.3  # white around it
         assert len(np.unique(lit.reshape(-1, 3), axis=0)) > 500  # shaded, coloured
 
+    @pytest.mark.thorough
     def test_a_film_moves_and_begins_again(self, history: History, tmp_path: Path) -> None:
         shown: list[float] = []
         path = save_film(
@@ -268,6 +269,7 @@ class TestDrawn:
         assert max(np.abs(scale - scales[0]).max() for scale in scales) < 60
         assert coloured(frames[1].astype(int), LIT) > 20  # as orange as in a picture
 
+    @pytest.mark.thorough
     def test_mp4_is_written_where_its_package_is(self, history: History, tmp_path: Path) -> None:
         import imageio_ffmpeg
 
@@ -275,6 +277,7 @@ class TestDrawn:
         frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
         assert (frames, seconds) == (5, 0.25)
 
+    @pytest.mark.thorough
     def test_two_motions_stand_side_by_side(self, solid: History, tmp_path: Path) -> None:
         both = {"analytic": solid, "fe": solid}
         path = save_picture(both, tmp_path / "x.png", at=0.25, look=Look(size=(600, 300)))

@@ -18,6 +18,7 @@ def run(case: Any, patch: pytest.MonkeyPatch) -> Verdict:
     return Verdict(case.run("quick", lambda _: None).verdict)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", [random_linear, random_stops])
 def test_they_agree(case: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run(case, monkeypatch) is Verdict.AGREE
@@ -28,6 +29,7 @@ def test_a_beam_a_tenth_too_heavy_is_noticed(monkeypatch: pytest.MonkeyPatch) ->
     assert run(random_linear, monkeypatch) is Verdict.DISAGREE
 
 
+@pytest.mark.thorough
 def test_a_spring_a_tenth_too_soft_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     soft = replace(random_stops.OSCILLATOR, omega=0.9**0.5 * random_stops.OSCILLATOR.omega)
     made = random_stops.bar

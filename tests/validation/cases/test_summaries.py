@@ -11,6 +11,7 @@ from validation.cases import summaries as case
 from validation.verdict import Verdict
 
 
+@pytest.mark.thorough
 def test_what_is_read_off_a_motion_is_what_plain_sums_give() -> None:
     result = case.run("quick", lambda _: None)
     assert [item.line for item in result.items if item.verdict is Verdict.DISAGREE] == []

@@ -56,6 +56,7 @@ def _quickest(count: int) -> tuple[list[Fault], list[str]]:
     return [one.fault for one in caught], sorted({one.seen.case for one in caught})
 
 
+@pytest.mark.thorough
 def test_the_quickest_faults_change_verdicts_and_their_absence_does_not() -> None:
     faults, cases = _quickest(2)
     sound = source_of(TREE, CONTROL.module)

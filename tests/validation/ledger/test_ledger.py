@@ -169,7 +169,7 @@ def test_a_point_without_an_answer_is_passed_over() -> None:
     assert Curve(data).peak(512.0, 12.0)[0] == pytest.approx(511.7, abs=0.5)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_errors_of_few_modes_are_larger_than_those_of_many() -> None:
     makes = {name: partial(analytic.Solver, n_modes=n) for name, n in (("few", 6), ("many", 14))}
     few, many = mode_map.errors(makes, (515.0,), lambda _: None)[:, 0]

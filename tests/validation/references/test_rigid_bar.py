@@ -61,6 +61,7 @@ def test_the_moment_over_a_torsional_spring_is_that_of_the_spring() -> None:
         assert motion.moment(0.0, float(t)) == pytest.approx(600.0 * slope, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_both_solvers_move_as_the_bars_do() -> None:
     result = rigid_bar.run("quick", silent)
     assert [item.line for item in result.items if item.verdict is not Verdict.AGREE] == []

@@ -54,6 +54,7 @@ def test_every_table_fits_its_box_and_the_page_its_width(folder: Path, tmp_path:
         assert (seen.beyond, seen.cut, seen.overlaps) == (0, [], [])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("scheme", "width"), [(LIGHT, 390), (DARK, 1280)])
 def test_an_accessibility_checker_finds_nothing_serious(folder: Path, tmp_path: Path, scheme: int, width: int) -> None:
     page = (folder / "report.html").read_text(encoding="utf-8")
