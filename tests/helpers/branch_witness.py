@@ -1,0 +1,237 @@
+"""A witness of branches who follows none: at points drawn along a branch he marches, looks at every gap, and pushes.
+
+He draws a field and a range of it for each random joint, has the branch of the motion from rest traced, and then
+
+- evaluates each drawn orbit's gap functions densely: nothing is beyond a stop but in a contact, and no contact is short
+  of it; finite elements he marches again by `dense_march`, too, and finds the same switches;
+- marches a drawn orbit from a section point pushed a little away: it comes back or leaves as the multipliers say, by
+  the factor that the largest of them says;
+- asks whether contacts or the number of multipliers outside the unit circle change anywhere without a bifurcation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from dense_march import dense_march
+from population import joint
+
+import analytic
+import fe_lapjoint
+from lapjoint import History, Problem
+from lapjoint.answers.branches import Branch, BranchPoint
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches.continuation import Limits
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.seeds import seed_from
+from lapjoint.orbits.branches.tracing import trace
+from lapjoint.orbits.period_map import PeriodMap
+from lapjoint.problem import BaseMotion, FloatArray
+
+AnySolver = analytic.Solver | fe_lapjoint.Solver
+FIELDS = ("base_motion.angular_frequency", "base_motion.amplitude", "stops.*.gap", "stops.*.stiffness")
+"""What is varied; gaps and stiffnesses of the first stop, or of all where they are equal."""
+WIDTH = (0.03, 0.5)  # of the number: between these is half the range, evenly by its logarithm
+POINTS = 40  # of a branch, at most
+DRAWN = 4  # of its points, which are looked at closely
+MARGIN = 0.02  # distance of a multiplier's modulus from 1, below which a march takes too long to decide
+PUSH = 1e-9  # of the motion's size: it may grow 3000-fold in the first periods where the motion is stable
+FAR = 1e-4  # of the motion's size: what leaves it by so much does not come back
+LEFT = 1e-2  # of the largest distance between returns: what is left of it in the end
+_CLOSED = 1e-7  # of the motion's size, and of its period: by so much the marches' ends and switches may differ
+_DEEP = 1e-6  # of a motion's largest displacement: contacts less deep may be seen by one march, and not by the other
+_GRAZES = 1e-3  # of the number: a motion is at a graze
+_BESIDE = 1e-9  # of a motion's period
+_SAMPLES = 40  # in the shortest period of a mode
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A random joint and what is varied."""
+
+    problem: Problem
+    path: str
+    low: float
+    high: float
+
+
+def drawn(seed: int, index: int) -> Drawn:
+    """One of a seed's problems; it depends on the seed and its index alone."""
+    problem, rng = joint(seed, index), np.random.default_rng((seed, index, 13))
+    base = problem.base_motion
+    assert isinstance(base, BaseMotion)
+    field = FIELDS[int(rng.integers(0, len(FIELDS)))]
+    if field.startswith("stops"):
+        name = field.rpartition(".")[2]
+        twins = len({getattr(stop, name) for stop in problem.stops}) == 1
+        path, middle = (field if twins else f"stops.0.{name}"), float(getattr(problem.stops[0], name))
+    else:
+        path, middle = field, float(getattr(base, field.rpartition(".")[2]))
+    share = math.exp(rng.uniform(*np.log(WIDTH)))
+    return Drawn(problem, path, middle * (1 - share), middle * (1 + share))
+
+
+@dataclass(frozen=True)
+class Witnessed:
+    """What is said of one problem."""
+
+    faults: tuple[str, ...]
+    """What is wrong; empty if nothing is."""
+    points: int
+    """Points of the branch; 0 if there is none."""
+    pushed: int
+    """Motions that were marched from a push."""
+    ends: tuple[str, ...]
+    """Why the branch ends."""
+    kinds: tuple[str, ...]
+    """Its bifurcations."""
+
+
+def witnessed(solver: AnySolver, seed: int, index: int) -> Witnessed:
+    """All of it for one problem."""
+    one, rng = drawn(seed, index), np.random.default_rng((seed, index, 14))
+    grid = Grid(one.problem, (Axis(one.path, (one.low, one.high)),))
+    family = Family(solver, lambda value: grid.with_values((value,)), one.path, one.low, one.high)
+    branch = first_branch(family)
+    if branch is None:
+        return Witnessed((), 0, 0, (), ())
+    faults, pushed = list(unnamed(branch)), 0
+    for i in rng.permutation(len(branch.points))[:DRAWN].tolist():
+        point = branch.points[i]
+        map_ = family.at(point.value).map
+        where = f"point {i} at {point.value:.9g}"
+        faults += [f"{where}: {what}" for what in (*unseen(point), *marched_again(map_, point))]
+        said = None if at_graze(branch, i) else pushed_march(map_, point, rng)
+        pushed += said is not None
+        faults += [f"{where}: {said}"] if said else []
+    return Witnessed(
+        tuple(faults), len(branch.points), pushed, branch.ends, tuple(one.kind for one in branch.bifurcations)
+    )
+
+
+def first_branch(family: Family) -> Branch | None:
+    """The branch of a motion that a march from rest comes to, at one of three values."""
+    for value in (family.low, family.high, 0.5 * (family.low + family.high)):
+        seed = seed_from(family, value, family.at(value).map.initial(), 2)
+        if seed is not None:
+            found = trace(family, seed, most_multiple=2, errors=False, limits=Limits(POINTS))
+            return None if found is None else found.branch
+    return None
+
+
+def unnamed(branch: Branch) -> Iterator[str]:
+    """Where contacts or stability change from point to point without a bifurcation between."""
+    # A graze lies at its point, on either side of which other contacts may be; others lie before their point.
+    named = {one.index for one in branch.bifurcations}
+    named |= {one.index + 1 for one in branch.bifurcations if one.kind == "grazing"}
+    for i, (a, b) in enumerate(pairwise(branch.points)):
+        if i + 1 in named:
+            continue
+        where = f"between points {i} and {i + 1} at {a.value:.9g} and {b.value:.9g}"
+        if len(a.motion.history.contacts) != len(b.motion.history.contacts):
+            counts = [sum(not c.open_start for c in one.motion.history.contacts) for one in (a, b)]
+            if counts[0] != counts[1]:
+                yield f"{where}: {counts[0]} and {counts[1]} contacts, and no graze"
+        outside = [int(np.count_nonzero(np.abs(one.motion.multipliers) > 1)) for one in (a, b)]
+        if outside[0] != outside[1]:
+            yield f"{where}: {outside[0]} and {outside[1]} multipliers outside the circle, and no bifurcation"
+
+
+def at_graze(branch: Branch, i: int) -> bool:
+    """Whether a point is so near to a graze, or to what is not resolved, that a push decides about a contact."""
+    value = branch.points[i].value
+    kinds = ("grazing", "unresolved")
+    return any(abs(one.value - value) <= _GRAZES * abs(value) for one in branch.bifurcations if one.kind in kinds)
+
+
+def unseen(point: BranchPoint) -> Iterator[str]:
+    """Where the orbit is beyond a stop outside its contacts, or short of it in one."""
+    history = point.motion.history
+    fastest = max(history.highest_mode or 0.0, history.problem.forces.fastest)
+    count = math.ceil((history.end - history.start) * fastest * _SAMPLES / (2 * math.pi))
+    t = np.linspace(history.start, history.end, max(count, 2000))
+    edge = _CLOSED * (history.end - history.start)
+    jumps = displaced(history)
+    for k, stop in enumerate(history.problem.stops):
+        z = history.displacement(stop.x, t)[0]
+        gap, least = stop.sign * z - stop.gap, max(_DEEP * float(np.abs(z).max()), 2 * jumps[k])
+        inside, near = np.zeros(t.size, dtype=bool), np.zeros(t.size, dtype=bool)
+        for contact in history.contacts:
+            if contact.stop == k:
+                inside |= (t >= contact.start) & (t <= contact.end)
+                near |= (np.abs(t - contact.start) <= edge) | (np.abs(t - contact.end) <= edge)
+        for what, wrong in (("beyond", gap[~inside & ~near]), ("short of", -gap[inside & ~near])):
+            if wrong.size and wrong.max() > least:
+                yield f"{wrong.max():.1e} m {what} stop {k} unseen, of {np.abs(z).max():.1e} m"
+
+
+def displaced(history: History) -> FloatArray:
+    """Largest displacement by which truncated modes make each stop's gap jump at any switch, m, shape ``(stops,)``."""
+    beside = _BESIDE * (history.end - history.start)
+    before, after = history.switch_times - beside, history.switch_times + beside
+    jumps = [
+        history.displacement(stop.x, after) - history.displacement(stop.x, before) for stop in history.problem.stops
+    ]
+    return np.array([float(np.abs(jump).max(initial=0.0)) for jump in jumps])
+
+
+def marched_again(map_: PeriodMap, point: BranchPoint) -> Iterator[str]:
+    """How a march in tiny steps differs from the orbit; by finite elements alone."""
+    model = getattr(map_, "model", None)
+    if model is None:
+        return
+    periods, start = point.motion.period_multiple, point.motion.section_point
+    y = np.asarray(map_.modal(start)).ravel()  # type: ignore[attr-defined]
+    found = dense_march(model, start.state, y, map_.period, periods)
+    omega = 2 * math.pi / map_.period
+    q, v = np.split(found.y, 2)
+    if found.state != start.state:
+        yield f"marched in tiny steps it begins with {start.state.closed} closed, and ends with {found.state.closed}"
+        return
+    q0, v0 = np.split(y, 2)
+    size = math.hypot(float(np.linalg.norm(q0)), float(np.linalg.norm(v0)) / omega)
+    away = math.hypot(float(np.linalg.norm(q - q0)), float(np.linalg.norm(v - v0)) / omega)
+    growth = max(1.0, float(np.abs(point.motion.multipliers).max()))
+    if away > _CLOSED * growth * size:
+        yield f"marched in tiny steps it closes to {away / size:.1e}"
+    history = point.motion.history
+    expected = sorted(
+        [(c.start - history.start, c.stop) for c in history.contacts if not c.open_start]
+        + [(c.end - history.start, c.stop) for c in history.contacts if not c.open_end]
+    )
+    if sorted(k for k, _ in found.switches) != sorted(k for _, k in expected):
+        yield f"marched in tiny steps it switches {len(found.switches)} times, not {len(expected)}"
+        return
+    by_time: FloatArray = np.array([t for t, _ in expected]) - np.array([t for _, t in found.switches])
+    if by_time.size and np.abs(by_time).max() > 1e-5 * periods * map_.period:
+        yield f"marched in tiny steps a switch is {np.abs(by_time).max():.1e} s off"
+
+
+def pushed_march(map_: PeriodMap, point: BranchPoint, rng: np.random.Generator) -> str | None:
+    """What is wrong with a march from a push, "" if nothing is; None where the multipliers say too little."""
+    motion = point.motion
+    leading = float(np.abs(motion.multipliers).max(initial=0.0))
+    if abs(leading - 1) < MARGIN:
+        return None
+    start, periods = motion.section_point, motion.period_multiple
+    size = map_.size(start)
+    deviation = rng.standard_normal(map_.difference(start, start).size)
+    deviation = deviation * np.array([1 / map_.norm(unit) for unit in np.eye(deviation.size)])
+    here = map_.moved(start, deviation * (PUSH * size / map_.norm(deviation)))
+    most = 10 + math.ceil(math.log(FAR / PUSH * 100) / abs(math.log(max(leading, 1e-3))))
+    returns, farthest = [], 0.0
+    for _ in range(most):
+        there = map_.march(here, 2 * periods).end
+        returns.append(map_.norm(map_.difference(there, here)) / size)
+        here = there
+        farthest = max(farthest, map_.norm(map_.difference(here, start)) / size)
+        if leading > 1 and farthest > FAR:
+            break
+    if leading > 1:
+        return "" if farthest > FAR else f"multiplier {leading:.4f}, but a push of {PUSH} has become {farthest:.1e}"
+    back = returns[-1] <= max(LEFT * max(returns), 1e-11)
+    return "" if back else f"multiplier {leading:.4f}, but returns of {max(returns):.1e} have become {returns[-1]:.1e}"

@@ -1,0 +1,146 @@
+"""A motion marched again in tiny steps by matrix exponentials, which knows nothing of closed forms, bounds or searches.
+
+It takes finite elements from a section point over some periods of harmonic loads.  What drives the motion is a further
+unknown, so that the motion of a contact state is z' = M z, and each step multiplies by exp(M dt).  In every step the
+gap functions and their rates are looked at, and where one rises through 0, or turns just below it, exponentials to the
+times that a bracketing search asks for say when.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from fe_lapjoint.march.model import Model
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray
+
+STEPS = 40  # in the shortest period or time constant of the state, and of the loads
+_CHUNK = 2000  # steps that are looked at together
+
+
+@dataclass(frozen=True)
+class Passed:
+    """What the march over some periods comes to."""
+
+    switches: tuple[tuple[int, float], ...]
+    """Each stop that switches, and when, s."""
+    state: ContactState
+    """The stops that are closed at the end."""
+    y: FloatArray
+    """Modal displacements and velocities of that state at the end, shape ``(2 n,)``."""
+
+
+def dense_march(model: Model, state: ContactState, y: FloatArray, period: float, periods: int) -> Passed:
+    """March over some periods of the loads.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on its mesh.
+    state : ContactState
+        The stops that are closed at the start.
+    y : FloatArray, shape (2 n,)
+        Modal displacements and velocities of that state.
+    period : float
+        Of the loads, s.
+    periods : int
+        How many.
+    """
+    switches: list[tuple[int, float]] = []
+    for n in range(periods):
+        t, last = 0.0, -1
+        while t < period:
+            y, t, last = _Stretch(model, state, y, t, last).until(period)
+            if last >= 0:
+                switches.append((last, n * period + t))
+                y = (y.reshape(2, -1) @ model.transfer(state, state.toggled(last)).T).ravel()
+                state = state.toggled(last)
+    return Passed(tuple(switches), state, y)
+
+
+class _Stretch:
+    """The motion of one contact state from (q, q') at a time; `last` is the stop that has just switched."""
+
+    def __init__(self, model: Model, state: ContactState, y: FloatArray, t: float, last: int) -> None:
+        system = model.system(state)
+        self.M, self.z = _matrix(model, state, y, t)
+        self.n, self.t, self.last = system.omega.size, t, last
+        self.fastest = float(max(np.max(np.hypot(system.omega, system.damping_rate)), system.driven.max()))
+        self.rows = np.zeros((2, model.sign.size, self.z.size))
+        self.rows[0, :, : self.n] = model.orientation(state)[:, None] * system.stops
+        self.rows[1, :, self.n : 2 * self.n] = self.rows[0, :, : self.n]
+        self.offset = model.offset(state).copy()
+        if last >= 0:  # it lies at its gap but for rounding
+            self.offset[last] = float(self.rows[0, last] @ self.z)
+
+    def until(self, end: float) -> tuple[FloatArray, float, int]:
+        """March up to a switch or a time: (q, q') then, the time, and the stop, -1 for none."""
+        steps = max(STEPS, math.ceil((end - self.t) * self.fastest * STEPS / (2 * math.pi)))
+        dt = (end - self.t) / steps
+        move, z = expm(self.M * dt), self.z
+        for first in range(0, steps, _CHUNK):
+            count = min(_CHUNK, steps - first)
+            path = np.empty((count + 1, z.size))
+            path[0] = z
+            for i in range(count):
+                path[i + 1] = move @ path[i]
+            h, rate = self.rows @ path.T - np.array([self.offset, np.zeros_like(self.offset)])[:, :, None]
+            for i in self._candidates(h, rate):
+                begins = first + i == 0
+                found = [self._rises(path[i], k, dt, begins, rate[k, i : i + 2]) for k in range(h.shape[0])]
+                times = [(s, k) for k, s in enumerate(found) if s is not None]
+                if times:
+                    s, k = min(times)
+                    return self._at(path[i], s)[: 2 * self.n], self.t + (first + i) * dt + s, k
+            z = path[-1]
+        return z[: 2 * self.n], end, -1
+
+    def _candidates(self, h: FloatArray, rate: FloatArray) -> list[int]:
+        """Steps in which a gap function ends above 0, or turns on the way from its rise to its fall."""
+        turns = (rate[:, :-1] > 0) & (rate[:, 1:] < 0)
+        return np.flatnonzero(((h[:, 1:] > 0) | turns).any(axis=0)).tolist()
+
+    def _at(self, z: FloatArray, s: float) -> FloatArray:
+        return np.asarray(expm(self.M * s) @ z)
+
+    def _rises(self, z: FloatArray, k: int, dt: float, begins: bool, rate: FloatArray) -> float | None:
+        """When in a step, the first or not, a gap function rises through 0, s from its start; None if it does not."""
+
+        def value(of: int) -> Callable[[float], float]:
+            return lambda s: float(self.rows[of, k] @ self._at(z, s) - (0.0 if of else self.offset[k]))
+
+        low, high = 0.0, dt
+        if begins and k == self.last:  # it leaves its gap before it may come back
+            if not rate[0] < 0 < rate[1]:
+                return None
+            low = _root(value(1), 0.0, dt)
+        elif rate[0] > 0 > rate[1]:
+            high = _root(value(1), 0.0, dt)
+        return _root(value(0), low, high) if value(0)(low) < 0 < value(0)(high) else None
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    return float(brentq(function, low, high, xtol=1e-16, rtol=1e-14))
+
+
+def _matrix(model: Model, state: ContactState, y: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
+    """M, and z at a time: (q, q'), 1, and sine and cosine of each load."""
+    system = model.system(state)
+    n, H = system.omega.size, system.driven.size
+    angle = system.driven * t + system.phase
+    M = np.zeros((2 * n + 1 + 2 * H, 2 * n + 1 + 2 * H))
+    M[:n, n : 2 * n] = np.eye(n)
+    M[n : 2 * n, :n] = -np.diag(system.omega**2)
+    M[n : 2 * n, n : 2 * n] = -2 * np.diag(system.damping_rate)
+    M[n : 2 * n, 2 * n] = system.constant
+    sine = 2 * n + 1
+    M[n : 2 * n, sine : sine + H] = system.harmonic
+    M[sine : sine + H, sine + H :] = np.diag(system.driven)
+    M[sine + H :, sine : sine + H] = -np.diag(system.driven)
+    return M, np.concatenate([y, [1.0], np.sin(angle), np.cos(angle)])
