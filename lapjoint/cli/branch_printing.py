@@ -58,7 +58,8 @@ def _print_loci(dataset: xr.Dataset) -> None:
     """The longest loci first, each in a line with both its ends."""
     second = dataset[second_number_of(dataset)]
     locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
-    echo(f"{dataset.branch_first_end.size} branches at {second.size} values of {second.attrs['path']}; loci:")
+    found = "loci:" if locus.size else "no bifurcations"
+    echo(f"{dataset.branch_first_end.size} branches at {second.size} values of {second.attrs['path']}; {found}")
     numbers, counts = np.unique(locus, return_counts=True)
     for shown, k in enumerate(np.argsort(-counts, kind="stable")):
         if shown == ROWS_SHOWN:

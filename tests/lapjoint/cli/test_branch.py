@@ -93,6 +93,14 @@ def test_branches_in_two_numbers_print_their_loci_and_plot_draws_them() -> None:
 
 
 @pytest.mark.usefixtures("here")
+def test_where_no_bifurcation_lies_the_loci_are_said_to_be_none() -> None:
+    over = ("--from", "1e-4", "--to", "1.1e-4", "--also-over", "stops.*.gap=1e-3,1.1e-3")
+    result = run("branch", "bar.toml", *OVER, *over, "--out", "none.nc")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.splitlines()[1:] == ["2 branches at 2 values of stops.*.gap; no bifurcations"]
+
+
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("asked", [True, False])
 def test_an_error_that_no_finer_solver_confirms_is_said_in_words(asked: bool) -> None:
     over = (*OVER[:-1], *OVER[-1:] * (not asked), "--from", "3e-4", "--to", "4e-4", "--out", "b.nc")
