@@ -43,6 +43,11 @@ def test_a_few_problems_of_ones_own_are_judged_and_agree(index: int) -> None:
     assert not failed
 
 
+def test_the_witness_of_energy_is_not_misled_by_two_quadratures_that_agree_by_chance() -> None:
+    *_, failed = judged(31)
+    assert not failed
+
+
 @pytest.mark.slow
 def test_many_problems_of_ones_own_are_judged_and_agree() -> None:
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
