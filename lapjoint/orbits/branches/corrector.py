@@ -92,8 +92,17 @@ class Place:
         Place
             The place.
         """
-        sign = -1.0 if float(direction @ self.tangent) < 0 else 1.0
-        same = Place(self.value, self.orbit, self.weights, sign * self.tangent, self.half_periods)
+        return self.turned() if float(direction @ self.tangent) < 0 else self
+
+    def turned(self) -> Place:
+        """The same with the opposite tangent.
+
+        Returns
+        -------
+        Place
+            The place.
+        """
+        same = replace(self, tangent=-self.tangent)
         if "extrema" in self.__dict__:  # they do not depend on the tangent
             same.__dict__["extrema"] = self.extrema
         return same

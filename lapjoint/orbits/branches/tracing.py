@@ -137,7 +137,7 @@ def _up_to_half(run: Run) -> Run:
 
 def _joined(back: Run, ahead: Run) -> Run:
     """Two runs from one start as one, in the direction of the second."""
-    turned = [replace(place, tangent=-place.tangent) for place in reversed(back.places)]
+    turned = [place.turned() for place in reversed(back.places)]
     first = len(back.places)
     # A graze is at the place of its index, and a jump before it; what was before lies behind when it is turned.
     grazes = [replace(one, index=first - 1 - one.index) for one in back.grazes]
