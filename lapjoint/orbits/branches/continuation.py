@@ -229,14 +229,24 @@ class _Follower:
         length = float(np.linalg.norm(chord))
         if length > max(farthest, _AT_GRAZE):
             return False
-        if float(chord @ before.tangent) < 0 and length > _AT_GRAZE:  # it lies behind
-            return False
+        if length > _AT_GRAZE and float(chord @ before.tangent) < 0 and not self._turns_sharply(before):
+            return False  # it lies behind
         if passed(self._here, self._rates, before, None, length).grazes:
             return False
         if found[1] is None:
             return self._jump_over(found[0], before)
         self._pass(*found)
         return True
+
+    def _turns_sharply(self, before: Place) -> bool:
+        """Whether the curve comes to a graze from the other side, without a fold: where the map changes as a root.
+
+        The number goes on as before, but the motion turns as soon as the root outweighs what is smooth.
+        """
+        here = self._here
+        ahead = float(here.chord(self._family, before) @ here.tangent) < 0
+        on = (before.value - here.value) * here.tangent[-1] > 0
+        return ahead and on and before.tangent[-1] * here.tangent[-1] > 0
 
     def _jump_over(self, graze: Graze, before: Place) -> bool:
         """Leave out what lies just beyond a graze where the curve cannot be followed; whether that was done.
