@@ -33,7 +33,9 @@ def harmonics(omega: float, *sizes: tuple[int, float]) -> HarmonicsBaseMotion:
     return HarmonicsBaseMotion(angular_frequency=omega, harmonics=parts)
 
 
-@pytest.mark.parametrize("index", WITHOUT_STOPS)
+@pytest.mark.parametrize(
+    "index", [pytest.param(it, marks=pytest.mark.thorough if it % 2 else ()) for it in WITHOUT_STOPS]
+)
 def test_without_stops_the_motion_is_the_closed_form(index: int) -> None:
     problem = harmonic_joint(SEED, index).replace(stops=())
     x = np.array([0.31, 0.77, 1.0])

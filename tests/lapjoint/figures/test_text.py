@@ -149,7 +149,7 @@ def test_sixty_characters_are_written_out_where_a_line_is_theirs(history: Histor
     assert SIXTY in drawn(plot_curve_wide(swept(SIXTY)))
 
 
-@pytest.mark.parametrize("number", [14, 40, 150])
+@pytest.mark.parametrize("number", [14, pytest.param(40, marks=pytest.mark.thorough), 150])
 def test_many_stops_have_a_key_that_fits_and_colour_and_marker_of_their_own(history: History, number: int) -> None:
     axes = plot_contact_impulses(many(history, number))
     assert_fits(axes, PAGE_WIDTH, 3.2)

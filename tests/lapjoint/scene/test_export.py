@@ -353,7 +353,7 @@ def files_in(folder: Path) -> dict[str, bytes]:
     return {str(file.relative_to(folder)): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
 
 
-@pytest.mark.parametrize("kind", FORMATS)
+@pytest.mark.parametrize("kind", ["pvd", *(pytest.param(it, marks=pytest.mark.thorough) for it in ("vtkhdf", "xdmf"))])
 def test_an_interrupted_export_leaves_the_series_of_before(solid: History, tmp_path: Path, kind: Any) -> None:
     def interrupt(done: float, total: float) -> None:
         raise KeyboardInterrupt
