@@ -33,8 +33,7 @@ def check(found: Iterable[tuple[int, Witnessed]]) -> None:
     ("solver", "indices"),
     [
         (SOLVERS[0], FEW),
-        pytest.param(SOLVERS[0], MORE, marks=pytest.mark.thorough),
-        pytest.param(SOLVERS[1], FEW + MORE, marks=pytest.mark.thorough),
+        *(pytest.param(solver, FEW + MORE, marks=pytest.mark.thorough) for solver in SOLVERS),
     ],
 )
 def test_no_branch_of_a_few_random_joints_is_false(solver: AnySolver, indices: tuple[int, ...]) -> None:
