@@ -78,7 +78,7 @@ def trace(
         If the march cannot go on.
     """
     limits = limits or Limits()
-    start = corrected(family, seed.value, family.adopted(seed.value, seed.point), seed.count)
+    start = _start(family, seed)
     if start is None:
         return None
     ahead, back = _both_ways(family, start, seed, limits)
@@ -95,16 +95,26 @@ def trace(
     return Traced(branch, tuple(seeds))
 
 
+def _start(family: Family, seed: Seed) -> Place | None:
+    """The place of a seed, in the range: the shortest way to the curve may lead out of it from an end."""
+    guess = family.adopted(seed.value, seed.point)
+    if family.low < seed.value < family.high:
+        found = corrected(family, seed.value, guess, seed.count)
+        if found is None or family.low <= found.value <= family.high:
+            return found
+    return corrected(family, seed.value, guess, seed.count, fixed=True)
+
+
 def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tuple[Run, Run]:
     """The curve ahead of a place, and behind it: up and down the range, or away from a bifurcation and back to it."""
     up = np.append(np.zeros(start.tangent.size - 1), 1.0)
     if seed.away_from is not None:
         value, point = seed.away_from
         up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
-        return follow(family, start.along(up), limits), Run([start], [], [], "bifurcation")
+        return follow(family, start.along(up), limits), Run([start.along(-up)], [], [], "bifurcation")
     ahead = _up_to_half(follow(family, start.along(up), limits))
     if ahead.end == "closed":
-        return ahead, Run([start], [], [], "closed")
+        return ahead, Run([start.along(-up)], [], [], "closed")
     left = replace(limits, most=max(limits.most - len(ahead.places), 1))
     return ahead, _up_to_half(follow(family, start.along(-up), left))
 
