@@ -158,7 +158,8 @@ def _joined(back: Run, ahead: Run) -> Run:
 
 
 def _point(family: Family, place: Place) -> BranchPoint:
-    return BranchPoint(place.value, periodic_state(place.half_periods.map, family.solver.name, place.orbit, None))
+    solver = family.solver_at(place.value).name
+    return BranchPoint(place.value, periodic_state(place.half_periods.map, solver, place.orbit, None))
 
 
 def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifurcation, Place | None]]:
@@ -171,11 +172,19 @@ def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifu
     for i, (a, b) in enumerate(pairwise(run.places)):
         if i + 1 in apart or a.extrema.closings != b.extrema.closings:
             continue
-        for one in between(family, a, b):
+        for one in between(family, a, b, (_beside(run, i, i - 1, apart), _beside(run, i + 1, i + 2, apart))):
             if isinstance(one, NotLocated):
                 yield _unresolved(one, i + 1), None
                 continue
             yield _smooth(family, one, i + 1, errors), one.place if one.kind in _SPRINGING else None
+
+
+def _beside(run: Run, here: int, other: int, apart: set[int]) -> Place | None:
+    """The neighbour of a place, if the curve goes on smoothly to it."""
+    if not 0 <= other < len(run.places) or max(here, other) in apart:
+        return None
+    same = run.places[other].extrema.closings == run.places[here].extrema.closings
+    return run.places[other] if same else None
 
 
 _SPRINGING = ("flip", "symmetry breaking")
