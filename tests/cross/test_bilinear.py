@@ -93,6 +93,10 @@ def test_the_branches_of_a_bar_have_the_folds_and_flips_of_the_closed_form(kind:
     assert sum(check_exactly(draw(seed, kind, on_pin=False)) for seed in (0,)) >= 1
 
 
+def test_a_fold_just_before_a_graze_is_found_from_places_at_which_the_number_is_held() -> None:
+    assert check_exactly(draw(11, "fold", on_pin=False)) == 1
+
+
 @pytest.mark.thorough
 def test_a_branch_folds_just_before_a_graze_although_a_part_before_that_is_not_resolved() -> None:
     assert check_exactly(draw(32, "fold", on_pin=False)) == 1  # a graze follows the fold by 1e-6 of the amplitude

@@ -279,7 +279,7 @@ def between_two(family: Family, a: Place, b: Place, share: float, length: float)
         None if Newton's method finds none.
     """
     near, far, step = (a, b, share * length) if share <= 0.5 else (b, a, -(1 - share) * length)
-    steep = abs(near.tangent[-1]) > STEEP
+    steep = abs(near.tangent[-1]) > STEEP and _goes_up(near) == _goes_up(far)  # no number is held across a fold
     value, guess = near.moved(family, step * near.tangent)
     found = corrected(family, value, guess, near.count, fixed=steep)
     if found is None:
