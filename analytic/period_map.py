@@ -12,7 +12,6 @@ import numpy as np
 from analytic.ensemble import JointEnsemble
 from analytic.march import (
     Coordinates,
-    GapSegment,
     Joint,
     March,
     gap_view,
@@ -36,7 +35,7 @@ from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
-from lapjoint.orbits.period_map import Followed, Linearised, Passage, Segment, period_pieces
+from lapjoint.orbits.period_map import Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -190,9 +189,7 @@ class PeriodMap:
             n = matrix.shape[0] // 2
             back = self.joint.passage(end.state, start.state).S
             matrix = np.concatenate([back @ matrix[:n], back @ matrix[n:]])
-        return Linearised(
-            _section_point(end), matrix, lambda: _segments(gap_view(march(self.joint, begin, 0.0, duration)))
-        )
+        return Linearised(_section_point(end), matrix, lambda: gap_view(march(self.joint, begin, 0.0, duration)))
 
     def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
         """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
@@ -206,9 +203,7 @@ class PeriodMap:
             n, passage = matrix.shape[0] // 2, self.joint.passage(end, start.state)
             matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
             matrix[:, -1] += self._left_out_change(passage.residual[1:], known)
-        return Linearised(
-            _section_point(motion.end), matrix[:, :-1], lambda: _segments(gap_view_of(found)), matrix[:, -1].copy()
-        )
+        return Linearised(_section_point(motion.end), matrix[:, :-1], lambda: gap_view_of(found), matrix[:, -1].copy())
 
     def _left_out_change(self, residual: FloatArray, known: ExcitationChange) -> FloatArray:
         """Change of what is carried over between the modes of two states at a multiple of the period, ``(2 N,)``."""
@@ -278,23 +273,3 @@ def _coordinates(point: SectionPoint) -> Coordinates:
 
 def _section_point(point: Coordinates) -> SectionPoint:
     return SectionPoint(point.state, np.array((point.q, point.v)))
-
-
-def _segments(view: list[GapSegment]) -> tuple[Segment, ...]:
-    """A recorded motion as the search takes it."""
-    return tuple(
-        Segment(
-            start=one.start,
-            end=one.end,
-            closed=one.closed,
-            rates=one.rates,
-            weights=one.weights,
-            amplitudes=one.amplitudes,
-            polynomial=one.polynomial,
-            deviations=one.deviation_amplitudes,
-            drift=one.drift,
-            switched=one.stop,
-            change=one.change,
-        )
-        for one in view
-    )

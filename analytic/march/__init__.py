@@ -9,7 +9,7 @@ are the compiled march, from the inside out.
 """
 
 from analytic.march.coordinates import Coordinates
-from analytic.march.gap_view import GapSegment, gap_view
+from analytic.march.gap_view import gap_view
 from analytic.march.growth import Growth, march_linearised, measure_growth
 from analytic.march.joint import Joint
 from analytic.march.march import March, Segment, march
@@ -17,7 +17,6 @@ from analytic.march.periods import Periods, march_periods
 
 __all__ = [
     "Coordinates",
-    "GapSegment",
     "Growth",
     "Joint",
     "March",

@@ -1,25 +1,13 @@
 r"""The displacement at the stops along a recorded motion, and along its neighbours, as sums of exponentials.
 
-In a segment that starts at t0, with tau = t - t0, the displacement at stop s is
-
-    z_s(t) = Re sum_t W[s, t] c[t] exp(lambda_t tau) + polynomial[s, 0] + polynomial[s, 1] tau + polynomial[s, 2] tau^2
-
-over the free terms of the state first, then the harmonics, lambda = i Omega.  To first order in a deviation
-e = (dq, dv) from the start of the whole motion it moves by
-
-    dz_s(t) = Re sum_t W[s, t] (A e)[t] exp(lambda_t tau) + drift[s, 0] e + drift[s, 1] e tau
-
-over the free terms alone, as long as both are in that segment's state.  The times at which segments begin and end move
-too; that is in A, by the saltation matrices of `analytic.march.tangent`.  A number p of the problem moves it by
-
-    dz_s(t)/dp = Re sum_t (B[s, t] + C[s, t] tau) exp(lambda_t tau) + E[s, 0] + E[s, 1] tau
-
-where B and C have the free terms and the harmonics; see `analytic.march.change`.
+What `lapjoint.orbits.period_map.Segment` asks for: the free terms of the state come first, their weights real and in
+kg^-1/2, then the harmonics with lambda = i Omega.  Deviations (dq, dv) from the start of the whole motion have the free
+terms alone; what undamped rigid-body modes add to them is the drift.  The times at which segments begin and end move
+too; that is in the deviations, by the saltation matrices of `analytic.march.tangent`.  A number p of the problem moves
+the free terms and the harmonics, see `analytic.march.change`.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,43 +19,13 @@ from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import drift_at_stops, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import put, zeros
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
-from lapjoint.orbits.period_map import SegmentChange
+from lapjoint.orbits.period_map import Segment, SegmentChange
 from lapjoint.problem import FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class GapSegment:
-    """One segment: ``P`` stops, ``T`` terms of which ``T_free`` are free, deviations in ``n`` coordinates."""
-
-    start: float
-    """s."""
-    end: float
-    """s."""
-    closed: BoolArray
-    """Whether each stop is closed, shape ``(P,)``."""
-    rates: ComplexArray
-    """lambda of each term, 1/s, shape ``(T,)``."""
-    weights: ComplexArray
-    """W, shape ``(P, T)``: real for the free terms, kg^-1/2; complex for the harmonics, m."""
-    amplitudes: ComplexArray
-    """c, kg^1/2 m for the free terms, without unit for the harmonics, shape ``(T,)``."""
-    polynomial: FloatArray
-    """Coefficients of 1, tau, tau^2, m over powers of s, shape ``(P, 3)``."""
-    deviation_amplitudes: ComplexArray
-    """A, from (dq, dv) at the start of the whole motion, shape ``(T_free, n)``."""
-    drift: FloatArray
-    """Coefficients of 1 and tau that undamped rigid-body modes add to a deviation, shape ``(P, 2, n)``."""
-    stop: int
-    """The stop that switches at the end, or -1."""
-    rate: float
-    """h' of that stop there, m/s; 0 without one."""
-    change: SegmentChange | None = None
-    """B, C and E, over the number's unit; None without a number."""
-
-
-def gap_view(motion: March) -> list[GapSegment]:
+def gap_view(motion: March) -> tuple[Segment, ...]:
     """The segments of a recorded motion as sums of exponentials.
 
     Parameters
@@ -77,13 +35,13 @@ def gap_view(motion: March) -> list[GapSegment]:
 
     Returns
     -------
-    list of GapSegment
+    tuple of Segment
         In the order of time.
     """
     return gap_view_of(carried_along(motion))
 
 
-def gap_view_of(carried: Carried) -> list[GapSegment]:
+def gap_view_of(carried: Carried) -> tuple[Segment, ...]:
     """The same of a motion along which deviations have been carried.
 
     Parameters
@@ -93,50 +51,52 @@ def gap_view_of(carried: Carried) -> list[GapSegment]:
 
     Returns
     -------
-    list of GapSegment
+    tuple of Segment
         In the order of time.
     """
     motion, change, starts = carried.motion, carried.change, carried.starts
     log, tables = motion.log, motion.joint.tables
-    n, stops, harmonics = starts.shape[2], tables.sign.size, tables.omega.size
+    count, stops, harmonics = starts.shape[2], tables.sign.size, tables.omega.size
     M, T = log.slot.size, int(tables.terms[log.slot].max())
-    c, theta = np.zeros((M, T), dtype=complex), np.zeros((M, harmonics), dtype=complex)
-    A, drift = np.zeros((M, T, n), dtype=complex), np.zeros((M, stops, 2, n))
-    polynomial, forced = np.zeros((M, stops, 3)), np.zeros((M, stops, harmonics), dtype=complex)
-    _view(tables, change, log, starts, c, theta, polynomial, A, drift, forced)
-    at_stops = tables.weight[:, tables.position], -1j * tables.forced[:, tables.position]
-    n = n if change is None else n - 1
+    amplitudes, polynomial = np.zeros((M, T + harmonics), dtype=complex), np.zeros((M, stops, 3))
+    A, drift = np.zeros((M, T, count), dtype=complex), np.zeros((M, stops, 2, count))
+    waves, secular = np.zeros((2, M if change is not None else 0, stops, T + harmonics), dtype=complex)
+    _view(tables, change, log, starts, amplitudes, polynomial, A, drift, waves, secular)
+    n = count if change is None else count - 1
+    slots, which = log.slot.tolist(), log.stop.tolist()
+    begin, end, known = log.start.tolist(), log.end.tolist(), {slot: _of_state(tables, slot) for slot in set(slots)}
     segments = []
-    for i, slot in enumerate(log.slot):
-        free = int(tables.terms[slot])
-        by_number = None
+    for i, slot in enumerate(slots):
+        closed, rates, weights = known[slot]
+        terms, by_number = rates.size, None
         if change is not None:
-            turning = 1j * change.omega * tables.omega * at_stops[1][slot] * theta[i]
-            waves = np.zeros((stops, free + harmonics), dtype=complex)
-            waves[:, :free] = at_stops[0][slot, :, :free] * A[i, :free, n]
-            waves[:, free:] = -1j * forced[i] * theta[i] + log.start[i] * turning
-            secular = np.zeros_like(waves)
-            secular[:, free:] = turning
             slope = np.zeros((stops, 3))
             slope[:, :2] = drift[i, :, :, n]
-            by_number = SegmentChange(waves, secular, slope)
+            by_number = SegmentChange(waves[i, :, :terms], secular[i, :, :terms], slope)
         segments.append(
-            GapSegment(
-                start=float(log.start[i]),
-                end=float(log.end[i]),
-                closed=tables.closed[slot].copy(),
-                rates=np.concatenate([tables.root[slot, :free], 1j * tables.omega]),
-                weights=np.concatenate([at_stops[0][slot, :, :free], at_stops[1][slot]], axis=1),
-                amplitudes=np.concatenate([c[i, :free], theta[i]]),
+            Segment(
+                start=begin[i],
+                end=end[i],
+                closed=closed,
+                rates=rates,
+                weights=weights,
+                amplitudes=amplitudes[i, :terms],
                 polynomial=polynomial[i],
-                deviation_amplitudes=A[i, :free, :n],
+                deviations=A[i, : terms - harmonics, :n],
                 drift=drift[i, :, :, :n],
-                stop=int(log.stop[i]),
-                rate=float(log.rate[i]) if log.stop[i] >= 0 else 0.0,
+                switched=which[i],
                 change=by_number,
             )
         )
-    return segments
+    return tuple(segments)
+
+
+def _of_state(tables: Tables, slot: int) -> tuple[BoolArray, ComplexArray, ComplexArray]:
+    """What segments in one state have in common: the closed stops, and the rates and weights of the terms."""
+    free, at = int(tables.terms[slot]), tables.position
+    rates = np.concatenate([tables.root[slot, :free], 1j * tables.omega])
+    weights = np.concatenate([tables.weight[slot, at, :free], -1j * tables.forced[slot, at]], axis=1)
+    return tables.closed[slot].copy(), rates, weights
 
 
 @njit_called()
@@ -145,12 +105,12 @@ def _view(
     change: Change | None,
     log: Log,
     starts: FloatArray,
-    c: ComplexArray,
-    theta: ComplexArray,
+    amplitudes: ComplexArray,
     polynomial: FloatArray,
     A: ComplexArray,
     drift: FloatArray,
-    forced: ComplexArray,
+    waves: ComplexArray,
+    secular: ComplexArray,
 ) -> None:
     """Write the parts of ``M`` segments that depend on where each starts.
 
@@ -160,33 +120,61 @@ def _view(
         The states of the joint, how its harmonics change with a number, and the motion.
     starts : FloatArray, shape (M, 2 N, m)
         Deviations (dq, dv) at the start of each segment, as columns.
-    c : ComplexArray, shape (M, T)
-        Takes the amplitudes of the free terms.
-    theta : ComplexArray, shape (M, H)
-        Takes the amplitudes of the harmonics.
+    amplitudes : ComplexArray, shape (M, T + H)
+        Takes the amplitudes of the free terms of its state, and after these of the harmonics.
     polynomial : FloatArray, shape (M, P, 3)
         Takes the coefficients of 1, tau, tau^2.
     A : ComplexArray, shape (M, T, m)
         Takes what the deviations do to the free terms.
     drift : FloatArray, shape (M, P, 2, m)
         Takes what the deviations do to the rigid-body modes.
-    forced : ComplexArray, shape (M, P, H)
-        Takes the derivatives of the complex amplitudes of the forced motion at the stops, if there is a number.
+    waves, secular : ComplexArray, shape (M, P, T + H)
+        Take what the number does to the same terms at the stops, if there is one; see `SegmentChange`.
     """
     poly, at_positions = zeros((log.q.shape[1], 3)), zeros((tables.weight.shape[1], 3))
+    theta = complex_zeros(tables.omega.size)
     for i in range(log.slot.size):
         slot, now = log.slot[i], starts[i].copy()
-        set_phases(tables, log.start[i], theta[i])
-        start_terms(tables, slot, theta[i], log.q[i], log.v[i], c[i], poly)
+        free = tables.terms[slot]
+        set_phases(tables, log.start[i], theta)
+        start_terms(tables, slot, theta, log.q[i], log.v[i], amplitudes[i], poly)
+        for h in range(theta.size):
+            amplitudes[i, free + h] = theta[h]
         drift_at_stops(tables, slot, poly, at_positions)
         for k in range(tables.sign.size):
             put(polynomial[i, k], at_positions[tables.position[k]])
         if change is not None:
             add_forced_change(tables, change, slot, log.start[i], -1.0, now)
-            for k in range(tables.sign.size):
-                for h in range(tables.omega.size):
-                    forced[i, k, h] = forced_change(tables, change, slot, tables.position[k], h)
         _deviation_terms(tables, slot, now, A[i], drift[i])
+        if change is not None:
+            _changed_terms(tables, change, slot, log.start[i], theta, A[i], waves[i], secular[i])
+
+
+@njit_inner()
+def _changed_terms(
+    tables: Tables,
+    change: Change,
+    slot: int,
+    start: float,
+    theta: ComplexArray,
+    A: ComplexArray,
+    waves: ComplexArray,
+    secular: ComplexArray,
+) -> None:
+    """What a number does to the terms at the stops, ``(P, K)``, in a segment that starts at a time.
+
+    Its part in the free terms is in the last column of `A`, ``(T, m)``; `theta`, ``(H,)``, are the phases at the start.
+    """
+    free, last = tables.terms[slot], A.shape[1] - 1
+    for k in range(tables.sign.size):
+        u = tables.position[k]
+        for t in range(free):
+            waves[k, t] = tables.weight[slot, u, t] * A[t, last]
+        for h in range(theta.size):
+            rise = change.omega * tables.omega[h] * tables.forced[slot, u, h] * theta[h]
+            slope = forced_change(tables, change, slot, u, h) * theta[h]
+            waves[k, free + h] = complex(slope.imag, -slope.real) + start * rise
+            secular[k, free + h] = rise
 
 
 @njit_inner()

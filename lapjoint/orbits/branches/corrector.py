@@ -26,6 +26,8 @@ _STEPS = 8
 """Most steps of Newton's method: from a guess near the curve, three are enough."""
 _FAR = 0.5
 """Largest residual of a guess over the size of the motion."""
+STEEP = 0.1
+"""Share of the number in the tangent from which on the number is held while Newton's method leads back to the curve."""
 _SLOWEST = 0.7
 """Least share of the residual that a step of Newton's method must take off."""
 
@@ -92,8 +94,17 @@ class Place:
         Place
             The place.
         """
-        sign = -1.0 if float(direction @ self.tangent) < 0 else 1.0
-        same = Place(self.value, self.orbit, self.weights, sign * self.tangent, self.half_periods)
+        return self.turned() if float(direction @ self.tangent) < 0 else self
+
+    def turned(self) -> Place:
+        """The same with the opposite tangent.
+
+        Returns
+        -------
+        Place
+            The place.
+        """
+        same = replace(self, tangent=-self.tangent)
         if "extrema" in self.__dict__:  # they do not depend on the tangent
             same.__dict__["extrema"] = self.extrema
         return same
@@ -109,8 +120,8 @@ class Place:
         orbit = replace(self.orbit, last=self.orbit.last.without_segments())
         same = Place(self.value, orbit, self.weights, self.tangent, self.half_periods)
         same.__dict__["extrema"] = self.extrema
-        if "spectrum" in self.orbit.__dict__:
-            orbit.__dict__["spectrum"] = self.orbit.spectrum
+        if "values" in self.orbit.__dict__:
+            orbit.__dict__["values"] = self.orbit.values
         return same
 
     @cached_property

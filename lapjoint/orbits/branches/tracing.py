@@ -78,7 +78,7 @@ def trace(
         If the march cannot go on.
     """
     limits = limits or Limits()
-    start = corrected(family, seed.value, family.adopted(seed.value, seed.point), seed.count)
+    start = _start(family, seed)
     if start is None:
         return None
     ahead, back = _both_ways(family, start, seed, limits)
@@ -95,16 +95,26 @@ def trace(
     return Traced(branch, tuple(seeds))
 
 
+def _start(family: Family, seed: Seed) -> Place | None:
+    """The place of a seed, in the range: the shortest way to the curve may lead out of it from an end."""
+    guess = family.adopted(seed.value, seed.point)
+    if family.low < seed.value < family.high:
+        found = corrected(family, seed.value, guess, seed.count)
+        if found is None or family.low <= found.value <= family.high:
+            return found
+    return corrected(family, seed.value, guess, seed.count, fixed=True)
+
+
 def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tuple[Run, Run]:
     """The curve ahead of a place, and behind it: up and down the range, or away from a bifurcation and back to it."""
     up = np.append(np.zeros(start.tangent.size - 1), 1.0)
     if seed.away_from is not None:
         value, point = seed.away_from
         up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
-        return follow(family, start.along(up), limits), Run([start], [], [], "bifurcation")
+        return follow(family, start.along(up), limits), Run([start.along(-up)], [], [], "bifurcation")
     ahead = _up_to_half(follow(family, start.along(up), limits))
     if ahead.end == "closed":
-        return ahead, Run([start], [], [], "closed")
+        return ahead, Run([start.along(-up)], [], [], "closed")
     left = replace(limits, most=max(limits.most - len(ahead.places), 1))
     return ahead, _up_to_half(follow(family, start.along(-up), left))
 
@@ -137,7 +147,7 @@ def _up_to_half(run: Run) -> Run:
 
 def _joined(back: Run, ahead: Run) -> Run:
     """Two runs from one start as one, in the direction of the second."""
-    turned = [replace(place, tangent=-place.tangent) for place in reversed(back.places)]
+    turned = [place.turned() for place in reversed(back.places)]
     first = len(back.places)
     # A graze is at the place of its index, and a jump before it; what was before lies behind when it is turned.
     grazes = [replace(one, index=first - 1 - one.index) for one in back.grazes]
@@ -148,7 +158,8 @@ def _joined(back: Run, ahead: Run) -> Run:
 
 
 def _point(family: Family, place: Place) -> BranchPoint:
-    return BranchPoint(place.value, periodic_state(place.half_periods.map, family.solver.name, place.orbit, None))
+    solver = family.solver_at(place.value).name
+    return BranchPoint(place.value, periodic_state(place.half_periods.map, solver, place.orbit, None))
 
 
 def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifurcation, Place | None]]:
@@ -161,11 +172,19 @@ def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifu
     for i, (a, b) in enumerate(pairwise(run.places)):
         if i + 1 in apart or a.extrema.closings != b.extrema.closings:
             continue
-        for one in between(family, a, b):
+        for one in between(family, a, b, (_beside(run, i, i - 1, apart), _beside(run, i + 1, i + 2, apart))):
             if isinstance(one, NotLocated):
                 yield _unresolved(one, i + 1), None
                 continue
             yield _smooth(family, one, i + 1, errors), one.place if one.kind in _SPRINGING else None
+
+
+def _beside(run: Run, here: int, other: int, apart: set[int]) -> Place | None:
+    """The neighbour of a place, if the curve goes on smoothly to it."""
+    if not 0 <= other < len(run.places) or max(here, other) in apart:
+        return None
+    same = run.places[other].extrema.closings == run.places[here].extrema.closings
+    return run.places[other] if same else None
 
 
 _SPRINGING = ("flip", "symmetry breaking")

@@ -59,7 +59,7 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     error, scale = np.inf, family.scale(value)
     try:
         for _ in range(_MOST):
-            finer = family.finer()
+            finer = family.finer(value)
             found = None if finer is None else finder(finer[1], place)
             if finer is None or found is None:
                 break
