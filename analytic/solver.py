@@ -116,15 +116,13 @@ class Solver:
             tolerance=min(max(self.tolerance / factor**7, 1e-9), 1e-1),
         )
 
-    def mode_counts(self, problem: Problem, settled: bool = False) -> tuple[int, int]:
+    def mode_counts(self, problem: Problem) -> tuple[int, int]:
         """Numbers of modes used for a problem.
 
         Parameters
         ----------
         problem : Problem
             What is solved.
-        settled : bool
-            Whether for its steady state, to which its beginning does not matter, as in `period_map`.
 
         Returns
         -------
@@ -135,7 +133,7 @@ class Solver:
         if common is None and (self.free_modes is None or self.contact_modes is None):
             from analytic.modes.mode_count import default_count
 
-            common = default_count(problem, self.tolerance, settled)
+            common = default_count(problem, self.tolerance)
         assert common is not None or (self.free_modes is not None and self.contact_modes is not None)
         return self.free_modes or common or 0, self.contact_modes or common or 0
 
@@ -314,7 +312,7 @@ class Solver:
         Solver
             Its numbers of modes do not depend on the problem.
         """
-        counts = [self.mode_counts(problem, settled=True) for problem in problems]
+        counts = [self.mode_counts(problem) for problem in problems]
         free, contact = (max(each) for each in zip(*counts, strict=True))
         return replace(self, free_modes=free, contact_modes=contact)
 
@@ -333,7 +331,7 @@ class Solver:
         """
         from lapjoint.orbits.refinement import Refinement
 
-        found = self._finer(self.mode_counts(problem, settled=True))
+        found = self._finer(self.mode_counts(problem))
         return None if found is None else (Refinement(found[0].name, found[1], ORDER), found[0])
 
     def period_map(self, problem: Problem) -> PeriodMap:
@@ -358,7 +356,7 @@ class Solver:
         from analytic.march import Joint
         from analytic.period_map import PeriodMap
 
-        return PeriodMap(Joint(problem, *self.mode_counts(problem, settled=True)), self.name)
+        return PeriodMap(Joint(problem, *self.mode_counts(problem)), self.name)
 
 
 def check_count(field: str, value: object) -> None:

@@ -26,9 +26,6 @@ over the sum of all, has to be small by itself; for the inertia of a base that s
 in the largest deflection under it.  Of a sine or a record counts how large it is at t = 0, over its largest.
 
 An initial shape that is not straight and still also asks that the modes hold all but a thousandth of it.
-
-What remains once the transient has died away began at no time, and does not depend on how the march to it did: for a
-motion that has settled neither of the two counts, unless the modes left out are not damped.
 """
 
 from __future__ import annotations
@@ -45,7 +42,7 @@ from analytic.march.modal_state import Family, family_of
 from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState
-from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop, ViscousDamping
+from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop
 
 LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
@@ -57,7 +54,7 @@ _SHAPE_REMAINDER = 1e-3
 """Largest share of an initial shape, in the norm of its coordinates, that the modes may leave out."""
 
 
-def default_count(problem: Problem, tolerance: float, settled: bool = False) -> int:
+def default_count(problem: Problem, tolerance: float) -> int:
     """The least number of modes for which e_N is small enough, in the free state and in the one with most stops closed.
 
     Parameters
@@ -66,15 +63,13 @@ def default_count(problem: Problem, tolerance: float, settled: bool = False) -> 
         What is solved.
     tolerance : float
         The largest e_N allowed, without unit.
-    settled : bool
-        Whether only the motion is asked for that remains once the transient has died away.
 
     Returns
     -------
     int
         From `LEAST` to `MOST`.
     """
-    pool, criterion = 40, _criterion(problem, settled and _forgets(problem))
+    pool, criterion = 40, _criterion(problem)
     while True:
         enough = _enough(criterion, tolerance, pool)
         if 2 * enough <= pool or pool >= 2 * MOST:
@@ -134,19 +129,9 @@ class _Criterion:
     sudden: tuple[tuple[float | None, float, float], ...]
     """Loads that are there at t = 0: where, their lowest frequency, rad/s, and how large they are then over the largest
     that all at this place can be, without unit."""
-    begins: bool
-    """Whether the initial shape counts."""
 
 
-def _forgets(problem: Problem) -> bool:
-    """Whether the modes that are left out are damped."""
-    damping = problem.damping
-    if isinstance(damping, ModalDamping):
-        return bool(damping.ratios(MOST + 1)[LEAST:].min() > 0)
-    return isinstance(damping, ViscousDamping) and damping.coefficient > 0
-
-
-def _criterion(problem: Problem, settled: bool = False) -> _Criterion:
+def _criterion(problem: Problem) -> _Criterion:
     damping = problem.damping
     damped = isinstance(damping, ModalDamping) and bool(damping.ratios(MOST + 1)[-1] >= _DAMPED)
     return _Criterion(
@@ -154,8 +139,7 @@ def _criterion(problem: Problem, settled: bool = False) -> _Criterion:
         family=family_of(problem),
         fastest=float(harmonics_of(problem).omega.max(initial=problem.forces.usual_rate)),
         contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
-        sudden=() if settled else _sudden(problem),
-        begins=not (settled or isinstance(problem.initial, AtRest)),
+        sudden=_sudden(problem),
     )
 
 
@@ -283,9 +267,12 @@ def _start(modes: NormalModes, x: float | None) -> _Start:
 
 def _enough(criterion: _Criterion, tolerance: float, pool: int) -> int:
     """The least number of modes by the sums over `pool` modes; `pool` itself if none is enough."""
-    small = np.flatnonzero(_error(criterion, pool) <= tolerance)
+    problem, error = criterion.problem, _error(criterion, pool)
+    small = np.flatnonzero(error <= tolerance)
     count = max(LEAST, int(small[0]) + 1 if small.size else pool)
-    return max(count, _shape_count(criterion.problem, pool)) if criterion.begins else count
+    if isinstance(problem.initial, AtRest):
+        return count
+    return max(count, _shape_count(problem, pool))
 
 
 def _shape_count(problem: Problem, pool: int) -> int:

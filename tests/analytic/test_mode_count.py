@@ -9,20 +9,7 @@ import pytest
 
 import analytic
 from analytic.modes.mode_count import most_closed
-from lapjoint import (
-    FREE,
-    BaseMotion,
-    Beam,
-    ContactState,
-    ModalDamping,
-    NoDamping,
-    PolynomialShape,
-    Problem,
-    SineLoad,
-    Stop,
-    Support,
-    paper_joint,
-)
+from lapjoint import FREE, BaseMotion, Beam, ContactState, ModalDamping, Problem, SineLoad, Stop, Support, paper_joint
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
@@ -203,51 +190,6 @@ def test_a_load_of_no_size_is_none() -> None:
 @pytest.mark.slow
 def test_many_sudden_starts() -> None:
     check_sudden_starts(seed=44, indices=range(150))
-
-
-def shifted(seed: int, index: int) -> tuple[Problem, Problem]:
-    """A random joint whose base begins from 0, and the same with another origin of time."""
-    problem, rng = joint(seed, index), np.random.default_rng((seed, index))
-    base = problem.base_motion
-    assert isinstance(base, BaseMotion)
-    return problem, problem.replace(base_motion=base.model_copy(update={"phase": float(rng.uniform(0.3, 2.8))}))
-
-
-def check_settled(seed: int, indices: range) -> None:
-    errors = []
-    for problem, later in (shifted(seed, i) for i in indices):
-        settled = analytic.Solver().steady_state(later, sensitivity=False, errors=False)
-        if settled.period_multiple and settled.history.contacts:
-            count = analytic.Solver().mode_counts(problem)[0]
-            many = analytic.Solver(n_modes=max(60, 3 * count))
-            exact = many.steady_state(later, start=settled.section_point, sensitivity=False, errors=False).impulses
-            errors.append(float(np.abs(settled.impulses - exact).max() / np.abs(exact).max()))
-    assert len(errors) >= len(indices) / 2
-    # A motion near a bifurcation makes an error ten times as large.
-    assert np.count_nonzero(np.array(errors) <= 1e-5) >= 0.9 * len(errors), sorted(errors)[::-1][:10]
-    assert max(errors) <= 1e-3
-
-
-def test_what_remains_in_the_end_takes_as_many_modes_whenever_the_base_began() -> None:
-    solver = analytic.Solver()
-    fewer = 0
-    for problem, later in (shifted(77, i) for i in range(12)):
-        assert solver.mode_counts(later, settled=True) == solver.mode_counts(problem)
-        fewer += solver.mode_counts(later) > solver.mode_counts(problem)
-    assert fewer >= 6
-    problem, later = shifted(77, 9)
-    assert solver.period_map(later).joint.counts == solver.mode_counts(problem)
-    for damping in (NoDamping(), ModalDamping(ratio=0.0)):  # here nothing dies away
-        undamped = later.replace(damping=damping)
-        assert solver.mode_counts(undamped, settled=True) == solver.mode_counts(undamped)
-    bent = problem.replace(initial=PolynomialShape(displacement=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-3)))
-    assert solver.mode_counts(bent, settled=True) == solver.mode_counts(problem)
-    check_settled(77, range(8))
-
-
-@pytest.mark.slow
-def test_many_settled_motions_hold_the_tolerance_whenever_the_base_began() -> None:
-    check_settled(78, range(120))
 
 
 def test_most_closed_takes_the_stiffer_side_of_every_position() -> None:
