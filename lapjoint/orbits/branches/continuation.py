@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from lapjoint.orbits.branches.closing import Start
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze
@@ -35,8 +36,8 @@ _SHORTEST_SHARE = 0.1
 """The same where the angle that is too wide says by how much."""
 _AFRESH = 2e-3
 """Arc length of the first step after a graze."""
-_ROUND = 3
-"""Number of places from which on a curve may have come back to its start."""
+_ROUND = 2
+"""Number of places after the start from which on a curve may have come back to it."""
 _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
 _JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
@@ -73,6 +74,11 @@ _AT_GRAZE = 1e-5
 """Arc length to a graze up to which the curve is at it, before or behind."""
 _TOO_NEAR = 1e-4
 """Arc length to a graze that cannot be located within which what lies around it is left out."""
+_VANISHED = 1e-3
+"""Share of what the last motion misses to repeat in half the time, up to which a motion misses nothing."""
+_BOTH_SIDES = 3.0
+"""Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
+nothing: 2 on a straight way."""
 _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
@@ -166,6 +172,7 @@ class _Follower:
         self._refused = math.inf
         self._expected = 0.0
         self._end, self._tries = "", 0
+        self._start, self._looked = Start(family, start), 0
 
     def run(self) -> Run:
         """Follow it to its end."""
@@ -174,15 +181,25 @@ class _Follower:
         while not self._end:
             if len(self._places) >= self._limits.most or self._tries >= _TRIES * self._limits.most:
                 self._end = "effort"
-            elif len(self._places) > _ROUND and _closed(self._family, self._places[0], self._here, self._step):
-                self._end = "closed"
             else:
                 self._advance()
+                self._close()
         return Run(self._places, self._grazes, self._jumps, self._end)
 
     @property
     def _here(self) -> Place:
         return self._places[-1]
+
+    def _close(self) -> None:
+        """End the curve at its start, if it has come back to it."""
+        for i in range(max(self._looked, _ROUND), len(self._places) - 1):
+            back = self._start.between(self._places[i], self._places[i + 1])
+            if back is not None:
+                self._places[i + 1 :] = [back]
+                self._grazes = [graze for graze in self._grazes if graze.index <= i]
+                self._jumps = [jump for jump in self._jumps if jump.index <= i]
+                self._end = "closed"
+        self._looked = len(self._places) - 1
 
     def _advance(self) -> None:
         """Take a step, or a shorter one next time; where none can be taken, go across what is in the way."""
@@ -231,6 +248,9 @@ class _Follower:
         length = float(np.linalg.norm(chord))
         if length > max(farthest, _AT_GRAZE):
             return False
+        if _comes_to_shorter(self._family, self._here, before):
+            self._end = "bifurcation"
+            return True
         if float(chord @ before.tangent) < 0 and length > _AT_GRAZE:  # it lies behind
             return False
         if passed(self._here, self._rates, before, None, length).grazes:
@@ -251,6 +271,8 @@ class _Follower:
         if not self._jump(self._widened()):
             self._places.pop()
             return False
+        if self._end:
+            return True
         if self._jumps[-1].width <= _NOTHING and self._here.extrema.closings != before.extrema.closings:
             self._jumps.pop()
             self._grazes.append(replace(graze, kind="persists"))
@@ -261,7 +283,7 @@ class _Follower:
         if not self._family.low <= new.value <= self._family.high:
             self._places += _at_boundary(self._family, self._here, new)
             self._end = "boundary"
-        elif _comes_to_shorter(self._here, new):
+        elif _comes_to_shorter(self._family, self._here, new):
             self._end = "bifurcation"
         elif self._turned_back(new):
             self._leave_out_more()
@@ -327,6 +349,9 @@ class _Follower:
         if found is None:
             return False
         beyond, width = found
+        if _comes_to_shorter(self._family, self._here, beyond):
+            self._end = "bifurcation"
+            return True
         self._jumps.append(Jump(self._here.value, beyond.value, len(self._places), width))
         self._come_to(beyond)
         self._step, self._bend = _AFRESH, None
@@ -354,11 +379,13 @@ def _outward(family: Family, place: Place) -> bool:
     return abs(place.value - out) <= _AT_END * family.scale(place.value)
 
 
-def _comes_to_shorter(here: Place, new: Place) -> bool:
+def _comes_to_shorter(family: Family, here: Place, new: Place) -> bool:
     """Whether, between two places, the branch comes to a motion that repeats sooner, and would be gone through again.
 
     It springs from a branch of half as many half periods there.  By how much its motions miss to repeat after these
-    changes its sign.
+    changes its sign, and twice the way there is what is missed: a motion and its image lie on either side.  So does the
+    orientation change, as two curves meet there; the step may also lead to the motions of the other curve, which
+    miss nothing.
     """
     half, count = here.half_periods, here.count
     if count % 2 or (count // 2) % half.least:
@@ -367,7 +394,12 @@ def _comes_to_shorter(here: Place, new: Place) -> bool:
         place.half_periods.map.difference(place.half_periods.marched(place.point, count // 2), place.point)
         for place in (here, new)
     ]
-    return misses[0].shape == misses[1].shape and float(misses[0] @ (misses[1] * new.weights**2)) < 0
+    size, left = (float(np.linalg.norm(miss * place.weights)) for miss, place in zip(misses, (here, new), strict=True))
+    if left <= _VANISHED * size:
+        return True
+    if misses[0].shape != misses[1].shape or float(misses[0] @ (misses[1] * new.weights**2)) >= 0:
+        return False
+    return size + left <= _BOTH_SIDES * float(np.linalg.norm(new.chord(family, here)))
 
 
 def _bend(family: Family, here: Place, new: Place) -> FloatArray | None:
@@ -398,7 +430,9 @@ def _stepped(family: Family, here: Place, step: float, bend: FloatArray | None) 
     length = float(np.linalg.norm(chord))
     new = new.along(chord)
     angle = math.acos(min(1.0, float(chord @ new.tangent) / max(length, 1e-300)))
-    if new.orientation != here.orientation or angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
+    if angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
+        return None, angle
+    if new.orientation != here.orientation and not _comes_to_shorter(family, here, new):
         return None, angle
     return new, angle
 
@@ -457,10 +491,3 @@ def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
     _, guess = here.moved(family, share * length * here.tangent)
     found = corrected(family, value, family.adopted(value, guess), here.count, fixed=True)
     return [] if found is None else [found.along(found.chord(family, here))]
-
-
-def _closed(family: Family, start: Place, here: Place, step: float) -> bool:
-    """Whether a curve has come back to its start."""
-    chord = start.chord(family, here)
-    length = float(np.linalg.norm(chord))
-    return length < step and float(chord @ start.tangent) > 0.9 * length > 0
