@@ -75,7 +75,7 @@ _AT_GRAZE = 1e-5
 _TOO_NEAR = 1e-4
 """Arc length to a graze that cannot be located within which what lies around it is left out."""
 _VANISHED = 1e-3
-"""Share of what the last motion misses to repeat in half the time, up to which a motion misses nothing."""
+"""Share of the most that a motion of the curve misses to repeat in half the time, up to which one misses nothing."""
 _BOTH_SIDES = 3.0
 """Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
 nothing: 2 on a straight way."""
@@ -172,7 +172,7 @@ class _Follower:
         self._refused = math.inf
         self._expected = 0.0
         self._end, self._tries = "", 0
-        self._start, self._looked = Start(family, start), 0
+        self._start, self._looked, self._missed = Start(family, start), 0, 0.0
 
     def run(self) -> Run:
         """Follow it to its end."""
@@ -183,22 +183,26 @@ class _Follower:
                 self._end = "effort"
             else:
                 self._advance()
-                self._close()
+                self._look_back()
         return Run(self._places, self._grazes, self._jumps, self._end)
 
     @property
     def _here(self) -> Place:
         return self._places[-1]
 
-    def _close(self) -> None:
-        """End the curve at its start, if it has come back to it."""
-        for i in range(max(self._looked, _ROUND), len(self._places) - 1):
-            back = self._start.between(self._places[i], self._places[i + 1])
-            if back is not None:
-                self._places[i + 1 :] = [back]
+    def _look_back(self) -> None:
+        """End the curve where it has come to its start, or to motions of the curve from which it springs."""
+        for i in range(self._looked, len(self._places) - 1):
+            new = self._places[i + 1]
+            missed = 1.0 if new.missed is None else float(np.linalg.norm(new.missed))
+            back = None if i < _ROUND else self._start.between(self._places[i], new)
+            if back is not None or missed <= _VANISHED * self._missed:
+                self._places[i + 1 :] = [] if back is None else [back]
                 self._grazes = [graze for graze in self._grazes if graze.index <= i]
                 self._jumps = [jump for jump in self._jumps if jump.index <= i]
-                self._end = "closed"
+                self._end = "bifurcation" if back is None else "closed"
+                break
+            self._missed = max(self._missed, missed)
         self._looked = len(self._places) - 1
 
     def _advance(self) -> None:
@@ -384,22 +388,13 @@ def _comes_to_shorter(family: Family, here: Place, new: Place) -> bool:
 
     It springs from a branch of half as many half periods there.  By how much its motions miss to repeat after these
     changes its sign, and twice the way there is what is missed: a motion and its image lie on either side.  So does the
-    orientation change, as two curves meet there; the step may also lead to the motions of the other curve, which
-    miss nothing.
+    orientation change, as two curves meet there.
     """
-    half, count = here.half_periods, here.count
-    if count % 2 or (count // 2) % half.least:
+    a, b = here.missed, new.missed
+    if a is None or b is None or a.shape != b.shape or float(a @ (b * new.weights / here.weights)) >= 0:
         return False
-    misses = [
-        place.half_periods.map.difference(place.half_periods.marched(place.point, count // 2), place.point)
-        for place in (here, new)
-    ]
-    size, left = (float(np.linalg.norm(miss * place.weights)) for miss, place in zip(misses, (here, new), strict=True))
-    if left <= _VANISHED * size:
-        return True
-    if misses[0].shape != misses[1].shape or float(misses[0] @ (misses[1] * new.weights**2)) >= 0:
-        return False
-    return size + left <= _BOTH_SIDES * float(np.linalg.norm(new.chord(family, here)))
+    sizes = float(np.linalg.norm(a)) + float(np.linalg.norm(b))
+    return sizes <= _BOTH_SIDES * float(np.linalg.norm(new.chord(family, here)))
 
 
 def _bend(family: Family, here: Place, new: Place) -> FloatArray | None:

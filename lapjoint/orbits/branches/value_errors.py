@@ -85,13 +85,15 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     return Stated(value, error)
 
 
-def smooth_finder(kind: Kind) -> Finder:
+def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
     """Finds a bifurcation of a smooth part of a curve: the same one, by the multiplier that is critical there.
 
     Parameters
     ----------
     kind : str
         Its kind.
+    like : Place, optional
+        The motion at the bifurcation, by any solver; without it, it is the one from which the search begins.
 
     Returns
     -------
@@ -103,9 +105,9 @@ def smooth_finder(kind: Kind) -> Finder:
         near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
         if near is None:
             return None
-        vanishes = critical(kind, place)
+        vanishes = critical(kind, like or place)
         found = _root(family, near, vanishes) or _between_ends(family, near, kind)
-        if found is None or not _same_kind(kind, found, place):
+        if found is None or not _same_kind(kind, found, like or place):
             return None
         return found, found.value
 
