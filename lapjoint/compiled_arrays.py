@@ -1,4 +1,7 @@
-"""New arrays in compiled functions: numba compiles `numpy.zeros` and `numpy.empty` anew for each shape and type.
+"""New arrays in compiled functions, and copies of them.
+
+numba compiles `numpy.zeros` and `numpy.empty` anew for each shape and type, and where an array is assigned to a part of
+another, as in ``a[:] = b``, what would say in words that their shapes differ: three seconds, where it is the first.
 
 Only compiled functions can call these.
 """
@@ -14,6 +17,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np import arrayobj
+
+from lapjoint.compiling import njit_inner
 
 Shape: TypeAlias = int | tuple[int, ...]
 
@@ -43,3 +48,16 @@ zeros: Callable[[Shape], npt.NDArray[np.float64]] = _zeros(types.float64, "zeros
 complex_zeros: Callable[[Shape], npt.NDArray[np.complex128]] = _zeros(types.complex128, "complex_zeros", "complexes")
 int_zeros: Callable[[Shape], npt.NDArray[np.int64]] = _zeros(types.int64, "int_zeros", "integers")
 bool_zeros: Callable[[Shape], npt.NDArray[np.bool_]] = _zeros(types.boolean, "bool_zeros", "truth values")
+
+
+@njit_inner()
+def put(target: npt.NDArray[Any], values: npt.NDArray[Any]) -> None:
+    """Write values into an array of the same shape.
+
+    Parameters
+    ----------
+    target, values : NDArray, shape (n,)
+        Where to, and what.
+    """
+    for i in range(target.size):
+        target[i] = values[i]

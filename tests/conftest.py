@@ -8,6 +8,7 @@ import math
 import os
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -82,17 +83,18 @@ def history() -> History:
 
 
 @pytest.fixture(scope="session")
-def graphics(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """A machine that can draw."""
+def graphics(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A machine that can draw: a picture by it, of the paper's joint at rest."""
     import analytic
-    from lapjoint import sdnl104
+    from lapjoint import paper_joint
     from lapjoint.errors import OutputError
     from lapjoint.scene import Look, save_picture
     from lapjoint.scene.render_process import NO_GRAPHICS
 
-    motion = analytic.Solver(n_modes=2).simulate(sdnl104(), 0.01)
+    motion = analytic.Solver(n_modes=2).simulate(paper_joint(), 0.01, errors=False)
+    picture = tmp_path_factory.mktemp("graphics") / "try.png"
     try:
-        save_picture(motion, tmp_path_factory.mktemp("graphics") / "try.png", look=Look(size=(200, 200)))
+        return save_picture(motion, picture, at=0.0, look=Look(size=(600, 300)))
     except OutputError as error:
         if str(error) != NO_GRAPHICS:
             raise

@@ -75,7 +75,10 @@ def test_tests_stand_where_the_code_stands() -> None:
     assert not strangers
 
 
-@pytest.mark.parametrize(("one", "other"), [("analytic", "fe_lapjoint"), ("fe_lapjoint", "analytic")])
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [("analytic", "fe_lapjoint"), pytest.param("fe_lapjoint", "analytic", marks=pytest.mark.thorough)],
+)
 def test_a_solver_runs_without_the_other_being_loaded(one: str, other: str) -> None:
     question = "from lapjoint import FREE, paper_joint; solver.modes(paper_joint(), FREE, 2)"
     code = f"import sys, {one}; solver = {one}.Solver(); {question}; sys.exit('{other}' in sys.modules)"
@@ -94,11 +97,10 @@ def test_help_loads_nothing_heavy(asked: list[str]) -> None:
     assert (done.returncode, done.stderr) == (0, ""), f"loaded: {done.stderr}"
 
 
-@pytest.mark.parametrize(
-    "module", ["lapjoint", "lapjoint.problem", "lapjoint.answers", "lapjoint.figures", "lapjoint.campaigns", *SOLVERS]
-)
-def test_a_library_is_imported_without_what_only_its_answers_need(module: str) -> None:
+def test_libraries_are_imported_without_what_only_their_answers_need() -> None:
+    """One process imports them all: what none of them loads, each alone does not load."""
+    modules = ("lapjoint", "lapjoint.problem", "lapjoint.answers", "lapjoint.figures", "lapjoint.campaigns", *SOLVERS)
     heavy = "{'scipy', 'numba', 'skfem', 'matplotlib', 'xarray', 'meshio'} & set(sys.modules)"
-    code = f"import sys, {module}; sys.exit(', '.join({heavy}) or 0)"
+    code = f"import sys, {', '.join(modules)}; sys.exit(', '.join({heavy}) or 0)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, f"loaded: {done.stderr}"

@@ -24,10 +24,13 @@ def name_of(page: Path) -> str:
     return page.relative_to(DOCS).as_posix()
 
 
+SECONDS = {"branches.md-2", "errata.md-7", "errata.md-8", "errata.md-9"}
+"""Snippets that take seconds, by their page and their number on it."""
 SNIPPETS = [
-    pytest.param(code, shown, id=f"{name_of(page)}-{i + 1}")
+    pytest.param(code, shown, id=name, marks=pytest.mark.thorough if name in SECONDS else ())
     for page in PAGES
     for i, (code, shown) in enumerate(SNIPPET.findall(page.read_text(encoding="utf-8")))
+    for name in [f"{name_of(page)}-{i + 1}"]
 ]
 
 
@@ -161,6 +164,7 @@ def test_every_option_that_a_page_names_is_one() -> None:
 TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_the_commands_of_the_tutorial_print_what_stands_below_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -39,7 +39,11 @@ BLOCK, BLOCKS_APART = 16, 0.25
 """Pixels, and the largest difference in blocks of that size, between pictures of one matplotlib: two marches of one
 strange attractor are 0.12 apart, pictures with and without strips 0.39 and more."""
 THREE_DIMENSIONAL = ("film", "side_by_side")
-LONG = (*THREE_DIMENSIONAL, "chaos", "branch_of_figure_4", "cascade")
+LONG = (
+    *THREE_DIMENSIONAL,
+    *("basins", "branch_of_figure_4", "cascade", "chaos", "convergence", "figure_4", "first_result", "hardening"),
+    *("loose_pinned_beam", "shaken", "spectrum", "three_stops_one_side"),
+)
 
 
 def picture_of(script: str) -> Path:

@@ -23,7 +23,7 @@ from analytic.march.compiled import (
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, saltation
-from analytic.march.terms import put
+from lapjoint.compiled_arrays import put
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 

@@ -18,9 +18,10 @@ from analytic.march.ramps import RampTables
 from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
 from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
-from analytic.march.terms import put, set_phases, start_terms, state_from_terms, turn_exactly
+from analytic.march.terms import set_phases, start_terms, state_from_terms, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.by_reference import by_reference
+from lapjoint.compiled_arrays import put
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 

@@ -17,9 +17,9 @@ from analytic.march.linearised import Carried, carried_along
 from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import BoolArray, Tables
-from analytic.march.terms import drift_at_stops, put, set_phases, start_terms
+from analytic.march.terms import drift_at_stops, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros, zeros
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.orbits.period_map import Segment, SegmentChange
 from lapjoint.problem import FloatArray

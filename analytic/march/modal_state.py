@@ -34,7 +34,7 @@ from analytic.modes.beam_functions import gram, integral
 from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
 from analytic.modes.static_residual import Residual, residual
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem, StepLoad
+from lapjoint.problem import Beam, Damping, FloatArray, Problem, StepLoad, Stop, Support
 
 _FAMILIES = 16  # families kept: a campaign seldom alternates between more
 _STATES = 256  # contact states kept, enough for 16 families of the paper's nine; each takes about 100 kB
@@ -51,7 +51,7 @@ class Family:
     """Where the ``H`` harmonic loads act, and then the sampled ones."""
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _family, (self.problem, self.places)
+        return family_of, (self.problem, self.places)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,30 +116,43 @@ class Passage:
     """S0 first, then Sh, kg^1/2 m for each unit of load, shape ``(1 + H, N_new)``."""
 
 
-def family_of(problem: Problem) -> Family:
+def family_of(problem: Problem, places: Places | None = None) -> Family:
     """The family of a problem.
 
     Parameters
     ----------
     problem : Problem
         What is solved.
+    places : tuple of float or None, optional
+        Where its loads act that are not constant, m, or None for one that is uniform; by default those of the problem.
 
     Returns
     -------
     Family
         The same object for all problems of the family, as long as it is kept.
     """
-    steps = tuple(StepLoad(x=load.x, force=load.constant) for load in problem.point_loads)
-    parts = {name: getattr(problem, name) for name in ("beam", "supports", "stops", "damping")}
-    still = Problem.model_construct(**parts, point_loads=steps)  # of parts that fit together: they were validated
-    forces = problem.forces
-    return _family(still, tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled))
+    if places is None:
+        forces = problem.forces
+        places = tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled)
+    steps = tuple((load.x, load.constant) for load in problem.point_loads)
+    return _family(problem.beam, problem.supports, problem.stops, problem.damping, steps, places)
 
 
 @lru_cache(maxsize=_FAMILIES)
-def _family(problem: Problem, places: Places) -> Family:
-    """The family of a problem with constant loads only, and of places where others act."""
-    return Family(problem, places)
+def _family(
+    beam: Beam,
+    supports: tuple[Support, ...],
+    stops: tuple[Stop, ...],
+    damping: Damping,
+    steps: tuple[tuple[float, float], ...],
+    places: Places,
+) -> Family:
+    """The family of these parts, with constant loads (place in m, force in N), and of places where others act."""
+    loads = tuple(StepLoad(x=x, force=force) for x, force in steps)
+    still = Problem.model_construct(  # of parts that fit together: they were validated
+        beam=beam, supports=supports, stops=stops, damping=damping, point_loads=loads
+    )
+    return Family(still, places)
 
 
 def modal_state(family: Family, state: ContactState, count: int) -> ModalState:

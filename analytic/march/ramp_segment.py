@@ -18,7 +18,7 @@ from analytic.march.segment import NO_SWITCH, add_areas, bound_tails, search
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.terms import set_phases, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros, zeros
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -457,7 +457,9 @@ def coordinates_on_ramps(
             j += 1
             base = ramps.time[j]
             over_knot(tables, ramps, slot, j, s, theta, term, body)
-        now[:], moved[:] = term, body
+        put(now, term)
+        put(moved[0], body[0])
+        put(moved[1], body[1])
         turn_exactly(tables.root[slot], tables.omega[:0], terms, t[i] - base, now, none)
         move_body(ramps.drag[slot], t[i] - base, moved)
         set_phases(tables, t[i], theta)

@@ -38,19 +38,6 @@ _OF_COSH = _RECIPROCALS[0::2] * np.append(1.0, _RECIPROCALS[1:-1:2])  # 1 / (2 n
 _OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
 
 
-@njit_inner()
-def put(target: np.ndarray, values: np.ndarray) -> None:
-    """Write values into an array of the same shape; an assignment to a slice takes far longer to compile.
-
-    Parameters
-    ----------
-    target, values : np.ndarray, shape (n,)
-        Where to, and what.
-    """
-    for i in range(target.size):
-        target[i] = values[i]
-
-
 @njit_inner(inline="always")
 def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
     """Write the phases of the harmonics at a time.

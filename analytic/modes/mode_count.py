@@ -150,8 +150,9 @@ def _sudden(problem: Problem) -> tuple[tuple[float | None, float, float], ...]:
     loads += [(f.x, f.angular_frequency, float(f.at(np.zeros(1))[0]), abs(f.amplitude)) for f in forces.harmonic]
     loads += [(f.x, usual, float(f.at(np.zeros(1))[0]), f.size) for f in forces.sampled]
     found = []
+    loads = [load for load in loads if load[3] > 0]
     for place in dict.fromkeys(load[0] for load in loads):
-        omegas, starts, sizes = zip(*(load[1:] for load in loads if load[0] == place and load[3] > 0), strict=True)
+        omegas, starts, sizes = zip(*(load[1:] for load in loads if load[0] == place), strict=True)
         if sum(starts):
             found.append((place, min(omegas), abs(sum(starts)) / sum(sizes)))
     return tuple(found)

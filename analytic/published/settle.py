@@ -5,6 +5,7 @@ from __future__ import annotations
 from analytic.march.compiled import DONE, PERIODS, SLOT, Log, Motion, Work, advance
 from analytic.march.switching import Frozen, freeze
 from analytic.march.tables import IntArray, Tables
+from lapjoint.compiled_arrays import put
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -71,7 +72,7 @@ def settle(
         if status != DONE:
             return status, 0
         n, slot = motion.counts[PERIODS], motion.counts[SLOT]
-        rows[n, :stops] = motion.total
+        put(rows[n, :stops], motion.total)
         freeze(tables, frozen, slot)
         for u in range(tables.constant.shape[1]):
             z = tables.constant[slot, u]
@@ -79,7 +80,8 @@ def settle(
                 z += tables.weight[slot, u, j] * motion.q[j]
             rows[n, stops + u] = z
         motion.total[:] = 0.0
-        motion.last_switch[:] -= period
+        for k in range(stops):
+            motion.last_switch[k] -= period
         motion.time[0] = 0.0
         motion.counts[PERIODS] += 1
         for p in range(1, agree.size + 1):

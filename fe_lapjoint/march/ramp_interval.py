@@ -24,7 +24,7 @@ from fe_lapjoint.march.compiled import at_place
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
 from lapjoint.by_reference import by_reference, in_c_order
-from lapjoint.compiled_arrays import complex_zeros, zeros
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
@@ -296,7 +296,7 @@ def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
         Takes them.
     """
     if s == tables.spacing:
-        waves[:] = tables.whole
+        put(waves, tables.whole)
         return
     if s == 0:
         waves[:] = 1.0

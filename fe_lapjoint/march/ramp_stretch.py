@@ -28,7 +28,7 @@ from fe_lapjoint.march.ramp_interval import (
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
 from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import complex_zeros, int_zeros, zeros
+from lapjoint.compiled_arrays import complex_zeros, int_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -146,8 +146,15 @@ def over_knots(
                 return t, lo, hi, passed
         move(tables, it, width, waves, y)
         t, since, j, passed = until, 0.0, following, passed + 1
-        z[0] = z[1]
+        _put_motion(z[0], z[1])
     return t, 0.0, 0.0, passed
+
+
+@njit_inner()
+def _put_motion(target: FloatArray, values: FloatArray) -> None:
+    """Write the motion of the places, ``(p, 3)``."""
+    for u in range(target.shape[0]):
+        put(target[u], values[u])
 
 
 @njit_inner()
@@ -189,7 +196,7 @@ def _look(
         lo, hi = ends[0], ends[top]
         found = _judge(tables, it, lo, hi, begin, z[top], bounds, watch)
         if found == _CLEAR:
-            begin[:] = z[top]
+            _put_motion(begin, z[top])
             ends[0], top = hi, top - 1
         elif found == _RISING or halvings[top] == _HALVINGS:
             return lo, hi
@@ -293,7 +300,7 @@ def account(
             if depth and closed[k]:
                 deepest[k] = _deepest(tables, it, k, width, z, deepest[k])
         move(tables, it, width, waves, y)
-        z[0] = z[1]
+        _put_motion(z[0], z[1])
         t, j, begun = until, following, True
     for k in range(closed.size):
         areas[k] = sums[tables.place_of[k]]
@@ -302,6 +309,14 @@ def account(
 _RELATIVE = 1e-12  # of the deepest: what is left to be found; a maximum is flat, so its place is known to 1e-6
 _DEEP = 48  # halvings, at most: more than leave the last digit of an interval
 _NEWTON = 30  # steps, at most
+
+
+@njit_inner()
+def _put_depth(target: FloatArray, sign: float, values: FloatArray, offset: float) -> None:
+    """Write the penetration of a stop, m, and two derivatives, from the motion of its place."""
+    for d in range(3):
+        target[d] = sign * values[d]
+    target[0] += offset
 
 
 @njit_inner()
@@ -318,8 +333,7 @@ def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: Flo
     ends, points = zeros(_DEEP + 2), zeros((_DEEP + 2, 3))
     for i in range(2):
         ends[i] = width * i
-        points[i] = sign * limits[i, u]
-        points[i, 0] += offset
+        _put_depth(points[i], sign, limits[i, u], offset)
         found = max(found, points[i, 0])
     top = 1
     while top > 0:
@@ -335,14 +349,13 @@ def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: Flo
         if max(left[0], right[0]) + chord <= enough or concave or top > _DEEP:
             if concave and left[1] > 0 > right[1]:
                 found = max(found, _top(tables, it, k, lo, hi, left[1], right[1]))
-            points[0] = right
+            put(left, right)
             ends[0], top = hi, top - 1
             continue
         top += 1
         ends[top] = lo + (hi - lo) / 2
         places_at(tables, it, ends[top], waves, z)
-        points[top] = sign * z[u]
-        points[top, 0] += offset
+        _put_depth(points[top], sign, z[u], offset)
         found = max(found, points[top, 0])
     return found
 

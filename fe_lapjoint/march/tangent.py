@@ -17,8 +17,6 @@ and at the end, whose time may depend on the number, the march goes on by its ra
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from fe_lapjoint.march.march import March, Piece
@@ -144,8 +142,7 @@ def _segment_with_change(model: Model, piece: Piece, deviations: FloatArray, cha
     waves[:, by_number.size :] += (system.stops @ system.amplitude_change(change.frequency, change.sizes)) * loads
     polynomial = np.zeros_like(one.polynomial)
     polynomial[:, :2] = one.drift[:, :, count]
-    return replace(
-        one,
+    return one._replace(
         deviations=one.deviations[:, :count],
         drift=one.drift[:, :, :count],
         change=SegmentChange(waves, secular, polynomial),

@@ -84,7 +84,7 @@ def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
         ``seeds``, as `plain_seed` gives each.
     """
     family, value = family_of(plan), plan.value_of(number)
-    problem, solver = plan.problem_at(value), family.solver
+    problem, solver = plan.problem_at(value), family.solver_at(value)
     if number >= 2:
         assert isinstance(solver, Solver)
         problem = problem.replace(initial=random_initial(problem, solver, (plan.seed, number)))

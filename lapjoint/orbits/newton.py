@@ -57,6 +57,12 @@ class Orbit:
         return self.half_periods if self.symmetric else self.half_periods // 2
 
     @cached_property
+    def values(self) -> ComplexArray:
+        """Multipliers over `half_periods`, largest modulus first, shape ``(n,)``."""
+        values = np.linalg.eigvals(self.last.matrix).astype(complex)
+        return values[np.argsort(-np.abs(values), kind="stable")]
+
+    @cached_property
     def spectrum(self) -> tuple[ComplexArray, ComplexArray]:
         """Multipliers over `half_periods`, largest modulus first, ``(n,)``, and their vectors as columns ``(n, n)``."""
         values, vectors = np.linalg.eig(self.last.matrix)
@@ -66,13 +72,12 @@ class Orbit:
     @cached_property
     def leading(self) -> complex:
         """The multiplier of largest modulus."""
-        return complex(self.spectrum[0][0]) if self.spectrum[0].size else 0.0
+        return complex(self.values[0]) if self.values.size else 0.0
 
     @property
     def multipliers(self) -> ComplexArray:
         """Multipliers over the motion's whole period, largest modulus first, shape ``(n,)``."""
-        values = self.spectrum[0]
-        return values**2 if self.symmetric else values
+        return self.values**2 if self.symmetric else self.values
 
     @property
     def stable(self) -> bool:

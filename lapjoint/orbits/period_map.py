@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -230,8 +230,7 @@ def period_pieces(period: float, duration: float) -> list[float]:
     return [period] * whole + [left] * (left > 1e-12 * duration)
 
 
-@dataclass(frozen=True)
-class SegmentChange:
+class SegmentChange(NamedTuple):
     """How an orbit moves between two switches with a number of its problem, while its start stays where it is.
 
     At the positions of the P stops and at one time, with the K terms of the `Segment`,
@@ -247,8 +246,7 @@ class SegmentChange:
     """m, m/s and m/s2 over the number's unit, shape ``(P, 3)``."""
 
 
-@dataclass(frozen=True)
-class Segment:
+class Segment(NamedTuple):
     """The part of an orbit between two switches, and how deviations from the orbit travel along it.
 
     With tau = t - start, and e a deviation at the start of the whole march, of shape ``(n,)``,

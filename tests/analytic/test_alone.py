@@ -64,7 +64,7 @@ def test_states_known_from_other_motions_change_no_bit() -> None:
 @pytest.mark.parametrize("solver", ["analytic", pytest.param("analytic-published", marks=pytest.mark.thorough)])
 def test_eight_threads_that_know_nothing(solver: str) -> None:
     def answer(omega: float) -> tuple[bytes, ...]:
-        history = make_solver(solver).simulate(problem(omega), 3 * 2 * math.pi / omega)
+        history = make_solver(solver).simulate(problem(omega), 3 * 2 * math.pi / omega, errors=False)
         contacts = np.array([(c.stop, c.start, c.end, c.impulse, c.peak_force) for c in history.contacts])
         z = history.displacement(np.array([1.25, 2.5]), np.linspace(0, history.end, 20))
         return contacts.tobytes(), history.switch_times.tobytes(), z.tobytes()

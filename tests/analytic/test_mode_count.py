@@ -181,6 +181,12 @@ def test_a_load_that_is_there_at_once_asks_for_the_modes_that_it_excites() -> No
     check_sudden_starts(seed=43, indices=range(6))
 
 
+def test_a_load_of_no_size_is_none() -> None:
+    still = paper_joint(base_amplitude=0.0)
+    assert analytic.Solver().mode_counts(still) == analytic.Solver().mode_counts(still.replace(base_motion=None))
+    assert not analytic.Solver().simulate(still, 0.1).contacts
+
+
 @pytest.mark.slow
 def test_many_sudden_starts() -> None:
     check_sudden_starts(seed=44, indices=range(150))

@@ -20,6 +20,7 @@ from lapjoint.orbits.branches.tracing import Seed, Traced, trace
 
 AMPLITUDE = "base_motion.amplitude"
 EXACT = 1e-7  # of the amplitude: the toy's derivatives are differences
+BRIEF = 1e-3  # of a period: a contact in which the toy's differences change what they are taken of
 LIKEWISE, MULTIPLIER = 1e-5, 1e-3  # the same of motions that are told by the duration of their contact
 MOST = 150  # points of a branch
 RATIO = 4.0  # of the two bending stiffnesses
@@ -52,7 +53,8 @@ def check_exactly(bar: Bar) -> int:
         motion = bar.map.motion(d)
         assert point.value == pytest.approx(motion.amplitude, rel=LIKEWISE)
         leading = max(abs(one) for one in motion.multipliers)
-        assert abs(point.motion.multipliers[0]) == pytest.approx(leading, rel=MULTIPLIER)
+        if d > BRIEF * bar.map.period:
+            assert abs(point.motion.multipliers[0]) == pytest.approx(leading, rel=MULTIPLIER)
     return len(pairs)
 
 

@@ -113,7 +113,7 @@ def test_a_graze_lies_at_its_point_whichever_way_the_branch_was_followed(
         assert branch.points[graze.index].value == pytest.approx(graze.value, rel=1e-5)
 
 
-@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("name", ["analytic", pytest.param("fe", marks=pytest.mark.thorough)])
 def test_a_march_on_either_side_of_a_fold_does_what_the_branch_says(
     name: str, by_amplitude: dict[str, tuple[Family, Traced]]
 ) -> None:

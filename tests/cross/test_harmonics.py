@@ -20,8 +20,8 @@ from lapjoint.problem.symmetry import mirror_twins
 AnySolver = analytic.Solver | fe_lapjoint.Solver
 SEED = 5
 WITHOUT_STOPS = range(12)
-WITH_STOPS = (0, 4, 8, 10)  # cantilevers with one stop, whose motions repeat soon
-LEAST = 16  # numbers compared
+WITH_STOPS = (0, 4, 8, 10)  # cantilevers with one stop, whose motions repeat soon, the last one last
+LEAST = 16  # numbers compared, of all four
 CONTACTS = 3  # from rest, compared one by one
 PERIODS = 4  # of the fundamental, marched for them
 FEW: tuple[AnySolver, ...] = (analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=4))
@@ -33,7 +33,9 @@ def harmonics(omega: float, *sizes: tuple[int, float]) -> HarmonicsBaseMotion:
     return HarmonicsBaseMotion(angular_frequency=omega, harmonics=parts)
 
 
-@pytest.mark.parametrize("index", WITHOUT_STOPS)
+@pytest.mark.parametrize(
+    "index", [pytest.param(it, marks=pytest.mark.thorough if it % 2 else ()) for it in WITHOUT_STOPS]
+)
 def test_without_stops_the_motion_is_the_closed_form(index: int) -> None:
     problem = harmonic_joint(SEED, index).replace(stops=())
     x = np.array([0.31, 0.77, 1.0])
@@ -51,10 +53,13 @@ def test_without_stops_the_motion_is_the_closed_form(index: int) -> None:
     assert fine < coarse / 6 or fine < 2e-7  # the fourth order makes sixteen, until rounding is left
 
 
-def test_both_solvers_agree_on_first_contacts_and_on_steady_states() -> None:
+@pytest.mark.parametrize(
+    ("indices", "least"), [(WITH_STOPS[:3], 11), pytest.param(WITH_STOPS, LEAST, marks=pytest.mark.thorough)]
+)
+def test_both_solvers_agree_on_first_contacts_and_on_steady_states(indices: tuple[int, ...], least: int) -> None:
     solvers: tuple[AnySolver, ...] = (analytic.Solver(), fe_lapjoint.Solver(elements=24))
     times = []  # differences over both stated errors
-    for index in WITH_STOPS:
+    for index in indices:
         problem = harmonic_joint(SEED, index)
         duration = PERIODS * problem.require_excitation_period("test")
         one, other = (solver.simulate(problem, duration).contacts[:CONTACTS] for solver in solvers)
@@ -69,7 +74,7 @@ def test_both_solvers_agree_on_first_contacts_and_on_steady_states() -> None:
             times.append(
                 float(abs(mine.impulses - theirs.impulses)[0] / (mine.impulse_errors + theirs.impulse_errors)[0])
             )
-    assert len(times) >= LEAST
+    assert len(times) >= least
     assert max(times) <= 1.0
 
 

@@ -61,7 +61,7 @@ def assert_is_that_of_the_closed_form(problem: Problem, solver: str) -> None:
         assert row[int(found.bifurcation_stop[j])] == pytest.approx(row.min(), rel=1e-12)
 
 
-@pytest.mark.parametrize("which", [(1, 9), (2, 3)])
+@pytest.mark.parametrize("which", [pytest.param((1, 9), marks=pytest.mark.thorough), (2, 3)])
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_locus_of_the_first_graze_is_that_of_the_closed_form(solver: str, which: tuple[int, int]) -> None:
     assert_is_that_of_the_closed_form(joint(*which), solver)

@@ -63,7 +63,7 @@ def test_more_modes_and_finite_elements_find_the_same_motion(certified: SteadySt
         assert by_end(other.impulses) == pytest.approx(by_end(certified.impulses), rel=2e-3)
 
 
-@pytest.mark.parametrize("askew", [False, True])
+@pytest.mark.parametrize("askew", [pytest.param(False, marks=pytest.mark.thorough), True])
 def test_chaos_that_dies_by_chance_is_named_for_what_it_does(askew: bool) -> None:
     """From rest, left and right move alike and do not repeat; askew, the bar settles to a period of one at last.
 

@@ -44,7 +44,9 @@ def answers(solver: Solver, omegas: Iterable[float]) -> dict[float, list[object]
     return found
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    "solver", [pytest.param(it, marks=pytest.mark.thorough if it == "as published" else ()) for it in SOLVERS]
+)
 def test_a_point_of_a_sweep_has_the_same_bits_whatever_was_computed_before(solver: str) -> None:
     forwards = answers(SOLVERS[solver], OMEGAS)
     assert answers(SOLVERS[solver], OMEGAS[::-1]) == forwards

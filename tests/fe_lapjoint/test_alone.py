@@ -51,7 +51,7 @@ def test_two_joints_of_one_family_marched_in_turn() -> None:
 
 def test_eight_threads_that_know_nothing() -> None:
     def answer(omega: float) -> tuple[bytes, ...]:
-        history = SOLVER.simulate(problem(omega), 3 * 2 * math.pi / omega)
+        history = SOLVER.simulate(problem(omega), 3 * 2 * math.pi / omega, errors=False)
         z = history.displacement(np.array([1.25, 2.5]), np.linspace(0, history.end, 20))
         return *steps(omega), z.tobytes()
 

@@ -47,7 +47,7 @@ class Bar:
     def problem(self, bending: float = BENDING) -> Problem:
         """The bar at the amplitude of its seed, and from where that is at t = 0."""
         known = self.map
-        u, v = known.state(self.seed, -self.seed.phase / known.omega)
+        u, v = (float(one) for one in known.start(self.seed))
         stiffness = (known.pressed.stiffness - known.free.stiffness) / known.lever**2
         base = BaseMotion(amplitude=self.seed.amplitude, angular_frequency=known.omega)
         on_pin = bool(self.torsional)

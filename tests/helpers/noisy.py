@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 
 from lapjoint import FREE, Beam, ContactState, History, ModalDamping, Problem, Stop, Support
 from lapjoint.answers import Contact, Modes
+from lapjoint.compiled_arrays import zeros
+from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
@@ -95,20 +96,20 @@ class _Sampled:
         return np.asarray(self.solver._at(x).T @ (low + (s - i) * (high - low)))
 
 
-@njit(cache=False)
+@njit_called()
 def marched(omega, ratio, share, at_stops, sign, gap, k, noise, step, count):  # type: ignore[no-untyped-def]
     """q, q', q'' at steps, and rows of stop, start, end, impulse and peak force."""
     modes, stops = omega.size, sign.size
-    motion = np.zeros((3, modes, count))
-    events = np.zeros((count, 5))
+    motion, events = zeros((3, modes, count)), zeros((count, 5))
     found = 0
-    q, v = np.zeros(modes), np.zeros(modes)
-    began, impulse, peak = np.full(stops, -1.0), np.zeros(stops), np.zeros(stops)
+    q, v, force = zeros(modes), zeros(modes), zeros(modes)
+    began, impulse, peak = zeros(stops), zeros(stops), zeros(stops)
+    began[:] = -1.0
     for n in range(count):
         t = n * step
         j = n // 8
         a = noise[j] + (noise[j + 1] - noise[j]) * (n % 8) / 8
-        force = np.zeros(modes)
+        force[:] = 0.0
         for s in range(stops):
             z, w = 0.0, 0.0
             for i in range(modes):
@@ -127,7 +128,8 @@ def marched(omega, ratio, share, at_stops, sign, gap, k, noise, step, count):  #
             elif began[s] >= 0:
                 late = deep / min(sign[s] * w, -1e-300)
                 end = max(t - min(late, step), began[s] + 1e-9)
-                events[found] = np.array([float(s), began[s], end, impulse[s], peak[s]])
+                events[found, 0], events[found, 1], events[found, 2] = s, began[s], end
+                events[found, 3], events[found, 4] = impulse[s], peak[s]
                 found += 1
                 began[s] = -1.0
         for i in range(modes):

@@ -130,9 +130,9 @@ ANALYTIC = (
         "a stale cache",
         "analytic.march.modal_state",
         "Contact states are kept for all problems that differ in their damping, too.",
-        old="return Family(problem, places)",
-        new="key = problem.model_copy(update={'damping': None})\n"
-        "    return globals().setdefault('_KEPT', {}).setdefault((key, places), Family(problem, places))",
+        old="return Family(still, places)",
+        new="key = beam, supports, stops, steps, places\n"
+        "    return globals().setdefault('_KEPT', {}).setdefault(key, Family(still, places))",
     ),
     Fault(
         "analytic-initial-velocity",

@@ -50,8 +50,8 @@ BRANCHES = (
         "a factor",
         "lapjoint.orbits.branches.bifurcations",
         "A flip is located where the multiplier is -1.01.",
-        old="place.orbit.spectrum[0] + 1), initial=1.0)",
-        new="place.orbit.spectrum[0] + 1.01), initial=1.0)",
+        old="place.orbit.values + 1), initial=1.0)",
+        new="place.orbit.values + 1.01), initial=1.0)",
     ),
     Fault(
         "branch-known-again",

@@ -98,8 +98,8 @@ GROUND = (
         "a dropped square",
         "lapjoint.orbits.newton",
         "Of a symmetric motion, multipliers over half its period are given for those over all of it.",
-        old="return values**2 if self.symmetric else values",
-        new="return values",
+        old="return self.values**2 if self.symmetric else self.values",
+        new="return self.values",
     ),
     Fault(
         "residual-too-lenient",

@@ -1,93 +1,120 @@
-r"""Periodic motions of the forced bilinear oscillator with one contact, their folds and flips, in closed form.
+r"""Periodic motions of forced bilinear systems with one contact, and their bifurcations, in closed form.
 
-    M u'' + C_1 u' + K_1 u = G Y omega^2 sin(omega t)                        N u < gap,
-    M u'' + C_2 u' + K_2 u = G Y omega^2 sin(omega t) + k N gap,             N u > gap,     K_2 = K_1 + k N^2.
+    M u'' + C_1 u' + K_1 u = G Y omega^2 sin(omega t) + f_1,                  N . u < gap,
+    M u'' + C_2 u' + K_2 u = G Y omega^2 sin(omega t) + f_1 + k gap N,        N . u > gap,     K_2 = K_1 + k N N^T,
 
-A motion that touches the stop once in n periods of the load is known but for the phase of the load, its amplitude and
-the two speeds at the stop once the duration d of its contact is given: in both pieces displacement and speed at the end
-are linear in those at the start and in (A, B) = Y (cos, sin) of the phase at which the contact begins, and the four
-conditions that the pieces meet at the stop are four linear equations for the four.  So Y(d) is explicit, and
+with n coordinates u.  A motion that touches the stop once in some periods of the load is known but for the phase of the
+load, its amplitude and what u and u' are at both ends of the contact, where N . u = gap: 4 n numbers, of which the
+phase and the amplitude stand for (A, B) = Y (cos, sin) of the phase at which the contact begins.  In both pieces u and
+u' at the end are linear in those at the start and in (A, B), so that once the duration d of the contact is given, the
+4 n conditions that the pieces meet are linear equations.  So Y(d) is explicit.  With m the product of both pieces'
+matrices and of the jumps of deviations at the stop, where the damping force jumps if C_1 and C_2 differ, there lies
 
-    a fold    is an extremum of Y(d),
-    a flip    is a root of det(1 + m(d)), with m the product of both pieces' matrices and of the jumps of deviations at
-              the stop, where the damping force jumps if C_1 and C_2 differ.
+    a fold              at an extremum of Y(d),
+    a flip              at a root of det(1 + m(d)),
+    a Neimark-Sacker    where a complex pair of eigenvalues of m(d) has the modulus one.
+
+Between two equal stops (`mirrored`) a motion that mirrors itself touches either once, half a period of the load after
+the other: then the pieces make up half a period and end where the mirror image of the motion begins, m has the sign
+minus, and the root of det(1 + m(d)) is where the symmetry breaks.
 
 S. W. Shaw and P. J. Holmes, "A periodically forced piecewise linear oscillator", J. Sound Vib. 90 (1983) 129-155, give
-the map of this oscillator; there the times of the switches are solved for instead, which is not needed here.
+the map of this oscillator for n = 1; there the times of the switches are solved for instead, which is not needed here.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import null_space
 from scipy.optimize import brentq, minimize_scalar
+
+from validation.references.rigid_bar import RigidBar
 
 Array = npt.NDArray[np.float64]
 _STATIONS = 4000
-"""Durations of the contact, evenly over all that are possible, between which folds and flips are looked for."""
+"""Durations of the contact, evenly over all that are possible, between which bifurcations are looked for."""
 _SAMPLES = 400  # of each piece, at which it must be on its side of the stop
 _CLOSE = 1e-14  # of the period: durations are found as closely
 _TIGHT = 1e-7  # of the range of durations: how closely an extremum of Y is known, which leaves the square of this in Y
+_REAL = 1e-9  # imaginary part of a multiplier over its modulus, up to which it is real
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Piece:
-    """One side of the stop: M u'' + C u' + K u = constant + load."""
+    """One side of the stop: M u'' + C u' + K u = K level + load; scalars serve where n is 1."""
 
-    mass: float
-    """kg."""
-    damping: float
-    """N s/m."""
-    stiffness: float
-    """N/m."""
-    level: float
-    """Displacement at rest without load, m."""
+    mass: float | Array
+    """kg, shape ``(n, n)``."""
+    damping: float | Array
+    """N s/m, shape ``(n, n)``."""
+    stiffness: float | Array
+    """N/m, shape ``(n, n)``."""
+    level: float | Array
+    """Displacement at rest without load, m, shape ``(n,)``."""
 
-    def transfer(self, t: float) -> Array:
+    @cached_property
+    def count(self) -> int:
+        """Number n of coordinates."""
+        return int(np.atleast_2d(self.mass).shape[0])
+
+    @cached_property
+    def rest(self) -> Array:
+        """(level, 0), shape ``(2 n,)``."""
+        return np.append(np.atleast_1d(self.level), np.zeros(self.count))
+
+    @cached_property
+    def _modes(self) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.complex128], npt.NDArray[np.complex128]]:
+        """Eigenvalues and eigenvectors of the first-order system, and the inverse of these."""
+        M, C, K = (np.atleast_2d(one) for one in (self.mass, self.damping, self.stiffness))
+        zero, one = np.zeros_like(M), np.eye(self.count)
+        values, vectors = np.linalg.eig(np.block([[zero, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]]))
+        return values.astype(complex), vectors.astype(complex), np.linalg.inv(vectors.astype(complex))
+
+    def transfer(self, t: float | Array) -> Array:
         """What becomes of (u - level, u') without load in a time.
 
         Parameters
         ----------
-        t : float
-            s.
+        t : float or Array
+            s, of any shape.
 
         Returns
         -------
-        Array, shape (2, 2)
+        Array, shape t.shape + (2 n, 2 n)
             In m and m/s.
         """
-        a = self.damping / (2 * self.mass)
-        w = math.sqrt(self.stiffness / self.mass - a**2)
-        c, s, e = math.cos(w * t), math.sin(w * t), math.exp(-a * t)
-        return e * np.array([[c + a / w * s, s / w], [-(w + a**2 / w) * s, c - a / w * s]])
+        values, vectors, inverse = self._modes
+        return np.asarray(((vectors * np.exp(np.multiply.outer(t, values))[..., None, :]) @ inverse).real)
 
-    def response(self, omega: float, force: float) -> complex:
+    def response(self, omega: float, force: float | Array) -> npt.NDArray[np.complex128]:
         """Complex amplitude of the steady motion under a harmonic force.
 
         Parameters
         ----------
         omega : float
             rad/s.
-        force : float
-            N.
+        force : float or Array
+            N, shape ``(n,)``.
 
         Returns
         -------
-        complex
+        ComplexArray, shape (n,)
             m.
         """
-        return force / complex(self.stiffness - self.mass * omega**2, self.damping * omega)
+        M, C, K = (np.atleast_2d(one) for one in (self.mass, self.damping, self.stiffness))
+        return np.asarray(np.linalg.solve(K - omega**2 * M + 1j * omega * C, np.atleast_1d(force).astype(complex)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OneContact:
-    """A motion with one contact in its period; time counts from the start of the contact."""
+    """A motion with one contact in its pieces; time counts from the start of the contact."""
 
     duration: float
     """Of the contact, s."""
@@ -95,39 +122,73 @@ class OneContact:
     """Of the base, Y, m."""
     phase: float
     """Of the load where the contact begins, rad."""
-    speeds: tuple[float, float]
-    """u' at the start and at the end of the contact, m/s."""
-    multipliers: tuple[complex, complex]
-    """Over its period."""
+    start: Array
+    """(u, u') at the start of the contact, m and m/s, shape ``(2 n,)``."""
+    end: Array
+    """(u, u') at its end, shape ``(2 n,)``."""
+    multipliers: tuple[complex, ...]
+    """Over its pieces, by falling modulus: over half a period for one that mirrors itself."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BilinearMap:
-    """The oscillator under a load of one frequency, and its motions with one contact in `periods` of it."""
+    """The system under a load of one frequency, and its motions with one contact in `periods` of it."""
 
     free: Piece
     """Without contact."""
     pressed: Piece
     """In contact."""
-    lever: float
-    """N: displacement at the stop over u."""
+    lever: float | Array
+    """N: displacement at the stop by each coordinate, shape ``(n,)``."""
     gap: float
     """m."""
-    load: float
-    """G, kg: the force's amplitude is G Y omega^2."""
+    load: float | Array
+    """G, kg, shape ``(n,)``: the force's amplitude is G Y omega^2."""
     omega: float
     """rad/s."""
     periods: int = 1
+    mirrored: bool = False
+    """Whether the motions mirror themselves between two equal stops, in one period."""
+
+    @staticmethod
+    def of_bar(bar: RigidBar) -> BilinearMap:
+        """The system of a rigid bar shaken at its base against one stop, or between two equal ones.
+
+        Parameters
+        ----------
+        bar : RigidBar
+            The bar; the amplitude of its base does not matter.
+
+        Returns
+        -------
+        BilinearMap
+            Of motions of one period.
+        """
+        pieces = [Piece(bar.M, *bar.matrices(closed)) for closed in (frozenset[int](), frozenset({0}))]
+        base, stop = bar.tables["base_motion"], bar.stops[0]
+        return BilinearMap(
+            pieces[0],
+            pieces[1],
+            stop["sign"] * bar.rows[0],
+            stop["gap"],
+            bar.mass_per_length * bar.uniform,
+            base["angular_frequency"],
+            mirrored=len(bar.stops) == 2,
+        )
 
     @property
     def period(self) -> float:
-        """Of the motions, s."""
-        return self.periods * 2 * math.pi / self.omega
+        """Duration of the two pieces, s: of the motions, or half of that if they mirror themselves."""
+        return self.periods * 2 * math.pi / self.omega / (2 if self.mirrored else 1)
 
     @property
-    def touch(self) -> float:
-        """u at the stop, m."""
-        return self.gap / self.lever
+    def _sign(self) -> float:
+        return -1.0 if self.mirrored else 1.0
+
+    @cached_property
+    def _row(self) -> Array:
+        """The displacement at the stop by (u, u'), shape ``(2 n,)``."""
+        return np.append(np.atleast_1d(self.lever), np.zeros(self.free.count))
 
     def motion(self, d: float) -> OneContact:
         """The motion of a duration of contact, whether or not it is on the right side of the stop.
@@ -142,38 +203,72 @@ class BilinearMap:
         OneContact
             Its amplitude is above zero.
         """
-        equations, rest = np.zeros((4, 4)), np.zeros(4)  # unknown: A, B, speed at the start, speed at the end
-        for i, (piece, start, end) in enumerate(((self.pressed, 0.0, d), (self.free, d, self.period))):
-            move = piece.transfer(end - start)
-            wave = self._wave(piece)
-            rows = slice(2 * i, 2 * i + 2)
-            equations[rows, :2] = wave(end) - move @ wave(start)
-            equations[rows, 2 + i] += move @ [0.0, 1.0]
-            equations[rows, 3 - i] -= np.array([0.0, 1.0])
-            rest[rows] = np.array([self.touch - piece.level, 0.0]) - move @ [self.touch - piece.level, 0.0]
-        A, B, first, last = (float(value) for value in np.linalg.solve(equations, rest))
-        return OneContact(d, math.hypot(A, B), math.atan2(B, A), (first, last), self._multipliers(d))
+        return self.motions(np.array([d]))[0]
 
-    def _wave(self, piece: Piece) -> Callable[[float], Array]:
-        """(u, u') of the steady motion by A and by B: under A sin(omega t) + B cos(omega t), shape ``(2, 2)``."""
-        unit = piece.response(self.omega, self.load * self.omega**2)
+    def motions(self, d: Array) -> list[OneContact]:
+        """The motions of several durations of contact.
 
-        def at(t: float) -> Array:
-            now = unit * complex(math.cos(self.omega * t), math.sin(self.omega * t))
-            rate = 1j * self.omega * now
-            return np.array([[now.imag, now.real], [rate.imag, rate.real]])
+        Parameters
+        ----------
+        d : Array, shape (m,)
+            s, above zero and below the period.
+
+        Returns
+        -------
+        list of OneContact
+            As many.
+        """
+        size, count = 2 * self.free.count, d.size
+        # At the stop (u, u') = touch + along . s, with s of 2 n - 1 numbers.
+        touch, along = self.gap * self._row / (self._row @ self._row), null_space(self._row[None, :])
+        equations, rest = np.zeros((count, 2 * size, 2 * size)), np.zeros((count, 2 * size))
+        moves = [self.pressed.transfer(d), self.free.transfer(self.period - d)]
+        first, last = slice(2, 1 + size), slice(1 + size, None)  # of the unknowns: A, B, s at the start, s at the end
+        for i, (piece, begins, ends) in enumerate(
+            ((self.pressed, np.zeros(count), d), (self.free, d, np.full(count, self.period)))
+        ):
+            move, wave, rows = moves[i], self._wave(piece), slice(i * size, (i + 1) * size)
+            sign = self._sign if i else 1.0
+            equations[:, rows, :2] = wave(ends) - move @ wave(begins)
+            equations[:, rows, last if i else first] += move @ along
+            equations[:, rows, first if i else last] -= sign * along
+            rest[:, rows] = sign * touch - piece.rest - move @ (touch - piece.rest)
+        found = np.linalg.solve(equations, rest[:, :, None])[:, :, 0]
+        starts, ends = touch + found[:, first] @ along.T, touch + found[:, last] @ along.T
+        spectra = np.linalg.eigvals(self._sign * moves[1] @ self._jumps(ends, -1) @ moves[0] @ self._jumps(starts, 1))
+        return [
+            OneContact(
+                float(d[i]),
+                math.hypot(*found[i, :2]),
+                math.atan2(found[i, 1], found[i, 0]),
+                starts[i],
+                ends[i],
+                tuple(complex(one) for one in sorted(spectra[i], key=abs, reverse=True)),
+            )
+            for i in range(count)
+        ]
+
+    def _wave(self, piece: Piece) -> Callable[[float | Array], Array]:
+        """(u, u') of the steady motion under A sin(omega t) + B cos(omega t), by A and B: shape ``(..., 2 n, 2)``."""
+        unit = piece.response(self.omega, np.atleast_1d(self.load) * self.omega**2)
+        whole = np.append(unit, 1j * self.omega * unit)
+
+        def at(t: float | Array) -> Array:
+            now = np.multiply.outer(np.exp(1j * self.omega * np.asarray(t)), whole)
+            return np.stack([now.imag, now.real], axis=-1)
 
         return at
 
-    def _multipliers(self, d: float) -> tuple[complex, complex]:
-        """Of the pieces, and of the jumps: what is early at a switch has the other side's damping force for longer."""
-        change = (self.free.damping - self.pressed.damping) / self.free.mass
-        there, back = (np.array([[1.0, 0.0], [sign * change, 1.0]]) for sign in (1, -1))
-        matrix = self.free.transfer(self.period - d) @ back @ self.pressed.transfer(d) @ there
-        one, other = np.linalg.eigvals(matrix)
-        return complex(one), complex(other)
+    def _jumps(self, states: Array, sign: int) -> Array:
+        """What becomes of deviations at a switch of each state: what is early has the other side's damping longer."""
+        size, n = states.shape[1], self.free.count
+        change = np.atleast_2d(self.free.damping) - np.atleast_2d(self.pressed.damping)
+        force = sign * np.linalg.solve(np.atleast_2d(self.free.mass), change @ states[:, n:].T).T
+        jumps = np.zeros((len(states), size, size))
+        jumps[:, n:, :] = force[:, :, None] * self._row / (states[:, n:] @ np.atleast_1d(self.lever))[:, None, None]
+        return np.eye(size) + jumps
 
-    def state(self, motion: OneContact, t: float) -> tuple[float, float]:
+    def state(self, motion: OneContact, t: float) -> Array:
         """u and u' of a motion at a time since its contact began.
 
         Parameters
@@ -185,21 +280,36 @@ class BilinearMap:
 
         Returns
         -------
-        tuple of float
+        Array, shape (2 n,)
             m and m/s.
         """
-        t %= self.period
+        turns, t = divmod(t, self.period)
         piece, start, deviation, load = self._begins(motion, t < motion.duration)
-        u, v = piece.transfer(t - start) @ deviation + self._wave(piece)(t) @ load
-        return float(u) + piece.level, float(v)
+        now = piece.transfer(t - start) @ deviation + self._wave(piece)(t) @ load + piece.rest
+        return np.asarray(self._sign**turns * now)
+
+    def start(self, motion: OneContact) -> Array:
+        """u and u' where the load's phase is zero.
+
+        Parameters
+        ----------
+        motion : OneContact
+            The motion.
+
+        Returns
+        -------
+        Array, shape (2 n,)
+            m and m/s.
+        """
+        return self.state(motion, -motion.phase / self.omega)
 
     def _begins(self, motion: OneContact, pressed: bool) -> tuple[Piece, float, Array, Array]:
         """A piece of a motion: its start, (u, u') there less level and steady motion, and (A, B)."""
-        piece, start, speed = self.free, motion.duration, motion.speeds[1]
+        piece, start, state = self.free, motion.duration, motion.end
         if pressed:
-            piece, start, speed = self.pressed, 0.0, motion.speeds[0]
+            piece, start, state = self.pressed, 0.0, motion.start
         load = motion.amplitude * np.array([math.cos(motion.phase), math.sin(motion.phase)])
-        return piece, start, np.array([self.touch - piece.level, speed]) - self._wave(piece)(start) @ load, load
+        return piece, start, state - piece.rest - self._wave(piece)(start) @ load, load
 
     def exists(self, motion: OneContact) -> bool:
         """Whether a motion is beyond the stop in its contact, and nowhere else.
@@ -214,27 +324,26 @@ class BilinearMap:
         bool
             At as many points as a piece has samples.
         """
-        if not motion.speeds[0] > 0 > motion.speeds[1]:
+        speeds = [np.atleast_1d(self.lever) @ state[self.free.count :] for state in (motion.start, motion.end)]
+        if not speeds[0] > 0 > speeds[1]:
             return False
-        heights = [self._heights(motion, pressed) for pressed in (True, False)]
-        return bool((heights[0] > 0).all() and (heights[1] < 0).all())
+        pressed, free = (self._heights(motion, pressed) for pressed in (True, False))
+        return bool((pressed > 0).all() and (free < 0).all() and not (self.mirrored and (free < -2 * self.gap).any()))
 
     def _heights(self, motion: OneContact, pressed: bool) -> Array:
-        """u beyond the stop within a piece, m, shape ``(samples,)``."""
-        piece, start, (u, v), load = self._begins(motion, pressed)
+        """Displacement beyond the stop within a piece, m, shape ``(samples,)``."""
+        piece, start, deviation, load = self._begins(motion, pressed)
         length = motion.duration if pressed else self.period - motion.duration
         t = np.linspace(0.0, length, _SAMPLES)[1:-1]
-        a = piece.damping / (2 * piece.mass)
-        w = math.sqrt(piece.stiffness / piece.mass - a**2)
-        free = np.exp(-a * t) * (u * np.cos(w * t) + (v + a * u) / w * np.sin(w * t))
-        unit = piece.response(self.omega, self.load * self.omega**2)
-        turn = unit * np.exp(1j * self.omega * (start + t))
-        return np.asarray(free + turn.imag * load[0] + turn.real * load[1] + piece.level - self.touch)
+        values, vectors, inverse = piece._modes
+        free = np.exp(np.multiply.outer(t, values)) @ ((self._row @ vectors) * (inverse @ deviation))
+        forced = self._row @ (self._wave(piece)(start + t) @ load).T
+        return np.asarray(free.real + forced + self._row @ piece.rest - self.gap)
 
     @cached_property
     def stations(self) -> list[OneContact]:
         """Motions of all durations, whether or not they are."""
-        return [self.motion(float(d)) for d in np.linspace(0.0, self.period, _STATIONS + 2)[1:-1]]
+        return self.motions(np.linspace(0.0, self.period, _STATIONS + 2)[1:-1])
 
     def folds(self) -> list[OneContact]:
         """The motions of least or largest amplitude, of those beside them.
@@ -258,7 +367,17 @@ class BilinearMap:
         return found
 
     def flips(self) -> list[OneContact]:
-        """The motions with a multiplier of -1.
+        """The motions with a multiplier of -1; of those that mirror themselves, where the symmetry breaks.
+
+        Returns
+        -------
+        list of OneContact
+            By their durations.
+        """
+        return self._roots(lambda motion: float(np.prod(1 + np.array(motion.multipliers)).real))
+
+    def neimark_sackers(self) -> list[OneContact]:
+        """The motions with a complex pair of multipliers on the unit circle.
 
         Returns
         -------
@@ -266,18 +385,34 @@ class BilinearMap:
             By their durations.
         """
 
+        # The product of 1 - mu_i mu_j over i < j vanishes there, and where mu_i = 1 / mu_j are real.
         def beyond(motion: OneContact) -> float:
-            one, other = motion.multipliers
-            return float(((1 + one) * (1 + other)).real)
+            mu = np.array(motion.multipliers)
+            return float(np.prod(1 - np.outer(mu, mu)[np.triu_indices(mu.size, 1)]).real)
 
+        return [one for one in self._roots(beyond) if _on_circle(one.multipliers)]
+
+    def _roots(self, function: Callable[[OneContact], float]) -> list[OneContact]:
+        """The motions at which a function changes its sign."""
+        values = [function(one) for one in self.stations]
         return [
             self.motion(
                 float(
                     brentq(
-                        lambda d: beyond(self.motion(d)), a.duration, b.duration, xtol=_CLOSE * self.period, rtol=1e-15
+                        lambda d: function(self.motion(d)),
+                        a.duration,
+                        b.duration,
+                        xtol=_CLOSE * self.period,
+                        rtol=1e-15,
                     )
                 )
             )
-            for a, b in pairwise(self.stations)
-            if (beyond(a) > 0) != (beyond(b) > 0)
+            for (a, b), (one, other) in zip(pairwise(self.stations), pairwise(values), strict=True)
+            if (one > 0) != (other > 0)
         ]
+
+
+def _on_circle(multipliers: Sequence[complex]) -> bool:
+    """Whether that whose modulus is nearest to one is not real."""
+    nearest = min(multipliers, key=lambda one: abs(abs(one) - 1))
+    return abs(nearest.imag) > _REAL * abs(nearest)

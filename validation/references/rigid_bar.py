@@ -218,6 +218,23 @@ class RigidBar:
         c = float(damping["coefficient"]) if damping["kind"] == "viscous" else 0.0
         return np.full(omega.size, c / (2 * self.mass_per_length))
 
+    def matrices(self, closed: Closed) -> tuple[Array, Array, Array]:
+        """Damping and stiffness matrix of a contact state, and where the bar rests in it without periodic loads.
+
+        Parameters
+        ----------
+        closed : frozenset of int
+            The closed stops.
+
+        Returns
+        -------
+        tuple of Array
+            C, N s/m, and K, N/m, shape ``(n, n)``; displacements at rest, m, shape ``(n,)``.
+        """
+        modes, omega, decay, constant = self._state(closed)
+        C, K = (self.M @ (modes * one) @ modes.T @ self.M for one in (2 * decay, omega**2))
+        return C, K, modes @ (modes.T @ constant / omega**2)
+
     def flow(self, closed: Closed, start: float, u: Array, v: Array) -> Callable[[Array, int], Array]:
         """The motion in one contact state from u and v at a time, as `Flow.motion`.
 
@@ -321,17 +338,27 @@ class RigidBar:
                 rises = np.flatnonzero((h[:-1] < 0) & (h[1:] >= 0))
                 if rises.size:
                     i = int(rises[0])
+                    around = t[i : i + 2]
                     if h[i] == -math.inf:
-                        raise ArithmeticError(f"stop {k} switches twice within {t[1] - t[0]:.1e} s")
+                        around = self._back_at_once(motion, k, k in closed, around)
 
                     def gap(s: float, k: int = k) -> float:
                         return float(self.gap_function(k, motion(np.array([s]), 0))[0])
 
-                    found.append((float(brentq(gap, t[i], t[i + 1], xtol=_CLOSE)), k))
+                    found.append((float(brentq(gap, *around, xtol=_CLOSE)), k))
             if found:
                 return min(found)
             a = b
         return end, -1
+
+    def _back_at_once(self, motion: Callable[[Array, int], Array], k: int, closed: bool, around: Array) -> Array:
+        """Two times about the next switch of a stop: it lies between two others, at the first of which it switched."""
+        t = np.linspace(around[0], around[1], _SAMPLES)
+        h = (-1.0 if closed else 1.0) * self.gap_function(k, motion(t, 0))
+        first = 1 + int(np.flatnonzero(h[1:] >= 0)[0])
+        if first == 1:
+            raise ArithmeticError(f"stop {k} switches twice within {t[1] - t[0]:.1e} s")
+        return np.asarray(t[first - 1 : first + 1])
 
     def moment(self, x: float, t: float, flow: Flow) -> float:
         """Bending moment EI z'' at x and t, N m, by the balance of all that acts on the part beyond x.

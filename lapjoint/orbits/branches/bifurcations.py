@@ -10,8 +10,8 @@ periods, mu its eigenvalues and (u, w) the curve's tangent, there lies
 The sign of w, that of det(1 + M) and the number of mu outside the circle tell these apart where one of them lies
 between two places: the first changes the first and the third by one, the second the other two, the last the third by
 two.  Where anything else changes, where other mu are outside the circle at the bifurcation than at both places, or
-where mu change by more than the distance of one of them from the circle, so that it may go out and come back, the place
-in the middle is looked at, too.
+where one of them may go out and come back, the place in the middle is looked at, too: where moduli change by more than
+the distance of one of them from the circle, or would pass it within half of the way if they went on as they come.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Literal
 
 import numpy as np
 
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 
 Kind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking"]
@@ -34,6 +34,8 @@ _LOOKS = 3
 """How often it is halved to find two that undo each other."""
 _FEW = 4
 """Number of multipliers, the largest, that may leave the circle and come back: the others are far within."""
+_GOES_ON = 2.0
+"""Largest ratio of half a step and the one before it for which it is looked how moduli go on."""
 _STEPS = 40
 """Most steps of the search for the root of a test function."""
 _ROUNDING = 1e-6
@@ -69,7 +71,11 @@ class Located:
     """The motion there."""
 
 
-def between(family: Family, first: Place, last: Place) -> Iterator[Located | NotLocated]:
+Around = tuple[Place | None, Place | None]
+"""The places before and after two neighbours; None where the curve does not go on smoothly."""
+
+
+def between(family: Family, first: Place, last: Place, around: Around) -> Iterator[Located | NotLocated]:
     """The bifurcations between two neighbouring places with the same contacts, in their sequence along the curve.
 
     Parameters
@@ -78,16 +84,18 @@ def between(family: Family, first: Place, last: Place) -> Iterator[Located | Not
         The period maps.
     first, last : Place
         Their tangents point in the direction in which the curve is followed.
+    around : tuple of Place or None
+        The places before and after them, with the same contacts; None where there is none.
 
     Yields
     ------
     Located or NotLocated
         They may be several.
     """
-    yield from _within(family, first, last, 0)
+    yield from _within(family, first, last, around, 0)
 
 
-def _within(family: Family, first: Place, last: Place, halvings: int) -> Iterator[Located | NotLocated]:
+def _within(family: Family, first: Place, last: Place, around: Around, halvings: int) -> Iterator[Located | NotLocated]:
     """The bifurcations between two places, the way between which has been halved so often."""
     a, b = _signature(first), _signature(last)
     change = tuple(int(x != y) for x, y in zip(a[:2], b[:2], strict=True)), abs(b[2] - a[2])
@@ -96,11 +104,11 @@ def _within(family: Family, first: Place, last: Place, halvings: int) -> Iterato
         yield from found
         return
     looked = _LOOKS if change == _NONE else _HALVINGS
-    if halvings < looked and (change != _NONE or _may_come_back(first, last)):
+    if halvings < looked and (change != _NONE or _may_come_back(family, first, last, around)):
         middle = _middle(family, first, last)
         if middle is not None:
-            yield from _within(family, first, middle, halvings + 1)
-            yield from _within(family, middle, last, halvings + 1)
+            yield from _within(family, first, middle, (around[0], last), halvings + 1)
+            yield from _within(family, middle, last, (first, around[1]), halvings + 1)
             return
     yield from found
     if change != _NONE and not found:
@@ -137,17 +145,31 @@ def _signature(place: Place) -> tuple[int, int, int]:
     return _goes_up(place), _above_minus_one(place), _outside(place, _ROUNDING)
 
 
-def _may_come_back(first: Place, last: Place) -> bool:
+def _may_come_back(family: Family, first: Place, last: Place, around: Around) -> bool:
     """Whether moduli change by more than the distance of one from 1, or det(1 + M) by more than its own size.
 
-    A multiplier may then pass the circle, or -1, and come back.
+    A multiplier may then pass the circle, or -1, and come back; or if it went on as it comes to either place.
     """
-    a, b = (np.abs(place.orbit.spectrum[0][:_FEW]) for place in (first, last))
+    a, b = (np.abs(place.orbit.values[:_FEW]) for place in (first, last))
     if not a.size:
         return False
-    det = [abs(complex(np.prod(place.orbit.spectrum[0] + 1))) for place in (first, last)]
+    det = [abs(complex(np.prod(place.orbit.values + 1))) for place in (first, last)]
     near = min(float(np.min(np.abs(one - 1))) for one in (a, b))
-    return bool(np.max(np.abs(b - a)) > near) or abs(det[1] - det[0]) > min(det)
+    if bool(np.max(np.abs(b - a)) > near) or abs(det[1] - det[0]) > min(det):
+        return True
+    return _goes_on_past(family, around[0], first, last) or _goes_on_past(family, around[1], last, first)
+
+
+def _goes_on_past(family: Family, before: Place | None, here: Place, other: Place) -> bool:
+    """Whether a modulus passes 1 within half of the way to another place, if it goes on as from the one before."""
+    if before is None:
+        return False
+    now, then = (np.abs(place.orbit.values[:_FEW]) for place in (here, before))
+    if now.shape != then.shape or not ((now > 1) != (now + _GOES_ON * (now - then) > 1)).any():
+        return False
+    way, came = (float(np.linalg.norm(other.chord(family, here))), float(np.linalg.norm(here.chord(family, before))))
+    ahead = now + 0.5 * way / max(came, 1e-300) * (now - then)
+    return bool(((now > 1) != (ahead > 1)).any())
 
 
 def _middle(family: Family, first: Place, last: Place) -> Place | None:
@@ -269,11 +291,12 @@ def between_two(family: Family, a: Place, b: Place, share: float, length: float)
         None if Newton's method finds none.
     """
     near, far, step = (a, b, share * length) if share <= 0.5 else (b, a, -(1 - share) * length)
+    steep = abs(near.tangent[-1]) > STEEP
     value, guess = near.moved(family, step * near.tangent)
-    found = corrected(family, value, guess, near.count)
+    found = corrected(family, value, guess, near.count, fixed=steep)
     if found is None:
         value, guess = near.moved(family, -min(share, 1 - share) * near.chord(family, far))
-        found = corrected(family, value, guess, near.count)
+        found = corrected(family, value, guess, near.count, fixed=steep)
     if found is None:
         return None
     chord = found.chord(family, near)
@@ -310,21 +333,21 @@ def _above_minus_one(place: Place) -> int:
 
 def _from_minus_one(place: Place) -> float:
     """Distance from -1 of the multiplier that is nearest to it."""
-    return float(np.min(np.abs(place.orbit.spectrum[0] + 1), initial=1.0))
+    return float(np.min(np.abs(place.orbit.values + 1), initial=1.0))
 
 
 def _outside(place: Place, by: float = 0.0) -> int:
     """Number of multipliers outside the unit circle, by some distance at least."""
-    return int(np.count_nonzero(np.abs(place.orbit.spectrum[0]) > 1 + by))
+    return int(np.count_nonzero(np.abs(place.orbit.values) > 1 + by))
 
 
 def _from_circle(place: Place) -> float:
     """Distance from the circle of the complex multiplier that is nearest to it."""
-    values = place.orbit.spectrum[0]
+    values = place.orbit.values
     pairs = values[np.abs(values.imag) > _REAL * np.abs(values)]
     return float(np.min(np.abs(np.abs(pairs) - 1), initial=1.0))
 
 
 def _real(place: Place) -> np.ndarray:
-    values = place.orbit.spectrum[0]
+    values = place.orbit.values
     return np.real(values[np.abs(values.imag) <= _REAL * np.abs(values)])

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lapjoint.orbits.branches.closing import Start
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
@@ -22,12 +22,10 @@ _TURN = 0.2
 between its points."""
 _WIDEST = 0.45
 """Largest angle, rad: a wider one may be due to another curve."""
-_STEEP = 0.1
-"""Share of the number in a step from which on the number is held while Newton's method leads back to the curve."""
 _STRETCH = 1.4
 """Largest ratio of the step made and the step meant."""
-_GROWS = 4.0
-"""By how much a step is lengthened at most."""
+_GROWS = 2.5
+"""By how much a step is lengthened at most: of longer ones, one in seven turns too far and is not taken."""
 _RISES = 1.5
 """By how much what a step may be at most is raised after each, once one was not taken."""
 _SHORTER = 1 / 3
@@ -255,14 +253,24 @@ class _Follower:
         if _comes_to_shorter(self._family, self._here, before):
             self._end = "bifurcation"
             return True
-        if float(chord @ before.tangent) < 0 and length > _AT_GRAZE:  # it lies behind
-            return False
+        if length > _AT_GRAZE and float(chord @ before.tangent) < 0 and not self._turns_sharply(before):
+            return False  # it lies behind
         if passed(self._here, self._rates, before, None, length).grazes:
             return False
         if found[1] is None:
             return self._jump_over(found[0], before)
         self._pass(*found)
         return True
+
+    def _turns_sharply(self, before: Place) -> bool:
+        """Whether the curve comes to a graze from the other side, without a fold: where the map changes as a root.
+
+        The number goes on as before, but the motion turns as soon as the root outweighs what is smooth.
+        """
+        here = self._here
+        ahead = float(here.chord(self._family, before) @ here.tangent) < 0
+        on = (before.value - here.value) * here.tangent[-1] > 0
+        return ahead and on and before.tangent[-1] * here.tangent[-1] > 0
 
     def _jump_over(self, graze: Graze, before: Place) -> bool:
         """Leave out what lies just beyond a graze where the curve cannot be followed; whether that was done.
@@ -417,7 +425,7 @@ def _stepped(family: Family, here: Place, step: float, bend: FloatArray | None) 
     if bend is not None and step * float(np.linalg.norm(bend)) <= _WIDEST:
         ahead = ahead + 0.5 * step**2 * bend
     value, guess = here.moved(family, ahead)
-    steep = abs(here.tangent[-1]) > _STEEP
+    steep = abs(here.tangent[-1]) > STEEP
     new = corrected(family, value, guess, here.count, fixed=steep and family.low <= value <= family.high)
     if new is None:
         return None, math.nan

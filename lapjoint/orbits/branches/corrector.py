@@ -26,6 +26,8 @@ _STEPS = 8
 """Most steps of Newton's method: from a guess near the curve, three are enough."""
 _FAR = 0.5
 """Largest residual of a guess over the size of the motion."""
+STEEP = 0.1
+"""Share of the number in the tangent from which on the number is held while Newton's method leads back to the curve."""
 _SLOWEST = 0.7
 """Least share of the residual that a step of Newton's method must take off."""
 
@@ -127,8 +129,8 @@ class Place:
         orbit = replace(self.orbit, last=self.orbit.last.without_segments())
         same = Place(self.value, orbit, self.weights, self.tangent, self.half_periods)
         same.__dict__["extrema"], same.__dict__["missed"] = self.extrema, self.missed
-        if "spectrum" in self.orbit.__dict__:
-            orbit.__dict__["spectrum"] = self.orbit.spectrum
+        if "values" in self.orbit.__dict__:
+            orbit.__dict__["values"] = self.orbit.values
         return same
 
     @cached_property

@@ -37,7 +37,7 @@ def free_seed(family: Family, value: float) -> Seed | None:
         None if there is no such motion, or it is not found.
     """
     try:
-        half = HalfPeriods(family.solver.period_map(_out_of_reach(family.problem_at(value))))
+        half = HalfPeriods(family.solver_at(value).period_map(_out_of_reach(family.problem_at(value))))
         orbit = find_orbit(half, half.map.initial(), half.least, math.inf)
         if orbit is None:
             return None

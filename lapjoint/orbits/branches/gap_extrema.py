@@ -8,7 +8,7 @@ or the lowest of a contact or of a flight, which is about to be parted in two, o
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.period_map import Segment, Tangent
 from lapjoint.orbits.watch import stacked
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray, Stop
 
 _PER_HALF_PERIOD = 64
 """Least number of points in half a period of the fastest excitation between which an extremum is looked for."""
@@ -139,7 +139,7 @@ def extrema_of(found: Return) -> Extrema:
         none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
         never = none.astype(bool)
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
-    stops, _ = stops_of(problem)
+    stops, _ = stops_of(problem.stops)
     width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
     at, time, value, highest = gap_extrema(motion_of(found), stops, width)
     ends = [segment for segment in segments if segment.switched >= 0]
@@ -155,29 +155,30 @@ def extrema_of(found: Return) -> Extrema:
     return Extrema(stop, at, time, value, highest, closed, duration, which, when, closes)
 
 
-def stops_of(problem: Problem) -> tuple[Stops, IndexArray]:
+@lru_cache(maxsize=64)  # problems of one branch, and of others that are followed at the same time, share theirs
+def stops_of(stops: tuple[Stop, ...]) -> tuple[Stops, IndexArray]:
     """The stops of a problem as compiled functions take them.
 
     Parameters
     ----------
-    problem : Problem
-        With ``P`` stops at ``U`` places.
+    stops : tuple of Stop
+        ``P`` stops at ``U`` places.
 
     Returns
     -------
     Stops
-        Each of them its own twin.
+        Each of them its own twin; not to be written to.
     ndarray, shape (U,)
-        A stop at each of the places.
+        A stop at each of the places; not to be written to.
     """
-    _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
-    stops = Stops(
-        sign=np.array([stop.sign for stop in problem.stops], dtype=float),
-        gap=np.array([stop.gap for stop in problem.stops], dtype=float),
+    _, first, place = np.unique([stop.x for stop in stops], return_index=True, return_inverse=True)
+    flat = Stops(
+        sign=np.array([stop.sign for stop in stops], dtype=float),
+        gap=np.array([stop.gap for stop in stops], dtype=float),
         place=place,
-        beyond=np.arange(len(problem.stops)),
+        beyond=np.arange(len(stops)),
     )
-    return stops, first
+    return flat, first
 
 
 def motion_of(found: Return) -> Motion:
@@ -195,7 +196,7 @@ def motion_of(found: Return) -> Motion:
     """
     kept: dict[str, Any] = found.__dict__
     if "_motion" not in kept:
-        kept["_motion"] = stacked(found.linearised.segments, stops_of(found.half_periods.map.problem)[1])
+        kept["_motion"] = stacked(found.linearised.segments, stops_of(found.half_periods.map.problem.stops)[1])
     motion: Motion = kept["_motion"]
     return motion
 

@@ -26,7 +26,7 @@ from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.problem import FloatArray
 
-_STEPS = 9
+_STEPS = 12
 """Most steps of Newton's method, and of halves of them."""
 _HALVINGS = 2
 """How often a step is halved that leads past the graze, or away."""
@@ -54,6 +54,9 @@ _LEFT_AT_MOST = 0.3
 """Largest share of the way that is left by any."""
 _AMISS = 3.0
 """Way that a step leaves, over the way by which it is expected to miss: by the last step's miss, with its square."""
+_HELD = 0.5
+"""Residual over the way to a graze from which on the extremum is held until the motion closes: where damping forces
+jump with the state, the map changes as the root of the penetration, and a step towards the graze leaves a residual."""
 _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
 _NEAR = 0.05
@@ -222,7 +225,8 @@ class _Search:
             now, share = better
             expected = good.extremum.value + share * (aim - good.extremum.value)
             gone = abs(expected - good.extremum.value) / self._scale
-            self._left = _AMISS * abs(now.extremum.value - expected) / self._scale / max(gone, 1e-300) ** 2
+            if gone > 0:
+                self._left = _AMISS * abs(now.extremum.value - expected) / self._scale / gone**2
             good = now
 
     def _way(self, one: _Try) -> float:
@@ -234,6 +238,8 @@ class _Search:
         way, end = self._way(good), abs(self._target) / self._scale
         if not self._towards or way <= end:
             return self._target
+        if good.residual > _HELD * way:
+            return good.extremum.value
         left = self._left * (way if self._tries == 0 else way**2)
         return math.copysign(max(min(left, _LEFT_AT_MOST * way), end) * self._scale, self._target)
 

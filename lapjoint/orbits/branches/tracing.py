@@ -76,7 +76,7 @@ def trace(
         If the march cannot go on.
     """
     limits = limits or Limits()
-    start = corrected(family, seed.value, family.adopted(seed.value, seed.point), seed.count)
+    start = _start(family, seed)
     if start is None:
         return None
     ahead, back = _both_ways(family, start, seed, limits)
@@ -94,6 +94,16 @@ def trace(
     ends = [sprung_from(family, one.places[-1]) for one in runs if one.end == "bifurcation"]
     springs = (seed.away_from, *((one.value, one.point) for one in ends if one is not None))
     return Traced(branch, tuple(seeds), tuple(one for one in springs if one is not None))
+
+
+def _start(family: Family, seed: Seed) -> Place | None:
+    """The place of a seed, in the range: the shortest way to the curve may lead out of it from an end."""
+    guess = family.adopted(seed.value, seed.point)
+    if family.low < seed.value < family.high:
+        found = corrected(family, seed.value, guess, seed.count)
+        if found is None or family.low <= found.value <= family.high:
+            return found
+    return corrected(family, seed.value, guess, seed.count, fixed=True)
 
 
 def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tuple[Run, Run]:
@@ -125,7 +135,8 @@ def _joined(back: Run, ahead: Run) -> Run:
 
 
 def _point(family: Family, place: Place) -> BranchPoint:
-    return BranchPoint(place.value, periodic_state(place.half_periods.map, family.solver.name, place.orbit, None))
+    solver = family.solver_at(place.value).name
+    return BranchPoint(place.value, periodic_state(place.half_periods.map, solver, place.orbit, None))
 
 
 def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifurcation, Place | None]]:
@@ -138,11 +149,19 @@ def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifu
     for i, (a, b) in enumerate(pairwise(run.places)):
         if i + 1 in apart or a.extrema.closings != b.extrema.closings:
             continue
-        for one in between(family, a, b):
+        for one in between(family, a, b, (_beside(run, i, i - 1, apart), _beside(run, i + 1, i + 2, apart))):
             if isinstance(one, NotLocated):
                 yield _unresolved(one, i + 1), None
                 continue
             yield _smooth(family, one, i + 1, errors), one.place if one.kind in _SPRINGING else None
+
+
+def _beside(run: Run, here: int, other: int, apart: set[int]) -> Place | None:
+    """The neighbour of a place, if the curve goes on smoothly to it."""
+    if not 0 <= other < len(run.places) or max(here, other) in apart:
+        return None
+    same = run.places[other].extrema.closings == run.places[here].extrema.closings
+    return run.places[other] if same else None
 
 
 _SPRINGING = ("flip", "symmetry breaking")

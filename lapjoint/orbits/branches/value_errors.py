@@ -71,7 +71,7 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     error, scale = np.inf, family.scale(value)
     try:
         for _ in range(_MOST):
-            finer = family.finer()
+            finer = family.finer(value)
             found = None if finer is None else finder(finer[1], place)
             if finer is None or found is None:
                 break
@@ -134,7 +134,7 @@ def critical(kind: Kind, at: Place) -> Callable[[Place], float]:
     mu = critical_multiplier(kind, at)
 
     def followed(place: Place) -> complex:
-        values = place.orbit.spectrum[0]
+        values = place.orbit.values
         return complex(values[int(np.argmin(np.abs(values - mu)))])
 
     if kind == "neimark-sacker":
@@ -161,7 +161,7 @@ def critical_multiplier(kind: Kind, at: Place) -> complex:
         return 1.0
     if kind != "neimark-sacker":
         return -1.0
-    values = at.orbit.spectrum[0]
+    values = at.orbit.values
     pairs = values[values.imag > 0]
     return complex(pairs[int(np.argmin(np.abs(np.abs(pairs) - 1)))]) if pairs.size else 1.0
 

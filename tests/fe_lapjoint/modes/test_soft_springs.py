@@ -52,7 +52,14 @@ def springs(kappa: float) -> dict[str, Ends]:
     }
 
 
-@pytest.mark.parametrize(("elements", "kappa"), [*product((8, 40), KAPPA), *product((200,), KAPPA[::3])])
+@pytest.mark.parametrize(
+    ("elements", "kappa"),
+    [
+        *product((8, 40), KAPPA),
+        (200, KAPPA[0]),
+        *(pytest.param(200, it, marks=pytest.mark.thorough) for it in KAPPA[3::3]),
+    ],
+)
 def test_frequencies_keep_their_digits_however_soft_the_springs(kappa: float, elements: int) -> None:
     for name, ends in springs(kappa).items():
         supports = tuple(Support(x=float(x), translational=k, torsional=kt) for x, (k, kt) in enumerate(ends))

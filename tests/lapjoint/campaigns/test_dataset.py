@@ -241,8 +241,14 @@ def test_the_strip_tells_what_was_established() -> None:
 
 @pytest.mark.parametrize(
     "this",
-    [plan(), plan(12, 3), plan(12, 12), plan(12, start="random", starts=4), plan(1), plan(4, 3, starts=2)],
-    ids=["one axis", "lines", "map", "starts", "one point", "lines and starts"],
+    [
+        pytest.param(plan(), id="one axis"),
+        pytest.param(plan(12, 12), id="map"),
+        pytest.param(plan(1), id="one point"),
+        pytest.param(plan(4, 3, starts=2), id="lines and starts"),
+        pytest.param(plan(12, 3), id="lines", marks=pytest.mark.thorough),
+        pytest.param(plan(12, start="random", starts=4), id="starts", marks=pytest.mark.thorough),
+    ],
 )
 def test_every_kind_of_sweep_is_drawn(this: Plan, tmp_path: Path) -> None:
     found = dataset(this)

@@ -116,7 +116,7 @@ def test_what_it_keeps_comes_back_exactly(modal: bool, tmp_path: Path) -> None:
     again.close()
 
 
-@pytest.mark.parametrize("start", ["rest", "up"])
+@pytest.mark.parametrize("start", ["rest", pytest.param("up", marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("damage", ["cut", "garbage", "cut to the first line", "empty"])
 def test_a_line_that_was_cut_short_is_computed_again(damage: str, start: Any, out: Path) -> None:
     this = interrupted(out, start=start)
@@ -157,7 +157,9 @@ def test_another_sweep_is_thrown_away_only_when_told(out: Path) -> None:
 
 
 @pytest.mark.parametrize("sealed", [True, False])
-@pytest.mark.parametrize(("version", "whose"), [(1, "an older"), (2, "an older"), (4, "a newer")])
+@pytest.mark.parametrize(
+    ("version", "whose"), [pytest.param(1, "an older", marks=pytest.mark.thorough), (2, "an older"), (4, "a newer")]
+)
 def test_a_journal_of_another_format_is_refused(
     version: int, whose: str, sealed: bool, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -48,6 +48,7 @@ def counted(**options: Any) -> dict[str, Any]:
     return {"solver": "counting", "options": options}
 
 
+@pytest.mark.thorough
 def test_two_workers_find_what_one_finds(tmp_path: Path) -> None:
     axes = [Axis(FREQUENCY, range(500, 560, 10)), Axis("stops.*.gap", [1e-3, 2e-3])]
     alone = sweep(JOINT, axes, options=FEW)
@@ -159,7 +160,7 @@ def alive(group: int) -> bool:
 
 @pytest.mark.parametrize(
     ("workers", "start"),
-    [(1, "down"), (2, "rest"), *(pytest.param(*it, marks=pytest.mark.thorough) for it in ((1, "rest"), (2, "up")))],
+    [(2, "rest"), *(pytest.param(*it, marks=pytest.mark.thorough) for it in ((1, "rest"), (1, "down"), (2, "up")))],
 )
 def test_killed_at_once_it_resumes_and_loses_only_what_was_in_flight(
     workers: int, start: Any, counting: Path, monkeypatch: pytest.MonkeyPatch
@@ -188,7 +189,7 @@ def test_workers_end_when_the_parent_is_killed(counting: Path, monkeypatch: pyte
     wait_for(lambda: not alive(process.pid), 10.0)
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.thorough), 2])
 def test_ctrl_c_says_what_is_kept_and_ends_the_workers(
     workers: int, counting: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -84,7 +84,9 @@ def environment(cache: Path) -> dict[str, str]:
     return {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    "way", [pytest.param(it, marks=pytest.mark.thorough if it == "a destructor" else ()) for it in WAYS]
+)
 def test_ctrl_c_is_not_lost(way: str) -> None:
     script = INTERRUPT_IN.format(way=WAYS[way])
     command = [sys.executable, "-c", script, *SIMULATE]
@@ -171,7 +173,10 @@ def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(tmp_path: Path, 
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
-@pytest.mark.parametrize("command", [("schema",), ("modes", "preset:sdnl104", "--modes", "3")])
+@pytest.mark.parametrize(
+    "command",
+    [("schema",), pytest.param(("modes", "preset:sdnl104", "--modes", "3"), marks=pytest.mark.thorough)],
+)
 def test_standard_output_on_a_full_disk_is_one_line(command: tuple[str, ...]) -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run([*START, *command], stdout=full, stderr=subprocess.PIPE, text=True, timeout=100)

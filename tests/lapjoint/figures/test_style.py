@@ -46,7 +46,7 @@ def test_a_long_key_is_wrapped() -> None:
     assert_fits(axes, COLUMN_WIDTH, 3.0)
 
 
-@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("ending", ["png", "svg", pytest.param("pdf", marks=pytest.mark.thorough)])
 def test_equal_figures_are_equal_files(history: History, tmp_path: Path, ending: str) -> None:
     one, other = tmp_path / f"one.{ending}", tmp_path / f"other.{ending}"
     for path in (one, other):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,15 @@ from lapjoint.figures.text import apart, cut_to, literal, shortened, width_of, w
 
 NASTY = ("Cost $5 and $7", r"$x_1^{$ & \alpha %", "_first", "two\nlines")
 SIXTY = "Upper elastomer buffer of the left bracket, on frame 12, no. 3"[:60]
+
+
+def pairs(plots: Sequence[Callable[..., Any]], texts: Sequence[Any]) -> list[Any]:
+    """Each figure with each text; in every run each figure once, and each text, with the next of the others."""
+    drawn = {(i % len(plots), i % len(texts)) for i in range(max(len(plots), len(texts)))}
+    return [
+        pytest.param(plot, text, id=f"{plot.__name__}-{j}", marks=() if (i, j) in drawn else pytest.mark.thorough)
+        for (i, plot), (j, text) in product(enumerate(plots), enumerate(texts))
+    ]
 
 
 def named(history: History, *names: str, title: str = "") -> History:
@@ -80,8 +90,7 @@ def test_a_title_is_drawn_as_it_is(history: History, plot: Callable[..., Any]) -
         assert any(title in text for text in drawn(plot(named(history, title=title))))
 
 
-@pytest.mark.parametrize("plot", [plot_motion, plot_contact_impulses, plot_contact_states])
-@pytest.mark.parametrize("name", NASTY)
+@pytest.mark.parametrize(("plot", "name"), pairs((plot_motion, plot_contact_impulses, plot_contact_states), NASTY))
 def test_the_name_of_a_stop_is_drawn_as_it_is_and_in_one_line(
     history: History, plot: Callable[..., Any], name: str
 ) -> None:
@@ -90,8 +99,7 @@ def test_the_name_of_a_stop_is_drawn_as_it_is_and_in_one_line(
     assert "other" in texts
 
 
-@pytest.mark.parametrize("plot", [plot_curve, plot_curve_wide])
-@pytest.mark.parametrize("name", NASTY)
+@pytest.mark.parametrize(("plot", "name"), pairs((plot_curve, plot_curve_wide), NASTY))
 def test_a_sweep_names_its_stops_as_they_are(plot: Callable[..., Any], name: str) -> None:
     assert name.replace("\n", " ") in [text.strip("\u200a") for text in drawn(plot(swept("P2", name)))]
 
@@ -103,30 +111,33 @@ def test_labels_are_drawn_as_they_are_and_our_own_mathematics_stays(history: His
     assert plot_mode_shapes(paper_joint().replace(title="$5"), modes).get_ylabel() == "mode shape [kg$^{-1/2}$]"
 
 
-@pytest.mark.parametrize("plot", OF_HISTORIES, ids=lambda plot: plot.__name__)
-@pytest.mark.parametrize(
-    ("words", "width"),
-    [
-        (SIXTY, COLUMN_WIDTH),
-        ("W" * 60, COLUMN_WIDTH),
-        ("W" * 60, PAGE_WIDTH),
-        ("file_names_without_any_space_" * 5, COLUMN_WIDTH),
-        ("long " * 60, PAGE_WIDTH),
-    ],
+LONG = (
+    (SIXTY, COLUMN_WIDTH),
+    ("W" * 60, COLUMN_WIDTH),
+    ("W" * 60, PAGE_WIDTH),
+    ("file_names_without_any_space_" * 5, COLUMN_WIDTH),
+    ("long " * 60, PAGE_WIDTH),
 )
-def test_long_words_stay_on_the_paper(history: History, plot: Callable[..., Any], words: str, width: float) -> None:
+
+
+@pytest.mark.parametrize(("plot", "words_and_width"), pairs(OF_HISTORIES, LONG))
+def test_long_words_stay_on_the_paper(
+    history: History, plot: Callable[..., Any], words_and_width: tuple[str, float]
+) -> None:
+    words, width = words_and_width
     axes = plot(named(history, words, f"{words[:-1]}b", title=words), new_axes(width, 3.2))
     assert_fits(axes, width, 3.2)
     assert axes.get_position().width > 0.45  # of the figure
 
 
-@pytest.mark.parametrize("plot", [plot_curve, plot_curve_wide])
-@pytest.mark.parametrize(
-    ("words", "path"), [(SIXTY, "stops.P2.gap"), ("W" * 60, FREQUENCY), ("long " * 60, "stops.P2.gap")]
-)
+SWEPT = ((SIXTY, "stops.P2.gap"), ("W" * 60, FREQUENCY), ("long " * 60, "stops.P2.gap"))
+
+
+@pytest.mark.parametrize(("plot", "words_and_path"), pairs((plot_curve, plot_curve_wide), SWEPT))
 def test_a_sweep_of_stops_with_long_names_stays_on_the_paper(
-    tmp_path: Path, plot: Callable[..., Any], words: str, path: str
+    tmp_path: Path, plot: Callable[..., Any], words_and_path: tuple[str, str]
 ) -> None:
+    words, path = words_and_path
     name = words.strip()
     axes = plot(swept(name, "other", path=path.replace("P2", name)))
     save(axes, tmp_path / "curve.png")
@@ -138,7 +149,7 @@ def test_sixty_characters_are_written_out_where_a_line_is_theirs(history: Histor
     assert SIXTY in drawn(plot_curve_wide(swept(SIXTY)))
 
 
-@pytest.mark.parametrize("number", [14, 40, 150])
+@pytest.mark.parametrize("number", [14, pytest.param(40, marks=pytest.mark.thorough), 150])
 def test_many_stops_have_a_key_that_fits_and_colour_and_marker_of_their_own(history: History, number: int) -> None:
     axes = plot_contact_impulses(many(history, number))
     assert_fits(axes, PAGE_WIDTH, 3.2)

@@ -75,7 +75,9 @@ def last_failure(watch: HandMade, matrix: FloatArray, deviation: FloatArray, per
     return fails
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize(
+    "seed", [*range(10), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(10, 30))]
+)
 def test_the_last_period_that_fails_is_that_of_brute_force(seed: int) -> None:
     """Random maps of three real and two complex multipliers, non-normal, with decays from 0.5 to 0.995."""
     rng = np.random.default_rng(seed)

@@ -181,25 +181,27 @@ def test_effort_in_switches_ends_in_undecided() -> None:
     assert found.acceptance.periods < TRANSIENT + STRETCH
 
 
-def test_longer_motions_than_allowed_are_not_certified() -> None:
-    """The bar repeats after two periods, and no shorter search says that it does."""
-    problem = bar(3.0, (0.0, 20.0), ratio=0.03)
-    map_ = Bar().period_map(problem)
-    found = Search(map_, Effort(max_period_multiple=1, max_periods=600, growth=False)).run(map_.initial())
-    assert isinstance(found.motion, Wandering)
-    assert found.motion.outcome is Outcome.UNDECIDED
-    assert found.motion.exponent.negative
+@pytest.fixture(scope="module")
+def too_long() -> Wandering:
+    """A bar that repeats after two periods, to a search that looks for one."""
+    map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
+    found = Search(map_, Effort(max_period_multiple=1, max_periods=600, growth=False)).run(map_.initial()).motion
+    assert isinstance(found, Wandering)
+    return found
 
 
-def test_the_exponent_of_a_motion_too_long_to_be_looked_for_is_its_multipliers() -> None:
-    problem = bar(3.0, (0.0, 20.0), ratio=0.03)
-    map_ = Bar().period_map(problem)
-    short = Search(map_, Effort(max_period_multiple=1, max_periods=600, growth=False)).run(map_.initial()).motion
+def test_longer_motions_than_allowed_are_not_certified(too_long: Wandering) -> None:
+    """No shorter search says that it repeats."""
+    assert too_long.outcome is Outcome.UNDECIDED
+    assert too_long.exponent.negative
+
+
+def test_the_exponent_of_a_motion_too_long_to_be_looked_for_is_its_multipliers(too_long: Wandering) -> None:
+    map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
     long = Search(map_, Effort(growth=False)).run(map_.initial()).motion
-    assert isinstance(short, Wandering)
     assert isinstance(long, Orbit)
     decay = math.log(abs(long.multipliers[0])) / (2 * map_.period)
-    assert short.exponent.quarters[-1] == pytest.approx(decay, rel=1e-3)
+    assert too_long.exponent.quarters[-1] == pytest.approx(decay, rel=1e-3)
 
 
 # --- Courses -------------------------------------------------------------------------------------------------------

@@ -128,7 +128,14 @@ def test_marching_on_from_where_a_motion_was_accepted_leads_to_it(solver: str, k
     assert steady.acceptance.sensitive is False
 
 
-@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 40))])
+@pytest.mark.parametrize(
+    "seed",
+    [
+        *(0, 1, 2, 3, 7),
+        *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (4, 5, 6)),
+        *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 40)),
+    ],
+)
 def test_a_random_bar_is_where_its_march_leads(seed: int) -> None:
     """One stop or two, near what the motion without contact reaches; damped so that all of it is over soon."""
     rng = np.random.default_rng(seed)
@@ -222,7 +229,7 @@ FINER: dict[str, tuple[Any, Any]] = {
 
 
 @pytest.mark.parametrize("pair", FINER)
-@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("back", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_another_resolution_takes_over_a_section_point(pair: str, back: bool) -> None:
     """From its place another resolution finds its own orbit, sooner than from rest and not far away."""
     one, other = FINER[pair][::-1] if back else FINER[pair]

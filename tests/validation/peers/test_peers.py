@@ -44,8 +44,15 @@ def why_not() -> str:
     return done.stderr.strip().splitlines()[-1] if done.returncode else ""
 
 
-REASON = why_not()
-needs_opensees = pytest.mark.skipif(bool(REASON), reason=f"openseespy cannot be imported: {REASON}")
+@pytest.fixture(scope="module")
+def opensees() -> None:
+    """OpenSees, where it can be imported."""
+    reason = why_not()
+    if reason:
+        pytest.skip(f"openseespy cannot be imported: {reason}")
+
+
+needs_opensees = pytest.mark.usefixtures("opensees")
 JOINT = peers.damped_joint()
 COARSE = Solver(elements=16, dt=2e-5)
 

@@ -48,7 +48,14 @@ def test_initial_shapes_are_those_of_the_file() -> None:
 
 
 @pytest.mark.parametrize(
-    "fault", ["phase", "ratios", "sine phase", "torsion", "harmonic of the base", "harmonic of a load"]
+    "fault",
+    [
+        *("phase", "torsion"),
+        *(
+            pytest.param(it, marks=pytest.mark.thorough)
+            for it in ("ratios", "sine phase", "harmonic of the base", "harmonic of a load")
+        ),
+    ],
 )
 def test_a_fault_of_the_loads_is_caught(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def faulty(text: str) -> Problem:

@@ -88,6 +88,7 @@ def test_a_solver_that_ignores_the_phase_of_the_base_is_caught(monkeypatch: pyte
     assert all("FE" in name for name in caught)
 
 
+@pytest.mark.thorough
 def test_one_ratio_for_all_modes_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ModalDamping, "ratios", lambda self, count: np.full(count, np.atleast_1d(self.ratio)[0]))
     assert disagree("springs")
@@ -101,6 +102,7 @@ def test_an_impulse_per_period_that_is_a_thousandth_too_large_is_caught(monkeypa
     assert any("impulse" in name and "steady" in name for name in disagree("doubled"))
 
 
+@pytest.mark.thorough
 def test_a_gap_read_one_percent_wide_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     original = files.from_toml
 

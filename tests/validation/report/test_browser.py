@@ -32,12 +32,20 @@ def requests(log: Path) -> set[str]:
     return {url for url in by_page if re.match(r"(https?|wss?|ftp):", url)}
 
 
-def test_it_is_read_whole_and_asks_for_nothing(folder: Path, tmp_path: Path) -> None:
-    log = tmp_path / "net.json"
-    page = browse(tmp_path, folder / "report.html", f"--log-net-log={log}", "--dump-dom")
+@pytest.fixture(scope="module")
+def shown(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, set[str]]:
+    """The page as the browser has it, and what it asked for."""
+    profile = tmp_path_factory.mktemp("profile")
+    log = profile / "net.json"
+    page = browse(profile, folder / "report.html", f"--log-net-log={log}", "--dump-dom")
+    return page, requests(log)
+
+
+def test_it_is_read_whole_and_asks_for_nothing(shown: tuple[str, set[str]]) -> None:
+    page, asked = shown
     assert page.rstrip().endswith("</html>")
     assert "<script>alert" not in page
-    assert requests(log) == set()
+    assert asked == set()
 
 
 def test_a_request_would_have_been_seen(tmp_path: Path) -> None:
@@ -84,10 +92,12 @@ def test_paper_holds_the_verdicts_and_not_the_evidence(folder: Path, tmp_path: P
     assert 1 <= pages <= 4
 
 
-def test_a_link_to_a_row_opens_the_table_that_holds_it(folder: Path, tmp_path: Path) -> None:
+def test_a_link_to_a_row_opens_the_table_that_holds_it(
+    folder: Path, tmp_path: Path, shown: tuple[str, set[str]]
+) -> None:
     row = re.findall(r'id="([\w-]+-check-\d+)"', (folder / "report.html").read_text(encoding="utf-8"))[-2]
-    for target, expected in ((f"#{row}", " open"), ("", "")):
-        page = browse(tmp_path, folder / "report.html", "--dump-dom", fragment=target)
+    linked = browse(tmp_path, folder / "report.html", "--dump-dom", fragment=f"#{row}")
+    for page, expected in ((linked, " open"), (shown[0], "")):
         before = page[: page.index(f'id="{row}"')]
         attributes = re.findall(r"<details([^>]*)>", before)[-1]
         assert (" open" in attributes) == bool(expected)
