@@ -65,7 +65,7 @@ def bifurcations_of(family: Family, run: Run) -> Iterator[Found]:
     apart = {jump.index for jump in run.jumps}
     for i, (a, b) in enumerate(pairwise(run.places), start=1):
         if i not in apart and a.extrema.closings == b.extrema.closings:
-            for one in between(family, a, b):
+            for one in between(family, a, b, (None, None)):
                 if isinstance(one, Located):
                     yield Found(one.kind, one.place, one.place.value, smooth_finder(one.kind, one.place))
 
@@ -78,5 +78,5 @@ def carried(place: Place, family: Family) -> SectionPoint:
     x[0], x[-1] = 0.0, problem.beam.length
     z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
     shape = SampledShape(x=tuple(x.tolist()), displacement=tuple(z.tolist()), velocity=tuple(v.tolist()))
-    start = family.solver.period_map(problem.replace(initial=shape)).initial()
+    start = family.solver_at(place.value).period_map(problem.replace(initial=shape)).initial()
     return family.adopted(place.value, start)

@@ -346,7 +346,7 @@ class _Follower:
             return
         if passed is not None:
             self._pass(*passed)
-        else:
+        elif not self._jump(0, back=True):
             self._end = "lost"
 
     def _widened(self) -> int:
@@ -355,9 +355,9 @@ class _Follower:
         lately = [one.width for one in self._jumps if abs(here - one.last) <= _LATELY * abs(one.last - one.first)]
         return min(max(lately, default=-1) + 1, len(_JUMPS) - 1)
 
-    def _jump(self, width: int) -> bool:
+    def _jump(self, width: int, *, back: bool = False) -> bool:
         """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it."""
-        found = _jumped(self._family, self._here, width)
+        found = _jumped(self._family, self._here, width, back)
         if found is None:
             return False
         beyond, width = found
@@ -456,26 +456,27 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     return Graze(extremum.stop, value, kind, graze, coming.rate, index), after
 
 
-def _jumped(family: Family, here: Place, least: int) -> tuple[Place, int] | None:
+def _jumped(family: Family, here: Place, least: int, back: bool) -> tuple[Place, int] | None:
     """The motion some way on that is much like this one, where the curve between them cannot be followed.
 
     If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it.  The widths
     that are left out are tried in turn, from the one with number `least`; the number goes with the motion.  A motion
     that is as stable as this one is preferred: just before a graze, where the map's derivative grows, it need not be.
+    With `back`, the curve folds where modes make the map jump, and the motion lies behind, with other contacts.
     """
-    sign, otherwise = math.copysign(1.0, here.tangent[-1]), None
+    sign, otherwise = math.copysign(1.0, -here.tangent[-1] if back else here.tangent[-1]), None
     for width, share in list(enumerate(_JUMPS))[least:]:
         value = here.value + sign * share * family.scale(here.value)
         if not family.low <= value <= family.high:
             break
         guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
         point = family.adopted(value, here.point)
-        if here.orbit.stable:
+        if here.orbit.stable or back:
             for _ in range(_SETTLING):
                 point = family.at(value).marched(point, here.count)
         for guess in [*guesses, point]:
             found = corrected(family, value, guess, here.count, fixed=True)
-            if found is None:
+            if found is None or (back and found.extrema.closings == here.extrema.closings):
                 continue
             chord = found.chord(family, here)
             beyond = found.along(np.append(np.zeros(chord.size - 1), sign)), width
