@@ -93,3 +93,16 @@ def test_a_finer_solver_finds_each_bifurcation_again_and_not_its_neighbour() -> 
         assert a.kind == b.kind
         assert abs(a.value - b.value) <= 1e-5 * b.value  # the nearest two are ten times as far apart
         assert b.error <= 1e-5 * b.value
+
+
+def test_a_branch_goes_on_behind_a_fold_at_which_truncated_modes_make_the_map_jump() -> None:
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    low, high = 189.5, 192.0
+    family = family_of(analytic.Solver(), joint, FREQUENCY, low, high)
+    seed = seed_from(family, 191.5, family.at(191.5).map.initial(), 1)
+    assert seed is not None
+    found = trace(family, seed, most_multiple=1, errors=False)
+    assert found is not None
+    assert found.branch.ends == ("boundary", "boundary")
+    assert {found.branch.points[i].value for i in (0, -1)} == {low, high}
