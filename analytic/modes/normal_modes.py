@@ -21,11 +21,12 @@ compares modal coordinates across problems has to allow for that; a motion never
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import solve_banded
+from scipy.linalg import eigh, solve_banded
 
 from analytic.modes.beam_functions import BeamFunctions, gram, squares
 from analytic.modes.boundary_conditions import BAND, boundary_band, boundary_matrix, mode_waves
@@ -36,6 +37,9 @@ from lapjoint.problem import Beam, FloatArray, Problem
 _POOL = 40  # least number of modes computed at once; doubled until it is enough
 _FEW_SPANS = 6  # up to so many all modes are solved for at once, as dense matrices; more take them by their diagonals
 _TWIN = 1e-9  # relative distance of roots below which they are one root to the boundary matrix
+_SLOW = 1e-2
+"""beta L up to which a mode has the shape of a rigid bar's motion.  It bends by some (beta L)^4 / 200, 5e-11 at this
+limit; waves that nearly cancel lose more: impulses of a beam on two soft springs were off by 2e-6 at half of it."""
 _CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are made orthogonal
 
 
@@ -113,9 +117,9 @@ def _exact_modes(
 ) -> NormalModes:
     L, layout = beam.length, Layout(np.array(x), np.array(translational), np.array(torsional))
     z = frequencies(layout, count)
-    rigid = int(np.count_nonzero(z == 0))
-    elastic = _elastic_shapes(layout, z[rigid:], L)
-    shapes = _joined(_rigid_shapes(layout, rigid, L), elastic)
+    slow = int(np.count_nonzero(z <= _SLOW))
+    elastic = _elastic_shapes(layout, z[slow:], L)
+    shapes = _joined(_rigid_shapes(layout, slow, L), elastic)
     norm = 1 / np.sqrt(beam.m * squares(shapes))  # (16), (17)
     shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
     shapes = shapes.scaled(np.where(_at_tip(shapes, z / L) < 0, -1.0, 1.0))
@@ -183,14 +187,29 @@ def _null_vector_of_band(band: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.svd(matrix)[2][-1])
 
 
-def _rigid_shapes(layout: Layout, rigid: int, L: float) -> FloatArray:
-    """p0, p1 of the rigid-body modes, orthogonal on a uniform beam, shape ``(rigid, 2)``."""
-    if rigid == 2:
-        return np.array([[1.0, 0.0], [-1.0, 2.0 / L]])
-    if rigid == 1:
-        pivot = np.flatnonzero(layout.translational > 0)
-        return np.array([[-layout.x[pivot[0]], 1.0 / L]]) if pivot.size else np.array([[1.0, 0.0]])
-    return np.zeros((0, 2))
+def _rigid_shapes(layout: Layout, count: int, L: float) -> FloatArray:
+    """p0, p1 of the `count` slowest motions of a rigid bar on the springs, orthogonal, shape ``(count, 2)``."""
+    ways = _free_ways(layout)
+    spring = np.zeros((2, 2))
+    for x, k, kt in zip(layout.x, layout.translational, layout.torsional, strict=True):
+        spring += (k if math.isfinite(k) else 0.0) * np.outer([1.0, x], [1.0, x])
+        spring[1, 1] += kt if math.isfinite(kt) else 0.0
+    # Of springs of very different stiffness, the softer mode is where the stiffer ones do not move, to rounding.
+    stiffest = float(spring.max(initial=0.0)) or 1.0
+    mass = ways.T @ np.array([[1.0, 1 / 2], [1 / 2, 1 / 3]]) @ ways
+    _, found = eigh(ways.T @ (spring / stiffest) @ ways, mass)
+    return np.asarray((ways @ found).T[:count] / [1.0, L])
+
+
+def _free_ways(layout: Layout) -> FloatArray:
+    """The motions 1, x / L of a rigid bar, or their sum, that fixed supports allow, as columns, shape ``(2, ways)``."""
+    pins = layout.x[np.isinf(layout.translational)]
+    held = np.isinf(layout.torsional).any()
+    if pins.size > 1 or (pins.size and held):
+        return np.zeros((2, 0))
+    if pins.size:
+        return np.array([[-pins[0]], [1.0]])
+    return np.array([[1.0], [0.0]]) if held else np.array([[1.0, -1.0], [0.0, 2.0]])
 
 
 def _joined(rigid: FloatArray, elastic: BeamFunctions) -> BeamFunctions:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.errors import InputError
+from lapjoint.figures.branch_curve import Curve, curve_of, heights_of
 from lapjoint.figures.branch_names import KIND_NAMES, number_of
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label
@@ -48,16 +49,16 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
         raise InputError(f"ordinate = {ordinate!r}: allowed: {', '.join(ORDINATES)}")
     axes = new_axes(COLUMN_WIDTH, 2.7) if axes is None else axes
     name = number_of(dataset)
-    x, values = dataset[name].values, dataset[ordinate].values
+    values = dataset[ordinate].values
+    heights = heights_of(dataset, values, impulses=ordinate == "impulse")
     for branch in range(dataset.branch_first_end.size):
-        mine = np.flatnonzero(dataset.branch.values == branch)
+        curve = curve_of(dataset, branch, values, heights)
         for stop in range(values.shape[1]):
-            colour = COLOURS[stop % len(COLOURS)]
-            _draw(axes, x[mine], values[mine, stop], dataset.stable.values[mine] == 1, colour)
+            _draw(axes, curve, stop)
     for stop, label in enumerate(dataset.stop_name.values):
         axes.plot([], [], color=COLOURS[stop % len(COLOURS)], label=str(label))
     if dataset.stop_name.size:
-        _mark(axes, dataset, values, ordinate)
+        _mark(axes, dataset, values, heights)
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_xlabel(axis_label(dataset, name))
     axes.set_ylabel(ORDINATES[ordinate])
@@ -67,28 +68,25 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     return axes
 
 
-def _draw(axes: Axes, x: FloatArray, y: FloatArray, stable: FloatArray, colour: str) -> None:
-    """One branch of one stop: runs of stable points solid, of unstable ones dashed, each to the next run's first."""
-    edges = [0, *(np.flatnonzero(stable[1:] != stable[:-1]) + 1).tolist(), x.size]
+def _draw(axes: Axes, curve: Curve, stop: int) -> None:
+    """One branch of one stop: stable parts solid, unstable ones dashed."""
+    colour, stable = COLOURS[stop % len(COLOURS)], curve.stable
+    edges = [0, *(np.flatnonzero(stable[1:] != stable[:-1]) + 1).tolist(), stable.size]
     for first, last in pairwise(edges):
-        part = slice(first, last + 1)
-        axes.plot(x[part], y[part], color=colour, linestyle="-" if stable[first] else (0, (2.5, 1.5)), linewidth=0.9)
+        part, dashes = slice(first, last + 1), "-" if stable[first : first + 1].all() else (0, (2.5, 1.5))
+        axes.plot(curve.x[part], curve.y[part, stop], color=colour, linestyle=dashes, linewidth=0.9)
 
 
-def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, ordinate: str) -> None:
-    """Bifurcations, on the curve of the stop that is pressed hardest: where each is, or at the point that follows."""
+def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, heights: FloatArray) -> None:
+    """Bifurcations, on the curve of the stop that is pressed hardest."""
     stop = int(np.argmax(np.abs(values).max(axis=0))) if values.size else 0
     kinds = dataset.bifurcation_kind.values
-    heights = values[np.minimum(dataset.bifurcation_point.values, len(values) - 1), stop]
-    if ordinate == "impulse":
-        known = dataset.bifurcation_impulse.values[:, stop]
-        heights = np.where(np.isfinite(known), known, heights)
     for kind, label in enumerate(KIND_NAMES):
         mine = kinds == kind
         if mine.any():
             axes.plot(
                 dataset.bifurcation_value.values[mine],
-                heights[mine],
+                heights[mine, stop],
                 linestyle="",
                 marker=MARKERS[kind],
                 markersize=3.5,

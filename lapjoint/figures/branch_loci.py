@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+NONE = "no bifurcation in this range"
+"""What stands in a figure without loci."""
+
 
 @style()
 def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
@@ -54,6 +57,8 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     axes.set_ylabel(axis_label(dataset, number_of(dataset)))
     axes.set_xlim(*_widened(dataset[second].values))
     axes.set_ylim(*_widened(np.asarray(dataset.attrs["range"], dtype=float)))
+    if not names.size:
+        axes.text(0.5, 0.5, NONE, transform=axes.transAxes, ha="center", va="center", color=GREY)
     entitle(axes)
     return axes
 

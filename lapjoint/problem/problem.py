@@ -32,6 +32,14 @@ SCHEMA_VERSION: Literal[1] = 1
 """It is raised whenever an older reader would misread a file, or refuse what an older one took."""
 
 
+_SOFTEST, _FIXED = 1e-16, 1e20
+"""Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
+On softer ones the slowest mode takes some 1e8 times as long as a bending mode, and its motion in a double number has
+too few digits left; stiffer ones are fixed to rounding."""
+_STIFFEST = 1e13
+"""Largest stiffness of a stop over EI / L^3: how far a stiffer one is pressed has too few digits left."""
+
+
 class Problem(Part):
     """A beam with supports, stops, damping, excitation and an initial state."""
 
@@ -51,7 +59,7 @@ class Problem(Part):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        faults = [*_outside_the_beam(self), *_names_used_twice(self), *_too_large(self)]
+        faults = [*_outside_the_beam(self), *_names_used_twice(self), *_too_large(self), *_beyond_digits(self)]
         if not faults:
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
@@ -346,6 +354,27 @@ def _too_large(problem: Problem) -> Iterator[str]:
             yield (
                 f"stops[{i}]: stiffness times gap comes to {stop.stiffness * stop.gap:g}, and must be finite; "
                 "it follows from stiffness and gap"
+            )
+
+
+def _beyond_digits(problem: Problem) -> Iterator[str]:
+    """Springs so soft or so stiff, beside the beam, that double precision does not hold what they do."""
+    L, EI = problem.beam.length, problem.beam.EI
+    units = {"translational": (EI / L**3, "EI / length^3"), "torsional": (EI / L, "EI / length")}
+    for i, support in enumerate(problem.supports):
+        for name, (unit, text) in units.items():
+            spring, least, most = getattr(support, name), _SOFTEST * unit, _FIXED * unit
+            if 0 < spring < least or most < spring < math.inf:
+                yield (
+                    f"supports[{i}].{name} = {spring:g}: is {spring / unit:.2g} {text}; allowed are 0, "
+                    f"{_SOFTEST:g} to {_FIXED:g} {text}, which is {least:.2g} to {most:.2g}, and inf"
+                )
+    unit, text = units["translational"]
+    for i, stop in enumerate(problem.stops):
+        if stop.stiffness > _STIFFEST * unit:
+            yield (
+                f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
+                f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
             )
 
 

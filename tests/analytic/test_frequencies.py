@@ -161,7 +161,9 @@ def test_high_modes_of_the_paper_joint_are_evenly_spaced() -> None:
 def test_a_stop_counts_as_a_spring_only_while_closed() -> None:
     beam = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
     clamped = Support(x=0, translational=math.inf, torsional=math.inf)
-    stop = Stop(x=1.0, side="top", gap=0.1, stiffness=1e20)
+    stop = Stop(x=1.0, side="top", gap=0.1, stiffness=1e13)
     problem = Problem(beam=beam, supports=(clamped,), stops=(stop,))
     assert frequencies(layout_of(problem), 1)[0] == pytest.approx(1.8751040687119611, rel=1e-14)
-    assert frequencies(layout_of(problem, (0,)), 1)[0] == pytest.approx(3.9266023120479185, rel=1e-14)
+    assert frequencies(layout_of(problem, (0,)), 1)[0] == pytest.approx(
+        3.9266023120479185, rel=1e-11
+    )  # as on a pin, but for the spring

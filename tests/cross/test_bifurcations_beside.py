@@ -21,6 +21,7 @@ from lapjoint import History
 from lapjoint.answers.branches import Branch
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.seeds import on_branch
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml
@@ -208,6 +209,20 @@ def test_a_branch_from_an_end_of_its_range_begins_there_with_nothing_unresolved(
     branch = traced(SOLVERS["analytic"], bar)[1].branch
     assert [one.kind for one in branch.bifurcations] == [SYMMETRY]
     assert {point.value for point in branch.points} >= {bar.low.amplitude, bar.high.amplitude}
+
+
+@pytest.mark.parametrize("number", [13, pytest.param(10, marks=pytest.mark.thorough)])
+def test_a_branch_that_is_known_from_afar_is_known_where_it_springs(number: int) -> None:
+    family, found = traced(SOLVERS["analytic"], draw(number, SYMMETRY))
+    (seed,) = found.seeds
+    springing = trace(family, seed, most_multiple=1, errors=False)
+    assert springing is not None
+    last = springing.branch.points[-1]
+    again = trace(family, Seed(last.value, last.motion.section_point, seed.count), most_multiple=1, errors=False)
+    assert again is not None
+    points = again.branch.points
+    values, sections = [one.value for one in points], [one.motion.section_point for one in points]
+    assert on_branch(family, seed, values, sections, seed.count)
 
 
 def test_a_march_beside_the_breaking_of_a_symmetry_does_what_the_branch_says() -> None:

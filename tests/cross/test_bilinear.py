@@ -94,6 +94,11 @@ def test_the_branches_of_a_bar_have_the_folds_and_flips_of_the_closed_form(kind:
 
 
 @pytest.mark.thorough
+def test_a_branch_folds_just_before_a_graze_although_a_part_before_that_is_not_resolved() -> None:
+    assert check_exactly(draw(32, "fold", on_pin=False)) == 1  # a graze follows the fold by 1e-6 of the amplitude
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize(("solver", "kind"), [("analytic", "flip"), ("fe", "fold")])
 def test_stiff_bars_tend_to_the_folds_and_flips_of_the_closed_form(kind: str, solver: str) -> None:
     assert check_in_the_limit(draw(1, kind, on_pin=True), SOLVERS[solver]) >= 1

@@ -3,14 +3,14 @@
 A cantilever that comes to its stop goes over a graze, whose amplitude is closed form, and two folds.  A bar against one
 stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1; one that touches its stop once a
 period folds where the amplitude of the bilinear oscillator is extreme over the duration of its contact.  On either side
-of a bifurcation, and from every start of a small basin, a plain march must end as it says.
+of a fold or a flip, and from every start of a small basin, a plain march must end as it says.  Where a symmetry breaks,
+and where a torus is born, is closed form (`branch_births`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from statistics import NormalDist
 from typing import Any
 
@@ -24,6 +24,8 @@ from lapjoint import BaseMotion, Beam, PolynomialShape, Problem, Stop, Support, 
 from lapjoint.answers import SectionPoint
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, number, table
+from validation.cases.branch_births import over_births
+from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure
 from validation.cases.rigid_bar import CURVED, DOUBLED, RATIO, SOFT
 from validation.references.bilinear_map import BilinearMap, Piece
 from validation.references.rigid_bar import RigidBar
@@ -34,15 +36,13 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 BEAM = ShakenCantilever(length=1.0, stiffness=1.0, mass=1.0, damping=0.8)
 GAP, OMEGA = 1e-3, 5.0  # m, rad/s
 AMPLITUDES = (3.15e-4, 3.45e-4)  # m, of the base: both folds, 3.20e-4 and 3.36e-4, and the graze between them
-AMPLITUDE, FREQUENCY = "base_motion.amplitude", "base_motion.angular_frequency"
+FREQUENCY = "base_motion.angular_frequency"
 SOLVERS: dict[str, tuple[dict[str, int], Any]] = {
     "analytic": ({"n_modes": 8}, analytic.Solver(n_modes=8)),
     "fe": ({"elements": 4}, fe_lapjoint.Solver(elements=4)),
 }
 SEQUENCE = ("grazing", "fold", "fold")
 """What the motion that begins without contact comes to."""
-CLOSELY = {"analytic": 1e-6, "fe": 1e-3}
-"""Largest stated error over the value: an error that says nothing would hide any difference."""
 BESIDE = 4e-3
 """Of the number: how far from a fold marches are.  Nearby they take as many periods as one over its root."""
 MARCHED = 300  # periods of the excitation, in which what a multiplier of 0.96 leaves falls to 1e-5
@@ -53,10 +53,6 @@ APPROACH = 5
 """Steps of the amplitude from the end of the range to the upper fold: a larger change throws the beam at its stop."""
 PRESSED = 5e-4  # N s a period: between the motions on either side of a fold
 FLIPS = (22.95, 23.25)  # rad/s: the bar flips at 23.14
-BARS: dict[str, tuple[dict[str, int], Any]] = {
-    "analytic": ({"n_modes": 2}, analytic.Solver(n_modes=2)),
-    "fe": ({"elements": 1}, fe_lapjoint.Solver(elements=1)),
-}
 DOUBLE = 1.016
 """Of the frequency of the flip: a march from rest comes to the motion of two periods there, and below to another of
 three."""
@@ -148,41 +144,6 @@ def cantilever(amplitude: float) -> Problem:
         damping=ViscousDamping(coefficient=BEAM.damping),
         base_motion=BaseMotion(amplitude=amplitude, angular_frequency=OMEGA),
     )
-
-
-@dataclass(frozen=True)
-class Found:
-    """A bifurcation."""
-
-    kind: str
-    """Its name."""
-    value: Estimate
-    """The number, with its error."""
-    stop: int
-    """The stop that is grazed; -1 where none is."""
-    after: str
-    """What the branch does at a graze."""
-
-
-def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:
-    """Those of the first branch, in the sequence in which it comes to them."""
-    names = found["bifurcation_kind"].attrs["flag_meanings"].split()
-    result = []
-    for i in np.flatnonzero(found["bifurcation_branch"].values == 0).tolist():
-        value, error = float(found["bifurcation_value"][i]), float(found["bifurcation_error"][i])
-        kind = names[int(found["bifurcation_kind"][i])]
-        estimate = Estimate(value, error, f"{solver}, with its error")
-        result.append(
-            Found(kind, estimate, int(found["bifurcation_stop"][i]), str(found["bifurcation_after"].values[i]))
-        )
-    return result
-
-
-def sure(label: str, solver: str, found: Sequence[Found]) -> Iterator[Criterion]:
-    """How surely each is known: more surely than none, and no less than the solver's resolution gives."""
-    for i, one in enumerate(found):
-        error = one.value.uncertainty / one.value.value
-        yield Criterion(f"{label} {i + 1}, error over value: {solver}", "1", error, 1e-16, CLOSELY[solver], "resolved")
 
 
 def over_folds(say: Say) -> Iterator[Check | Criterion]:
@@ -416,7 +377,7 @@ def wilson(share: float, count: int) -> tuple[float, float]:
 
 def run(level: Level, say: Say) -> CaseResult:
     """All of it."""
-    items = [*over_folds(say), *over_flips(say), *over_contacts(say), *basin(say)]
+    items = [*over_folds(say), *over_flips(say), *over_contacts(say), *over_births(say), *basin(say)]
     checks = tuple(item for item in items if isinstance(item, Check))
     rows = [(c.name, c.unit, number(c.a.value, 10), number(c.b.value, 10), number(c.allowed, 2)) for c in checks]
     return CaseResult(
@@ -425,9 +386,10 @@ def run(level: Level, say: Say) -> CaseResult:
         "Periodic motions are followed over a number of the problem by both solvers: a cantilever over a graze, whose "
         "amplitude is closed form, and over two folds; a bar over a flip, which is where the leading multiplier of a "
         "rigid bar, by numpy alone, passes -1; a bar of one contact a period over two folds, where the amplitude of "
-        "the bilinear oscillator, in closed form over the duration of its contact, is extreme. On either side of each "
-        "bifurcation, and from each start of a small basin of two motions, a plain march ends as the branch or the "
-        "basin says.",
+        "the bilinear oscillator, in closed form over the duration of its contact, is extreme; a bar whose symmetry "
+        "breaks, and one whose motion becomes a torus, where multipliers in closed form leave the unit circle. On "
+        "either side of each fold and flip, and from each start of a small basin of two motions, a plain march ends as "
+        "the branch or the basin says.",
         checks=checks,
         criteria=tuple(item for item in items if isinstance(item, Criterion)),
         tables=(table("Bifurcations and shares", ("quantity", "unit", "one", "other", "allowed"), rows),),

@@ -54,6 +54,22 @@ BRANCHES = (
         new="place.orbit.values + 1.01), initial=1.0)",
     ),
     Fault(
+        "branch-symmetry-overlooked",
+        "an event dropped",
+        "lapjoint.orbits.branches.bifurcations",
+        "The sign of det(1 + M) is not looked at for motions that mirror themselves.",
+        old="np.count_nonzero(real < -1) % 2 == 0)",
+        new="np.count_nonzero(real < -1) % 2 == 0 or place.count % 2)",
+    ),
+    Fault(
+        "branch-torus-late",
+        "a factor",
+        "lapjoint.orbits.branches.bifurcations",
+        "A Neimark-Sacker is located where the modulus of the pair is 1.01.",
+        old="np.abs(np.abs(pairs) - 1)",
+        new="np.abs(np.abs(pairs) - 1.01)",
+    ),
+    Fault(
         "branch-known-again",
         "counted twice",
         "lapjoint.orbits.branches.seeds",

@@ -168,6 +168,7 @@ class _Follower:
         self._bend: FloatArray | None = None
         self._ceiling = _LONGEST
         self._refused = math.inf
+        self._before_fold: Jump | None = None
         self._expected = 0.0
         self._end, self._tries = "", 0
         self._start, self._looked, self._missed = Start(family, start), 0, 0.0
@@ -297,9 +298,7 @@ class _Follower:
             self._end = "boundary"
         elif _comes_to_shorter(self._family, self._here, new):
             self._end = "bifurcation"
-        elif self._turned_back(new):
-            self._leave_out_more()
-        else:
+        elif not (self._turned_back(new) and self._leave_out_more()):
             self._bend = _bend(self._family, self._here, new)
             self._come_to(new, rates)
             grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
@@ -374,15 +373,23 @@ class _Follower:
         if not self._jumps or len(self._places) - self._jumps[-1].index >= _FEW:
             return False
         last = self._jumps[-1]
+        if last is self._before_fold:
+            return False
         return (new.value - last.last) * (last.last - last.first) < 0
 
-    def _leave_out_more(self) -> None:
-        """Leave out a wider part instead of the last one."""
-        last = self._jumps.pop()
-        del self._places[last.index :]
-        self._grazes = [graze for graze in self._grazes if graze.index < last.index]
-        if not self._jump(last.width + 1):
-            self._end = "lost"
+    def _leave_out_more(self) -> bool:
+        """Leave out a wider part instead of the last one; whether there is a motion beyond it.
+
+        If there is none, the curve has a fold just beyond that part, and goes on.
+        """
+        places, grazes, last = self._places, self._grazes, self._jumps.pop()
+        self._places = places[: last.index]
+        self._grazes = [graze for graze in grazes if graze.index < last.index]
+        if self._jump(last.width + 1):
+            return True
+        self._places, self._grazes, self._before_fold = places, grazes, last
+        self._jumps.append(last)
+        return False
 
 
 def _outward(family: Family, place: Place) -> bool:

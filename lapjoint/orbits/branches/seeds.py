@@ -23,6 +23,9 @@ located are one: branches leave them along a parabola, so that the motions diffe
 _NEAR = 3.0
 """Distance of a motion from a branch, over that of the branch's neighbours, from which it is not looked at closer."""
 
+_BESIDE = 0.1
+"""Distance of a motion from the chord between two of a branch, over the chord's length, up to which it may be of it."""
+
 
 @in_one_thread
 def seed_from(family: Family, value: float, start: SectionPoint, most_multiple: int) -> Seed | None:
@@ -136,8 +139,23 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
                 continue
             share = (seed.value - all_values[i]) / ((all_values[i + 1] - all_values[i]) or 1.0)
             guess = half.map.moved(ends[0], share * half.map.difference(ends[1], ends[0]))
-            for one in (guess, *ends):
+            for one in (guess, *ends, *_on_chord(half, ends, image)):
                 found = corrected(family, seed.value, one, count, fixed=True)
                 if found is not None and half.apart(found.point, image) <= SAME:
                     return True
     return False
+
+
+def _on_chord(half: HalfPeriods, ends: Sequence[SectionPoint], image: SectionPoint) -> list[SectionPoint]:
+    """The point of the chord between two motions that is nearest to another; none if that is not beside the chord.
+
+    Where a branch turns back the number says little about how far along the chord a motion lies.
+    """
+    chord, way = (half.map.difference(one, ends[0]) for one in (ends[1], image))
+    weights = half.unit_norms(chord.size)
+    length = float(np.linalg.norm(weights * chord))
+    if not length:
+        return []
+    share = float((weights * way) @ (weights * chord)) / length**2
+    off = float(np.linalg.norm(weights * (way - share * chord)))
+    return [half.map.moved(ends[0], share * chord)] if 0 <= share <= 1 and off <= _BESIDE * length else []

@@ -64,7 +64,55 @@ def in_two_numbers() -> xr.Dataset:
 def test_stable_parts_are_solid_and_unstable_ones_dashed(dataset: xr.Dataset) -> None:
     lines = [line for line in plot_branches(dataset).lines if line.get_marker() == "None" and len(line.get_xdata()) > 1]
     drawn = [(list(line.get_xdata()), line.is_dashed()) for line in lines]
-    assert drawn[:3] == [([1.0, 2.0, 3.0, 2.5], False), ([2.5, 2.0, 3.0], True), ([3.0, 4.0], False)]
+    assert drawn[:3] == [([1.0, 2.0, 3.0, 3.1], False), ([3.1, 2.5, 2.0, 1.9], True), ([1.9, 3.0, 4.0], False)]
+
+
+def lines_of(*found: dict[str, Any], stable: tuple[bool, ...] = STABLE, ordinate: str = "impulse") -> list[Any]:
+    """What is drawn of a branch with some bifurcations: corners, and whether they are joined by dashes."""
+    one = diagram()
+    one.branches[0]["bifurcations"] = [{"error": 1e-9, "stop": 0, "after": "", "impulses": ()} | each for each in found]
+    for point, holds in zip(one.branches[0]["points"], stable, strict=True):
+        point["multiplier_real"] = 0.5 if holds else 1.5
+    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
+    axes = plot_branches(branch_dataset(plan, [one]), ordinate=ordinate)
+    lines = [line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) > 1]
+    return [
+        ([*zip(line.get_xdata(), np.round(line.get_ydata(), 12), strict=True)], line.is_dashed()) for line in lines[:-1]
+    ]
+
+
+def test_a_part_ends_at_its_bifurcation_at_the_impulse_there() -> None:
+    first, second, third = lines_of(
+        {"kind": "fold", "value": 3.1, "index": 3, "impulses": (0.22,)},
+        {"kind": "fold", "value": 1.9, "index": 5, "impulses": (0.44,)},
+    )
+    assert first[0][-1] == second[0][0] == (3.1, 0.22)
+    assert second[0][-1] == third[0][0] == (1.9, 0.44)
+
+
+def test_where_the_impulse_is_not_known_a_part_ends_between_the_points_on_either_side() -> None:
+    # As the square of the way from a fold, 0.1 and 0.6 of the number are 0.29 and 0.71 of the way; else as the way.
+    first, second, _ = lines_of(
+        {"kind": "fold", "value": 3.1, "index": 3}, {"kind": "unresolved", "value": 2.25, "index": 5}
+    )
+    share = np.sqrt(0.1) / (np.sqrt(0.1) + np.sqrt(0.6))
+    assert first[0][-1] == second[0][0] == (3.1, pytest.approx(0.2 + 0.1 * share))
+    assert second[0][-1] == (2.25, pytest.approx(0.425))
+
+
+def test_at_a_graze_stability_changes_at_its_point() -> None:
+    first, second = lines_of({"kind": "grazing", "value": 3.0, "index": 2}, stable=(True,) * 3 + (False,) * 4)
+    assert [corner[0] for corner in first[0]] == [1.0, 2.0, 3.0]
+    assert [corner[0] for corner in second[0]] == [3.0, 2.5, 2.0, 3.0, 4.0]
+    assert (first[1], second[1]) == (False, True)
+
+
+def test_between_two_bifurcations_that_undo_each_other_a_part_is_dashed() -> None:
+    first, second, third = lines_of(
+        {"kind": "flip", "value": 1.25, "index": 1}, {"kind": "flip", "value": 1.5, "index": 1}, stable=(True,) * 7
+    )
+    assert [corner[0] for corner in second[0]] == [1.25, 1.5]
+    assert (first[1], second[1], third[1]) == (False, True, False)
 
 
 def test_bifurcations_are_marked_with_their_names(dataset: xr.Dataset) -> None:
@@ -95,3 +143,14 @@ def test_lines_join_bifurcations_where_one_goes_on(in_two_numbers: xr.Dataset) -
 def test_branches_of_one_problem_have_no_loci(dataset: xr.Dataset) -> None:
     with pytest.raises(InputError, match="of one problem, not of several values of a second number"):
         plot_loci(dataset)
+
+
+def test_a_figure_without_loci_says_so() -> None:
+    also = Axis("stops.*.gap", (2e-3, 1e-3))
+    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
+    axes = plot_loci(branch_dataset(plan, [diagram(), diagram()]))
+    assert [text.get_text() for text in axes.texts] == ["no bifurcation in this range"]
+
+
+def test_a_figure_with_loci_says_nothing_else(in_two_numbers: xr.Dataset) -> None:
+    assert not [text for text in plot_loci(in_two_numbers).texts if "no bifurcation" in text.get_text()]

@@ -41,7 +41,8 @@ from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_
 
 positive = st.floats(min_value=1e-3, max_value=1e12, allow_nan=False)
 finite = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e200, max_value=1e200)
-stiffness = st.one_of(st.just(0.0), positive, st.just(math.inf))
+support_share, stop_share = st.floats(1e-15, 1e19), st.floats(1e-20, 1e12)
+"""Of EI / L^3 or EI / L."""
 sections = st.one_of(
     st.builds(Rectangle, breadth=positive, height=st.floats(1e-3, 1e3)),
     st.builds(Circle, diameter=st.floats(1e-3, 1e3)),
@@ -88,10 +89,13 @@ def problems(draw: st.DrawFn) -> Problem:
             ),
         )
     )
+    springs = [support_share.map(lambda share, power=power: share * beam.EI / L**power) for power in (3, 1)]
+    any_spring = st.one_of(st.just(0.0), springs[0], st.just(math.inf))
     supports = st.builds(
-        Support, x=within, translational=stiffness if initial == AtRest() else positive, torsional=positive
+        Support, x=within, translational=any_spring if initial == AtRest() else springs[0], torsional=springs[1]
     )
-    stops = st.builds(Stop, x=within, side=st.sampled_from(["top", "bottom"]), gap=positive, stiffness=positive)
+    stop_springs = stop_share.map(lambda share: share * beam.EI / L**3)
+    stops = st.builds(Stop, x=within, side=st.sampled_from(["top", "bottom"]), gap=positive, stiffness=stop_springs)
     loads = st.one_of(
         st.builds(StepLoad, x=within, force=finite),
         st.builds(SineLoad, x=within, force=finite, angular_frequency=positive, phase=finite),

@@ -185,6 +185,21 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
         r'stops\[1\]\.name = "a": is the name of stops\[0\] too',
     ),
     (
+        "a support too soft for double precision",
+        {"supports": (Support(x=0.0, translational=math.inf, torsional=1e-100),)},
+        r"supports\[0\]\.torsional = 1e-100: is .* EI / length; allowed are 0, 1e-16 to 1e\+20 EI / length, .* and inf",
+    ),
+    (
+        "a support too stiff to be finite",
+        {"supports": (Support(x=0.0, translational=1e100),)},
+        r"supports\[0\]\.translational = 1e\+100: is .* EI / length\^3; allowed are 0, .* and inf",
+    ),
+    (
+        "a stop too stiff for double precision",
+        {"stops": (Stop(x=1.0, side="top", gap=1e-3, stiffness=1e30),)},
+        r"stops\[0\]\.stiffness = 1e\+30: is .* EI / length\^3; allowed are up to 1e\+13 EI / length\^3, which is",
+    ),
+    (
         "a start that moves a clamp",
         {"supports": (CLAMP,), "initial": PolynomialShape(displacement=(1e-3,))},
         r"initial\.displacement: moves supports\[0\] at x = 0 m.*must be 0",

@@ -1,0 +1,57 @@
+"""Bifurcations of a branch as the case `branches` compares them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import analytic
+import fe_lapjoint
+from validation.verdict import Criterion, Estimate
+
+AMPLITUDE = "base_motion.amplitude"
+BARS: dict[str, tuple[dict[str, int], Any]] = {
+    "analytic": ({"n_modes": 2}, analytic.Solver(n_modes=2)),
+    "fe": ({"elements": 1}, fe_lapjoint.Solver(elements=1)),
+}
+CLOSELY = {"analytic": 1e-6, "fe": 1e-3}
+"""Largest stated error over the value: an error that says nothing would hide any difference."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A bifurcation."""
+
+    kind: str
+    """Its name."""
+    value: Estimate
+    """The number, with its error."""
+    stop: int
+    """The stop that is grazed; -1 where none is."""
+    after: str
+    """What the branch does at a graze."""
+
+
+def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:
+    """Those of the first branch, in the sequence in which it comes to them."""
+    names = found["bifurcation_kind"].attrs["flag_meanings"].split()
+    result = []
+    for i in np.flatnonzero(found["bifurcation_branch"].values == 0).tolist():
+        value, error = float(found["bifurcation_value"][i]), float(found["bifurcation_error"][i])
+        kind = names[int(found["bifurcation_kind"][i])]
+        estimate = Estimate(value, error, f"{solver}, with its error")
+        result.append(
+            Found(kind, estimate, int(found["bifurcation_stop"][i]), str(found["bifurcation_after"].values[i]))
+        )
+    return result
+
+
+def sure(label: str, solver: str, found: Sequence[Found]) -> Iterator[Criterion]:
+    """How surely each is known: more surely than none, and no less than the solver's resolution gives."""
+    for i, one in enumerate(found):
+        error = one.value.uncertainty / one.value.value
+        yield Criterion(f"{label} {i + 1}, error over value: {solver}", "1", error, 1e-16, CLOSELY[solver], "resolved")
