@@ -1,7 +1,8 @@
 """The paper's joint as one branch of motions, beside a sweep of the same range at points one after the other.
 
 Each benchmark times a branch and a sweep in one run, as processor time, which other programs on the machine disturb
-less than the time on the clock; `branch_over_sweep` is their ratio.
+less than the time on the clock; `branch_over_sweep` is their ratio.  The whole diagram of the joint with a quarter of
+its damping, by one process, takes some minutes.
 """
 
 from __future__ import annotations
@@ -52,3 +53,32 @@ def bench_branch_beside_sweep(benchmark: Any, curve_points: int, name: str) -> N
     print(f"\n{name} rad/s: branch over sweep of {WHOLE} points {ratio:.3f} ({branched:.1f} s of processor time)")
     ends = {*found.branch_first_end.values, *found.branch_last_end.values}
     assert not ends & {"lost", "effort"}
+
+
+AIM = 1e-5
+"""Error of a bifurcation over its number that is aimed at."""
+
+
+def diagram() -> Any:
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    return lapjoint.branch(joint, FREQUENCY, 100.0, 5000.0, max_period_multiple=4, starts=50)
+
+
+@pytest.mark.benchmark(group="all branches, ratio 0.02, 1 worker")
+def bench_diagram_of_lightly_damped_joint(benchmark: Any) -> None:
+    branch(4900.0, 5000.0)  # compiles, if nothing has before
+    spent, found = benchmark.pedantic(processor_time, (diagram,), rounds=1)
+    named = found.bifurcation_kind.values != found.bifurcation_kind.flag_meanings.split().index("unresolved")
+    exact = found.bifurcation_error.values <= AIM * found.bifurcation_value.values
+    counts = {
+        "branches": int(found.sizes["branch_number"]),
+        "points": int(found.sizes["point"]),
+        "bifurcations": int(named.sum()),
+        "with an error of 1e-5 at most": int((named & exact).sum()),
+        "unresolved": int((~named).sum()),
+        "lost": int((found.branch_first_end == "lost").sum() + (found.branch_last_end == "lost").sum()),
+    }
+    benchmark.extra_info.update(counts)
+    print(f"\n{spent:.0f} s of processor time: " + ", ".join(f"{name} {count}" for name, count in counts.items()))
+    assert int(found.left_out) == 0

@@ -17,7 +17,7 @@ from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.continuation import Limits
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.free_motion import free_seed
-from lapjoint.orbits.branches.seeds import on_branch, seed_from
+from lapjoint.orbits.branches.seeds import on_branch, seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
 
@@ -112,8 +112,9 @@ def solve_branch(
     Returns
     -------
     dict of str to Any
-        ``seeds`` of the branches that spring from it; ``count``, half periods; ``values``, ``points`` and ``sections``
-        of its motions; ``bifurcations``; and ``ends``.  Without points if there is none; then ``message`` says why.
+        ``seeds`` of the branches that spring from it; ``count``, half periods; ``springs``, where it springs from
+        others; ``values``, ``points`` and ``sections`` of its motions; ``bifurcations``; and ``ends``.  Without points
+        if there is none; then ``message`` says why.
     """
     try:
         found = trace(
@@ -127,7 +128,9 @@ def solve_branch(
         return {"seeds": [], "points": [], "message": str(error)}
     if found is None:
         return {"seeds": [], "points": [], "message": "Newton's method does not find the motion again"}
-    return {"seeds": [plain_seed(seed) for seed in found.seeds], "count": plain["count"], **_plain(found.branch)}
+    springs = [[float(value), plain_section(point)] for value, point in found.springs]
+    seeds = [plain_seed(seed) for seed in found.seeds]
+    return {"seeds": seeds, "count": plain["count"], "springs": springs, **_plain(found.branch)}
 
 
 def follow_a_little(plan: BranchPlan, plain: Mapping[str, Any]) -> None:
@@ -163,8 +166,12 @@ def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, An
     """
     if not branch["points"]:
         return False
+    family, seed, count = family_of(plan), seed_of(plain), branch["count"]
+    springs = [(value, section_from(section)) for value, section in branch["springs"]]
+    if springs_where(family, seed, springs, count):
+        return True
     points = [section_from(section) for section in branch["sections"]]
-    return on_branch(family_of(plan), seed_of(plain), branch["values"], points, branch["count"])
+    return on_branch(family, seed, branch["values"], points, count)
 
 
 def plain_seed(seed: Seed) -> dict[str, Any]:

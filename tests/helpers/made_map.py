@@ -107,6 +107,48 @@ class Made:
         return MadeMap(problem, matrix)
 
 
+@dataclass(frozen=True)
+class TongueMap(MadeMap):
+    """An angle that is locked: a -> a + 2 pi / n + c (2 detuning - cos(n a)), c = 0.3 / n^2, on a circle that attracts.
+
+    Motions of ``n`` periods have cos(n a) = 2 detuning.  Over the detuning they are one closed curve with folds at plus
+    and minus a half, which comes to the same motion, a period later, each time that a has gone on by 2 pi / n.
+    """
+
+    multiple: int = 1
+    detuning: float = 0.0
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        """See `MadeMap`."""
+        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """See `MadeMap`."""
+        x, y = start.coordinates[0]
+        r, a, n = np.hypot(x, y), np.arctan2(y, x), self.multiple
+        c = 0.3 / n**2
+        polar = np.array([[np.cos(a), np.sin(a)], [-np.sin(a) / r, np.cos(a) / r]])
+        for _ in range(half_periods // 2):
+            polar = np.array([[0.5], [1 + c * n * np.sin(n * a)]]) * polar
+            a, r = a + 2 * np.pi / n + c * (2 * self.detuning - np.cos(n * a)), 1 + 0.5 * (r - 1)
+        back = np.array([[np.cos(a), -r * np.sin(a)], [np.sin(a), r * np.cos(a)]])
+        end = SectionPoint(FREE, r * np.array([[np.cos(a), np.sin(a)]]))
+        return Linearised(end, back @ polar, tuple)
+
+
+@dataclass(frozen=True)
+class Tongue:
+    """A solver that gives such maps; the detuning is the amplitude of the base, m, less 1."""
+
+    multiple: int
+    name = "tongue"
+
+    def period_map(self, problem: Problem) -> TongueMap:
+        """The map at the amplitude of a problem."""
+        assert isinstance(problem.base_motion, BaseMotion)
+        return TongueMap(problem, np.eye(2), self.multiple, problem.base_motion.amplitude - 1)
+
+
 def made_problem(amplitude: float) -> Problem:
     """A problem to hang the number on; under a constant load, so that no motion is its own mirror image."""
     return Problem(

@@ -74,8 +74,8 @@ BRANCHES = (
         "counted twice",
         "lapjoint.orbits.branches.seeds",
         "A motion that lies on a branch that is known begins another one.",
-        old="half.apart(found.point, image) <= _SAME:\n                    return True",
-        new="half.apart(found.point, image) <= _SAME:\n                    return False",
+        old="half.apart(found.point, image) <= SAME:\n                    return True",
+        new="half.apart(found.point, image) <= SAME:\n                    return False",
     ),
     Fault(
         "branch-stable",

@@ -134,7 +134,7 @@ def _kind_of(change: tuple[tuple[int, ...], int], place: Place) -> Kind | None:
     """What changes that alone."""
     kinds: dict[tuple[tuple[int, ...], int], Kind] = {
         _FOLD: "fold",
-        _FLIP: _flip_of(place),
+        _FLIP: flip_of(place),
         _NEIMARK_SACKER: "neimark-sacker",
     }
     return kinds.get(change)
@@ -181,7 +181,19 @@ def _middle(family: Family, first: Place, last: Place) -> Place | None:
     return middle if middle is not None and middle.extrema.closings == first.extrema.closings else None
 
 
-def _flip_of(place: Place) -> Kind:
+def flip_of(place: Place) -> Kind:
+    """What it is called where a multiplier of a motion is -1.
+
+    Parameters
+    ----------
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    str
+        ``flip`` or ``symmetry breaking``.
+    """
     return "symmetry breaking" if place.count % 2 else "flip"
 
 
@@ -200,7 +212,7 @@ def tests_of(place: Place) -> dict[Kind, tuple[Callable[[Place], int], Callable[
     """
     return {
         "fold": (_goes_up, lambda at: float(at.tangent[-1])),
-        _flip_of(place): (_above_minus_one, _from_minus_one),
+        flip_of(place): (_above_minus_one, _from_minus_one),
         "neimark-sacker": (_outside, _from_circle),
     }
 

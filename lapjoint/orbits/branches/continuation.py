@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from lapjoint.orbits.branches.closing import Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze
@@ -33,8 +34,8 @@ _SHORTEST_SHARE = 0.1
 """The same where the angle that is too wide says by how much."""
 _AFRESH = 2e-3
 """Arc length of the first step after a graze."""
-_ROUND = 3
-"""Number of places from which on a curve may have come back to its start."""
+_ROUND = 2
+"""Number of places after the start from which on a curve may have come back to it."""
 _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
 _JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
@@ -71,6 +72,11 @@ _AT_GRAZE = 1e-5
 """Arc length to a graze up to which the curve is at it, before or behind."""
 _TOO_NEAR = 1e-4
 """Arc length to a graze that cannot be located within which what lies around it is left out."""
+_VANISHED = 1e-3
+"""Share of the most that a motion of the curve misses to repeat in half the time, up to which one misses nothing."""
+_BOTH_SIDES = 3.0
+"""Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
+nothing: 2 on a straight way."""
 _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
@@ -165,6 +171,7 @@ class _Follower:
         self._before_fold: Jump | None = None
         self._expected = 0.0
         self._end, self._tries = "", 0
+        self._start, self._looked, self._missed = Start(family, start), 0, 0.0
 
     def run(self) -> Run:
         """Follow it to its end."""
@@ -173,15 +180,29 @@ class _Follower:
         while not self._end:
             if len(self._places) >= self._limits.most or self._tries >= _TRIES * self._limits.most:
                 self._end = "effort"
-            elif len(self._places) > _ROUND and _closed(self._family, self._places[0], self._here, self._step):
-                self._end = "closed"
             else:
                 self._advance()
+                self._look_back()
         return Run(self._places, self._grazes, self._jumps, self._end)
 
     @property
     def _here(self) -> Place:
         return self._places[-1]
+
+    def _look_back(self) -> None:
+        """End the curve where it has come to its start, or to motions of the curve from which it springs."""
+        for i in range(self._looked, len(self._places) - 1):
+            new = self._places[i + 1]
+            missed = 1.0 if new.missed is None else float(np.linalg.norm(new.missed))
+            back = None if i < _ROUND else self._start.between(self._places[i], new)
+            if back is not None or missed <= _VANISHED * self._missed:
+                self._places[i + 1 :] = [] if back is None else [back]
+                self._grazes = [graze for graze in self._grazes if graze.index <= i]
+                self._jumps = [jump for jump in self._jumps if jump.index <= i]
+                self._end = "bifurcation" if back is None else "closed"
+                break
+            self._missed = max(self._missed, missed)
+        self._looked = len(self._places) - 1
 
     def _advance(self) -> None:
         """Take a step, or a shorter one next time; where none can be taken, go across what is in the way."""
@@ -230,6 +251,9 @@ class _Follower:
         length = float(np.linalg.norm(chord))
         if length > max(farthest, _AT_GRAZE):
             return False
+        if _comes_to_shorter(self._family, self._here, before):
+            self._end = "bifurcation"
+            return True
         if length > _AT_GRAZE and float(chord @ before.tangent) < 0 and not self._turns_sharply(before):
             return False  # it lies behind
         if passed(self._here, self._rates, before, None, length).grazes:
@@ -260,6 +284,8 @@ class _Follower:
         if not self._jump(self._widened()):
             self._places.pop()
             return False
+        if self._end:
+            return True
         if self._jumps[-1].width <= _NOTHING and self._here.extrema.closings != before.extrema.closings:
             self._jumps.pop()
             self._grazes.append(replace(graze, kind="persists"))
@@ -270,7 +296,7 @@ class _Follower:
         if not self._family.low <= new.value <= self._family.high:
             self._places += _at_boundary(self._family, self._here, new)
             self._end = "boundary"
-        elif _comes_to_shorter(self._here, new):
+        elif _comes_to_shorter(self._family, self._here, new):
             self._end = "bifurcation"
         elif not (self._turned_back(new) and self._leave_out_more()):
             self._bend = _bend(self._family, self._here, new)
@@ -319,7 +345,7 @@ class _Follower:
             return
         if passed is not None:
             self._pass(*passed)
-        else:
+        elif not self._jump(0, back=True):
             self._end = "lost"
 
     def _widened(self) -> int:
@@ -328,12 +354,15 @@ class _Follower:
         lately = [one.width for one in self._jumps if abs(here - one.last) <= _LATELY * abs(one.last - one.first)]
         return min(max(lately, default=-1) + 1, len(_JUMPS) - 1)
 
-    def _jump(self, width: int) -> bool:
+    def _jump(self, width: int, *, back: bool = False) -> bool:
         """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it."""
-        found = _jumped(self._family, self._here, width)
+        found = _jumped(self._family, self._here, width, back)
         if found is None:
             return False
         beyond, width = found
+        if _comes_to_shorter(self._family, self._here, beyond):
+            self._end = "bifurcation"
+            return True
         self._jumps.append(Jump(self._here.value, beyond.value, len(self._places), width))
         self._come_to(beyond)
         self._step, self._bend = _AFRESH, None
@@ -369,20 +398,18 @@ def _outward(family: Family, place: Place) -> bool:
     return abs(place.value - out) <= _AT_END * family.scale(place.value)
 
 
-def _comes_to_shorter(here: Place, new: Place) -> bool:
+def _comes_to_shorter(family: Family, here: Place, new: Place) -> bool:
     """Whether, between two places, the branch comes to a motion that repeats sooner, and would be gone through again.
 
     It springs from a branch of half as many half periods there.  By how much its motions miss to repeat after these
-    changes its sign.
+    changes its sign, and twice the way there is what is missed: a motion and its image lie on either side.  So does the
+    orientation change, as two curves meet there.
     """
-    half, count = here.half_periods, here.count
-    if count % 2 or (count // 2) % half.least:
+    a, b = here.missed, new.missed
+    if a is None or b is None or a.shape != b.shape or float(a @ (b * new.weights / here.weights)) >= 0:
         return False
-    misses = [
-        place.half_periods.map.difference(place.half_periods.marched(place.point, count // 2), place.point)
-        for place in (here, new)
-    ]
-    return misses[0].shape == misses[1].shape and float(misses[0] @ (misses[1] * new.weights**2)) < 0
+    sizes = float(np.linalg.norm(a)) + float(np.linalg.norm(b))
+    return sizes <= _BOTH_SIDES * float(np.linalg.norm(new.chord(family, here)))
 
 
 def _bend(family: Family, here: Place, new: Place) -> FloatArray | None:
@@ -413,7 +440,9 @@ def _stepped(family: Family, here: Place, step: float, bend: FloatArray | None) 
     length = float(np.linalg.norm(chord))
     new = new.along(chord)
     angle = math.acos(min(1.0, float(chord @ new.tangent) / max(length, 1e-300)))
-    if new.orientation != here.orientation or angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
+    if angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
+        return None, angle
+    if new.orientation != here.orientation and not _comes_to_shorter(family, here, new):
         return None, angle
     return new, angle
 
@@ -434,26 +463,27 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     return Graze(extremum.stop, value, kind, graze, coming.rate, index), after
 
 
-def _jumped(family: Family, here: Place, least: int) -> tuple[Place, int] | None:
+def _jumped(family: Family, here: Place, least: int, back: bool) -> tuple[Place, int] | None:
     """The motion some way on that is much like this one, where the curve between them cannot be followed.
 
     If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it.  The widths
     that are left out are tried in turn, from the one with number `least`; the number goes with the motion.  A motion
     that is as stable as this one is preferred: just before a graze, where the map's derivative grows, it need not be.
+    With `back`, the curve folds where modes make the map jump, and the motion lies behind, with other contacts.
     """
-    sign, otherwise = math.copysign(1.0, here.tangent[-1]), None
+    sign, otherwise = math.copysign(1.0, -here.tangent[-1] if back else here.tangent[-1]), None
     for width, share in list(enumerate(_JUMPS))[least:]:
         value = here.value + sign * share * family.scale(here.value)
         if not family.low <= value <= family.high:
             break
         guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
         point = family.adopted(value, here.point)
-        if here.orbit.stable:
+        if here.orbit.stable or back:
             for _ in range(_SETTLING):
                 point = family.at(value).marched(point, here.count)
         for guess in [*guesses, point]:
             found = corrected(family, value, guess, here.count, fixed=True)
-            if found is None:
+            if found is None or (back and found.extrema.closings == here.extrema.closings):
                 continue
             chord = found.chord(family, here)
             beyond = found.along(np.append(np.zeros(chord.size - 1), sign)), width
@@ -472,10 +502,3 @@ def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
     _, guess = here.moved(family, share * length * here.tangent)
     found = corrected(family, value, family.adopted(value, guess), here.count, fixed=True)
     return [] if found is None else [found.along(found.chord(family, here))]
-
-
-def _closed(family: Family, start: Place, here: Place, step: float) -> bool:
-    """Whether a curve has come back to its start."""
-    chord = start.chord(family, here)
-    length = float(np.linalg.norm(chord))
-    return length < step and float(chord @ start.tangent) > 0.9 * length > 0

@@ -62,6 +62,14 @@ class Place:
         """How near it comes to every stop, and how far beyond."""
         return extrema_of(self.orbit.last)
 
+    @cached_property
+    def missed(self) -> FloatArray | None:
+        """By how much it misses to repeat in half the time, scaled, shape ``(n,)``; None if there is no such motion."""
+        half, count = self.half_periods, self.count // 2
+        if self.count % 2 or count % half.least:
+            return None
+        return half.map.difference(half.marched(self.point, count), self.point) * self.weights
+
     def chord(self, family: Family, origin: Place) -> FloatArray:
         """Where this place lies, seen from another, in this place's coordinates, scaled.
 
@@ -105,8 +113,9 @@ class Place:
             The place.
         """
         same = replace(self, tangent=-self.tangent)
-        if "extrema" in self.__dict__:  # they do not depend on the tangent
-            same.__dict__["extrema"] = self.extrema
+        for name in ("extrema", "missed"):  # they do not depend on the tangent
+            if name in self.__dict__:
+                same.__dict__[name] = self.__dict__[name]
         return same
 
     def light(self) -> Place:
@@ -119,7 +128,7 @@ class Place:
         """
         orbit = replace(self.orbit, last=self.orbit.last.without_segments())
         same = Place(self.value, orbit, self.weights, self.tangent, self.half_periods)
-        same.__dict__["extrema"] = self.extrema
+        same.__dict__["extrema"], same.__dict__["missed"] = self.extrema, self.missed
         if "values" in self.orbit.__dict__:
             orbit.__dict__["values"] = self.orbit.values
         return same

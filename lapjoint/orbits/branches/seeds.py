@@ -9,6 +9,7 @@ import numpy as np
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.closing import SAME, images_of
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.tracing import Seed
@@ -16,8 +17,9 @@ from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.search import TRANSIENT, Effort, Search
 
-_SAME = 1e-5
-"""Distance of two motions over their size, up to which they are one."""
+_LOCATED = 1e-6, 1e-3
+"""Distances of the number over its scale, and of the motion over its size, up to which two bifurcations that have been
+located are one: branches leave them along a parabola, so that the motions differ by the root of the number's error."""
 _NEAR = 3.0
 """Distance of a motion from a branch, over that of the branch's neighbours, from which it is not looked at closer."""
 
@@ -64,9 +66,41 @@ def seed_from(family: Family, value: float, start: SectionPoint, most_multiple: 
 def _least(half: HalfPeriods, orbit: Orbit, value: float) -> Seed:
     """The motion over the fewest half periods after which it repeats."""
     for count in range(half.least, orbit.half_periods, half.least):
-        if orbit.half_periods % count == 0 and half.apart(half.marched(orbit.point, count), orbit.point) < _SAME:
+        if orbit.half_periods % count == 0 and half.apart(half.marched(orbit.point, count), orbit.point) < SAME:
             return Seed(value, orbit.point, count)
     return Seed(value, orbit.point, orbit.half_periods)
+
+
+def springs_where(family: Family, seed: Seed, springs: Sequence[tuple[float, SectionPoint]], count: int) -> bool:
+    """Whether a motion belongs to a branch because both spring from one bifurcation.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    seed : Seed
+        The motion.
+    springs : sequence of tuple of float and SectionPoint
+        The bifurcations from which the branch springs: the number, and the section point.
+    count : int
+        Half periods of the branch's motions.
+
+    Returns
+    -------
+    bool
+        Whether it does.
+    """
+    if seed.away_from is None or count != seed.count:
+        return False
+    value, point = seed.away_from
+    near, same = _LOCATED
+    half = family.at(value)
+    images = images_of(half, half.map.adopted(point), count // 2)
+    return any(
+        abs(other - value) <= near * family.scale(value)
+        and any(half.apart(half.map.adopted(its), image) <= same for image in images)
+        for other, its in springs
+    )
 
 
 @in_one_thread
@@ -94,7 +128,7 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
     if count != seed.count:
         return False
     half, all_values = family.at(seed.value), np.array(values)
-    images = _images(half, seed)
+    images = images_of(half, seed.point, seed.count)
     tiny = 1e-9 * family.scale(seed.value)
     low, high = np.minimum(all_values[:-1], all_values[1:]), np.maximum(all_values[:-1], all_values[1:])
     for i in np.flatnonzero((low - tiny <= seed.value) & (seed.value <= high + tiny)).tolist():
@@ -107,7 +141,7 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
             guess = half.map.moved(ends[0], share * half.map.difference(ends[1], ends[0]))
             for one in (guess, *ends, *_on_chord(half, ends, image)):
                 found = corrected(family, seed.value, one, count, fixed=True)
-                if found is not None and half.apart(found.point, image) <= _SAME:
+                if found is not None and half.apart(found.point, image) <= SAME:
                     return True
     return False
 
@@ -125,11 +159,3 @@ def _on_chord(half: HalfPeriods, ends: Sequence[SectionPoint], image: SectionPoi
     share = float((weights * way) @ (weights * chord)) / length**2
     off = float(np.linalg.norm(weights * (way - share * chord)))
     return [half.map.moved(ends[0], share * chord)] if 0 <= share <= 1 and off <= _BESIDE * length else []
-
-
-def _images(half: HalfPeriods, seed: Seed) -> list[SectionPoint]:
-    """The section points of a motion, and those of its mirror image where the problem is its own."""
-    found = [seed.point]
-    for _ in range(1, seed.count // half.least if seed.count % 2 == 0 else 1):
-        found.append(half.marched(found[-1], half.least))
-    return found

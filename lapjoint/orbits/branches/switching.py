@@ -11,9 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.bifurcations import crosses_minus_one
-from lapjoint.orbits.branches.corrector import Place, jacobian, place_from, scaling
+from lapjoint.orbits.branches.bifurcations import crosses_minus_one, flip_of
+from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.value_errors import smooth_finder
 from lapjoint.orbits.newton import RESIDUAL
 
 _LENGTHS = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -51,6 +52,30 @@ def switched(family: Family, bifurcation: Place) -> Place | None:
         if half.apart(half.marched(found.point, bifurcation.count), found.point) > length / 2:
             return found.along(found.chord(family, bifurcation))
     return None
+
+
+def sprung_from(family: Family, near: Place) -> Place | None:
+    """The bifurcation near a motion from which its branch springs.
+
+    Half way between the motion and what it is after half of its period lies a motion, almost, that repeats then.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    near : Place
+        The last place of a branch that comes to a motion that repeats in half the time.
+
+    Returns
+    -------
+    Place, or None
+        Of half as many half periods; None if it is not found.
+    """
+    half, count = near.half_periods, near.count // 2
+    later = half.map.difference(half.marched(near.point, count), near.point)
+    middle = corrected(family, near.value, half.map.moved(near.point, later / 2), count)
+    found = None if middle is None else smooth_finder(flip_of(middle))(family, middle)
+    return None if found is None else found[0]
 
 
 def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: float) -> Place | None:

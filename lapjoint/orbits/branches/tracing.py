@@ -15,13 +15,9 @@ from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
 from lapjoint.orbits.branches.continuation import Graze, Jump, Limits, Run, follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.switching import switched
+from lapjoint.orbits.branches.switching import sprung_from, switched
 from lapjoint.orbits.branches.value_errors import Stated, graze_finder, smooth_finder, stated
 from lapjoint.orbits.steady_state import periodic_state
-
-_VANISHED, _TURNED = 1e-3, -0.5
-"""Share of its largest size to which the way to half a period later has vanished where a motion repeats in half the
-time; and the cosine of the angle by which it turns from one place to the next where that lies between them."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +42,8 @@ class Traced:
     """The branch."""
     seeds: tuple[Seed, ...]
     """A motion of each branch that springs from it."""
+    springs: tuple[tuple[float, SectionPoint], ...] = ()
+    """Bifurcations of other branches from which it springs, at either end: the number, and the section point."""
 
 
 @in_one_thread
@@ -92,7 +90,10 @@ def trace(
             if new is not None:
                 seeds.append(Seed(new.value, new.point, new.count, (place.value, place.point)))
     branch = Branch(family.path, points, tuple(one for one, _ in found), (back.end, ahead.end))
-    return Traced(branch, tuple(seeds))
+    runs = [ahead] if seed.away_from is not None else [back, ahead]
+    ends = [sprung_from(family, one.places[-1]) for one in runs if one.end == "bifurcation"]
+    springs = (seed.away_from, *((one.value, one.point) for one in ends if one is not None))
+    return Traced(branch, tuple(seeds), tuple(one for one in springs if one is not None))
 
 
 def _start(family: Family, seed: Seed) -> Place | None:
@@ -111,38 +112,14 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
     if seed.away_from is not None:
         value, point = seed.away_from
         up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
-        return follow(family, start.along(up), limits), Run([start.along(-up)], [], [], "bifurcation")
-    ahead = _up_to_half(follow(family, start.along(up), limits))
+    start, behind = start.along(up), start.along(-up)
+    ahead = follow(family, start, limits)
+    if seed.away_from is not None:
+        return ahead, Run([behind], [], [], "bifurcation")
     if ahead.end == "closed":
-        return ahead, Run([start.along(-up)], [], [], "closed")
+        return ahead, Run([behind], [], [], "closed")
     left = replace(limits, most=max(limits.most - len(ahead.places), 1))
-    return ahead, _up_to_half(follow(family, start.along(-up), left))
-
-
-def _up_to_half(run: Run) -> Run:
-    """A curve as far as the motion that repeats in half the time, if it comes to it: a flip, or a symmetry that breaks.
-
-    Beyond, it goes back along the images of its own motions, half of their period later.
-    """
-    half = run.places[0].half_periods
-    count = run.places[0].count // 2
-    if run.places[0].count % 2 or count % half.least:
-        return run
-    before, largest = None, 0.0
-    for i, place in enumerate(run.places):
-        map_ = place.half_periods.map
-        later = map_.difference(place.half_periods.marched(place.point, count), place.point) * place.weights
-        size = float(np.linalg.norm(later))
-        largest = max(largest, size)
-        vanished = size < _VANISHED * largest
-        here = (place.point.state, later / (size or 1.0))
-        if vanished or (before is not None and before[0] == here[0] and before[1] @ here[1] < _TURNED):
-            last = i + vanished  # where it has vanished, the branch is at its end
-            grazes = [one for one in run.grazes if one.index < last]
-            jumps = [one for one in run.jumps if one.index < last]
-            return Run(run.places[:last], grazes, jumps, "bifurcation")
-        before = here
-    return run
+    return ahead, follow(family, behind, left)
 
 
 def _joined(back: Run, ahead: Run) -> Run:

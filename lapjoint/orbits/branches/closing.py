@@ -1,0 +1,112 @@
+"""Whether a curve has come back to its start, or to an image of it: the same motion, some half periods later.
+
+A motion of ``count`` half periods has as many section points, or half as many where the problem is not its own mirror
+image.  A closed curve may lead from one of them to another, and only after several rounds to the first again.  So each
+of them is looked for between two neighbouring places: near the chord, and then on the curve itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.orbits.branches.bifurcations import between_two
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.half_periods import HalfPeriods
+
+SAME = 1e-5
+"""Distance of two motions over their size, up to which they are one."""
+_BESIDE = 0.3
+"""Distance from a chord over its length within which the curve may pass: it turns by half of this between places."""
+_SLIDES = 4
+"""Most steps along the curve to where it is nearest: each leaves the square of the way."""
+
+
+def images_of(half: HalfPeriods, point: SectionPoint, count: int) -> list[SectionPoint]:
+    """The section points of a motion, and those of its mirror image where the problem is its own.
+
+    Parameters
+    ----------
+    half : HalfPeriods
+        The map.
+    point : SectionPoint
+        One of them.
+    count : int
+        Half periods after which the motion repeats.
+
+    Returns
+    -------
+    list of SectionPoint
+        The one that is given is the first.
+    """
+    found = [point]
+    for _ in range(1, count // half.least if count % 2 == 0 else 1):
+        found.append(half.marched(found[-1], half.least))
+    return found
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a curve begins."""
+
+    family: Family
+    """The period maps."""
+    place: Place
+    """The place."""
+
+    @cached_property
+    def images(self) -> tuple[Place, ...]:
+        """The place at each of the motion's section points; its tangent is that of the first."""
+        family, first = self.family, self.place
+        found = [first]
+        for point in images_of(first.half_periods, first.point, first.count)[1:]:
+            exact = corrected(family, first.value, point, first.count, fixed=True)  # an unstable motion is left soon
+            point = point if exact is None else exact.point
+            found.append(replace(first, orbit=replace(first.orbit, point=point)))
+        return tuple(found)
+
+    def between(self, a: Place, b: Place) -> Place | None:
+        """The place of the curve, between two neighbours, that is an image of its start.
+
+        Parameters
+        ----------
+        a, b : Place
+            The neighbours, with tangents in one direction.
+
+        Returns
+        -------
+        Place, or None
+            None if there is none.
+        """
+        if a.extrema.closings != b.extrema.closings:
+            return None
+        chord = b.chord(self.family, a)
+        length = float(np.linalg.norm(chord))
+        if abs(b.value - self.place.value) > (1 + _BESIDE) * length * self.family.scale(b.value):
+            return None
+        for image in self.images:
+            left = b.chord(self.family, image)
+            share = 1 - float(left @ chord) / length**2
+            if 0 <= share <= 1 and float(np.linalg.norm(left - (1 - share) * chord)) <= _BESIDE * length:
+                found = self._on_curve(a, b, share, length, image)
+                if found is not None:
+                    return found
+        return None
+
+    def _on_curve(self, a: Place, b: Place, share: float, length: float, image: Place) -> Place | None:
+        """The place of the curve that is nearest to an image, if it is the image."""
+        here = between_two(self.family, a, b, share, length)
+        for _ in range(_SLIDES):
+            if here is None:
+                return None
+            way = -here.chord(self.family, image)
+            if float(np.linalg.norm(way)) <= SAME:
+                return here
+            value, guess = here.moved(self.family, float(way @ here.tangent) * here.tangent)
+            found = corrected(self.family, value, guess, here.count)
+            here = None if found is None else found.along(here.tangent)
+        return None

@@ -1,0 +1,108 @@
+"""Where branches end: at their start, wherever in the motion it is met again, and at what they spring from."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_map import Tongue, made_problem
+
+import analytic
+from lapjoint import Problem, paper_joint
+from lapjoint.answers import FREE, SectionPoint
+from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.seeds import seed_from, springs_where
+from lapjoint.orbits.branches.tracing import Seed, Traced, trace
+
+AMPLITUDE = "base_motion.amplitude"
+LOW, HIGH = 0.2, 1.8
+
+
+def family_of(solver: object, problem: Problem, path: str, low: float, high: float) -> Family:
+    """The period maps of a problem over one of its numbers."""
+    grid = Grid(problem, (Axis(path, (low, high)),))
+    return Family(solver, lambda value: grid.with_values((value,)), path, low, high)
+
+
+@pytest.mark.parametrize("multiple", [1, 3, 4, 7])
+def test_a_closed_curve_is_gone_round_once_wherever_in_the_motion_it_comes_back(multiple: int) -> None:
+    family = family_of(Tongue(multiple), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+    angle = np.pi / 2 / multiple
+    start = SectionPoint(FREE, np.array([[np.cos(angle), np.sin(angle)]]))
+    found = trace(family, Seed(1.0, start, 2 * multiple), most_multiple=multiple, errors=False)
+    assert found is not None
+    assert found.branch.ends == ("closed", "closed")
+    assert [one.kind for one in found.branch.bifurcations if one.kind == "fold"] == ["fold", "fold"]
+    assert sorted(one.value for one in found.branch.bifurcations) == pytest.approx(
+        [0.5, 1.5], abs=1e-7
+    )  # motions close to 1e-9, of which c is a hundredth
+    first, last = (found.branch.points[i] for i in (0, -1))
+    assert last.value == pytest.approx(first.value, abs=1e-5)
+
+
+@pytest.fixture(scope="module")
+def tube() -> tuple[Family, Traced]:
+    """The tutorial's tube from the motion of four half periods at 115.72 rad/s."""
+    page = (Path(__file__).parents[2] / "docs/tutorial.md").read_text(encoding="utf-8")
+    problem = Problem.model_validate(tomllib.loads(page.split("```toml")[1].split("```")[0]))
+    family = family_of(analytic.Solver(), problem, FREQUENCY, 60.0, 300.0)
+    seed = seed_from(family, 115.72, family.at(115.72).map.initial(), 4)
+    assert seed is not None
+    assert seed.count == 4
+    found = trace(family, seed, most_multiple=2, errors=False)
+    assert found is not None
+    return family, found
+
+
+def test_a_branch_between_two_flips_knows_both(tube: tuple[Family, Traced]) -> None:
+    family, found = tube
+    assert found.branch.ends == ("bifurcation", "bifurcation")
+    assert len(found.springs) == 2
+    for value, point in found.springs:
+        half = family.at(value)
+        assert half.apart(half.marched(point, 2), point) < 1e-7
+        multipliers = np.linalg.eigvals(half.linearised(point, 2).matrix)
+        assert np.min(np.abs(multipliers + 1)) < 1e-6
+        assert springs_where(family, Seed(value, point, 4, (value, half.marched(point, 2))), found.springs, 4)
+        away = (value * (1 + 1e-4), point)
+        assert not springs_where(family, Seed(value, point, 4, away), found.springs, 4)
+
+
+def test_no_motion_of_a_branch_repeats_in_half_its_time(tube: tuple[Family, Traced]) -> None:
+    family, found = tube
+    for one in found.branch.points:
+        half, point = family.at(one.value), one.motion.section_point
+        assert half.apart(half.marched(point, 2), point) > 1e-6
+
+
+def test_a_finer_solver_finds_each_bifurcation_again_and_not_its_neighbour() -> None:
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    family = family_of(analytic.Solver(n_modes=27), joint, FREQUENCY, 679.0, 682.0)
+    seed = seed_from(family, 679.0, family.at(679.0).map.initial(), 1)
+    assert seed is not None
+    rough, fine = (trace(family, seed, most_multiple=1, errors=errors) for errors in (False, True))
+    assert rough is not None
+    assert fine is not None
+    pairs = list(zip(rough.branch.bifurcations, fine.branch.bifurcations, strict=True))
+    assert len(pairs) >= 4
+    for a, b in pairs:
+        assert a.kind == b.kind
+        assert abs(a.value - b.value) <= 1e-5 * b.value  # the nearest two are ten times as far apart
+        assert b.error <= 1e-5 * b.value
+
+
+def test_a_branch_goes_on_behind_a_fold_at_which_truncated_modes_make_the_map_jump() -> None:
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    low, high = 189.5, 192.0
+    family = family_of(analytic.Solver(), joint, FREQUENCY, low, high)
+    seed = seed_from(family, 191.5, family.at(191.5).map.initial(), 1)
+    assert seed is not None
+    found = trace(family, seed, most_multiple=1, errors=False)
+    assert found is not None
+    assert found.branch.ends == ("boundary", "boundary")
+    assert {found.branch.points[i].value for i in (0, -1)} == {low, high}
