@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.closing import Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -77,6 +78,9 @@ _VANISHED = 1e-3
 _BOTH_SIDES = 3.0
 """Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
 nothing: 2 on a straight way."""
+_UP_TO = (0.99, 0.995, 0.98, 0.95, 0.9)
+"""Shares of the way to a motion that repeats sooner at which a curve ends, in the sequence in which they are tried: the
+number then lacks some 1e-4 of its way."""
 _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
@@ -196,7 +200,7 @@ class _Follower:
             missed = 1.0 if new.missed is None else float(np.linalg.norm(new.missed))
             back = None if i < _ROUND else self._start.between(self._places[i], new)
             if back is not None or missed <= _VANISHED * self._missed:
-                self._places[i + 1 :] = [] if back is None else [back]
+                self._places[i + 1 :] = [new if back is None else back]
                 self._grazes = [graze for graze in self._grazes if graze.index <= i]
                 self._jumps = [jump for jump in self._jumps if jump.index <= i]
                 self._end = "bifurcation" if back is None else "closed"
@@ -252,7 +256,7 @@ class _Follower:
         if length > max(farthest, _AT_GRAZE):
             return False
         if _comes_to_shorter(self._family, self._here, before):
-            self._end = "bifurcation"
+            self._end_at_shorter(before)
             return True
         if length > _AT_GRAZE and float(chord @ before.tangent) < 0 and not self._turns_sharply(before):
             return False  # it lies behind
@@ -297,12 +301,26 @@ class _Follower:
             self._places += _at_boundary(self._family, self._here, new)
             self._end = "boundary"
         elif _comes_to_shorter(self._family, self._here, new):
-            self._end = "bifurcation"
+            self._end_at_shorter(new)
         elif not (self._turned_back(new) and self._leave_out_more()):
             self._bend = _bend(self._family, self._here, new)
             self._come_to(new, rates)
             grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
             self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
+
+    def _end_at_shorter(self, beyond: Place) -> None:
+        """End the curve just before the motion that repeats sooner, which lies between here and a place beyond it."""
+        here = self._here
+        assert here.missed is not None
+        assert beyond.missed is not None
+        missed = [float(np.linalg.norm(one)) for one in (here.missed, beyond.missed)]
+        length = float(np.linalg.norm(beyond.chord(self._family, here)))
+        for share in _UP_TO:  # so near to where two curves meet, Newton's method may find neither
+            last = between_two(self._family, here, beyond, share * missed[0] / sum(missed), length)
+            if last is not None and last.extrema.closings == here.extrema.closings:
+                self._places.append(last)
+                break
+        self._end = "bifurcation"
 
     def _pass(self, graze: Graze, beyond: Place | None) -> None:
         """Go across a graze, or end there."""
