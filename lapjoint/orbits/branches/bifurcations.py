@@ -11,7 +11,7 @@ The sign of w, that of det(1 + M) and the number of mu outside the circle tell t
 between two places: the first changes the first and the third by one, the second the other two, the last the third by
 two.  Where anything else changes, where other mu are outside the circle at the bifurcation than at both places, or
 where one of them may go out and come back, the place in the middle is looked at, too: where moduli change by more than
-the distance of one of them from the circle, or would pass it within half of the way if they went on as they come.
+the distance of one of them from the circle, or would pass it on the way if they went on as they come.
 """
 
 from __future__ import annotations
@@ -24,18 +24,23 @@ import numpy as np
 
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.problem import FloatArray
 
 Kind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking"]
 _REAL = 1e-6
 """Imaginary part of a multiplier over its modulus, up to which it is real."""
 _HALVINGS = 8
 """How often the way between two places is halved to tell bifurcations apart that lie on it."""
-_LOOKS = 3
+_LOOKS = 5
 """How often it is halved to find two that undo each other."""
 _FEW = 4
 """Number of multipliers, the largest, that may leave the circle and come back: the others are far within."""
 _GOES_ON = 2.0
-"""Largest ratio of half a step and the one before it for which it is looked how moduli go on."""
+"""Largest ratio of a step and the one before it for which it is looked how moduli go on."""
+_SHARPER = 2.0
+"""By how much faster than before a modulus may grow as a power: near a light contact it grows ever faster."""
+_TINY = 1e-9
+"""Modulus up to which it says nothing how many times as large a multiplier becomes."""
 _STEPS = 40
 """Most steps of the search for the root of a test function."""
 _ROUNDING = 1e-6
@@ -161,15 +166,23 @@ def _may_come_back(family: Family, first: Place, last: Place, around: Around) ->
 
 
 def _goes_on_past(family: Family, before: Place | None, here: Place, other: Place) -> bool:
-    """Whether a modulus passes 1 within half of the way to another place, if it goes on as from the one before."""
+    """Whether a modulus passes 1 on the way to another place, if it goes on as from the one before.
+
+    It may grow by as much as before, or as many times: where a contact is light, as one over the root of its depth.
+    """
     if before is None:
         return False
-    now, then = (np.abs(place.orbit.values[:_FEW]) for place in (here, before))
-    if now.shape != then.shape or not ((now > 1) != (now + _GOES_ON * (now - then) > 1)).any():
+    now, then = (np.maximum(np.abs(place.orbit.values[:_FEW]), _TINY) for place in (here, before))
+    if now.shape != then.shape or not _passes(now, then, _GOES_ON):
         return False
     way, came = (float(np.linalg.norm(other.chord(family, here))), float(np.linalg.norm(here.chord(family, before))))
-    ahead = now + 0.5 * way / max(came, 1e-300) * (now - then)
-    return bool(((now > 1) != (ahead > 1)).any())
+    return _passes(now, then, min(way / max(came, 1e-300), _GOES_ON))
+
+
+def _passes(now: FloatArray, then: FloatArray, steps: float) -> bool:
+    """Whether a number passes 1 that goes on for so many times the way from one to the other, either way."""
+    ahead = now + steps * (now - then), now * (now / then) ** (_SHARPER * steps)
+    return any(bool(((now > 1) != (one > 1)).any()) for one in ahead)
 
 
 def _middle(family: Family, first: Place, last: Place) -> Place | None:
