@@ -317,7 +317,9 @@ class _Follower:
         length = float(np.linalg.norm(beyond.chord(self._family, here)))
         for share in _UP_TO:  # so near to where two curves meet, Newton's method may find neither
             last = between_two(self._family, here, beyond, share * missed[0] / sum(missed), length)
-            if last is not None and last.extrema.closings == here.extrema.closings:
+            if last is None or last.extrema.closings != here.extrema.closings:
+                continue
+            if last.tangent[-1] * here.tangent[-1] > 0:  # else it is beyond, where the curve comes back
                 self._places.append(last)
                 break
         self._end = "bifurcation"
