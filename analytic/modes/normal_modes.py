@@ -5,12 +5,12 @@ because a section point of one problem is reused, as modal coordinates, in its n
 
     phi + phi''' / beta^3 > 0,
 
-and rigid-body modes rise to the tip, or are constant.  A spring k at the tip, of a support or a stop, makes
-EI phi''' = k phi, so the two parts have one sign and cancel for no k from 0 to infinity.  Where no spring acts between
-the ends the sum cannot vanish: with phi = phi''' = 0 at the tip, the solution of (8) that goes on from there has all
-derivatives of one sign, and meets no condition at the root.  Nor can it where the nearest spring is many wavelengths
-from the tip, whatever that spring is.  What remains are single stiffnesses at which, with a spring between the ends,
-the sum of a low mode passes 0, and crossings of two frequencies.
+and rigid-body modes, and others so slow that they do not bend, move the tip upwards, or the beam where the tip does not
+move.  A spring k at the tip, of a support or a stop, makes EI phi''' = k phi, so the two parts have one sign and cancel
+for no k from 0 to infinity.  Where no spring acts between the ends the sum cannot vanish: with phi = phi''' = 0 at the
+tip, the solution of (8) that goes on from there has all derivatives of one sign, and meets no condition at the root.
+Nor can it where the nearest spring is many wavelengths from the tip, whatever that spring is.  What remains are single
+stiffnesses at which, with a spring between the ends, the sum of a low mode passes 0, and crossings of two frequencies.
 
 No rule is continuous everywhere.  A beam on two pins with a spring k amid has its first two frequencies equal at
 k = 4 (2 pi)^3 coth(pi) EI / L^3.  On a closed path around that point, by way of k and the spring's place, the
@@ -40,6 +40,7 @@ _TWIN = 1e-9  # relative distance of roots below which they are one root to the 
 _SLOW = 1e-2
 """beta L up to which a mode has the shape of a rigid bar's motion.  It bends by some (beta L)^4 / 200, 5e-11 at this
 limit; waves that nearly cancel lose more: impulses of a beam on two soft springs were off by 2e-6 at half of it."""
+_STILL = 1e-9  # displacement of the tip, over that of the bar, up to which the bar turns about its tip, to rounding
 _CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are made orthogonal
 
 
@@ -122,12 +123,12 @@ def _exact_modes(
     shapes = _joined(_rigid_shapes(layout, slow, L), elastic)
     norm = 1 / np.sqrt(beam.m * squares(shapes))  # (16), (17)
     shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
-    shapes = shapes.scaled(np.where(_at_tip(shapes, z / L) < 0, -1.0, 1.0))
+    shapes = shapes.scaled(np.where(_at_tip(shapes, np.where(z > _SLOW, z, 0.0) / L) < 0, -1.0, 1.0))
     return NormalModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
 
 
 def _at_tip(shapes: BeamFunctions, beta: FloatArray) -> FloatArray:
-    """phi + phi''' / beta^3 at the tip of each mode, or 1 for rigid-body modes, shape ``(modes,)``; `beta` in 1/m."""
+    """phi + phi''' / beta^3 at the tip of each mode, or 1 where `beta`, in 1/m, is 0; shape ``(modes,)``."""
     tip, elastic = shapes.nodes[-1:], beta > 0
     cube = np.where(elastic, beta, 1.0) ** 3
     return np.where(elastic, shapes(tip)[:, 0] + shapes(tip, 3)[:, 0] / cube, 1.0)
@@ -198,7 +199,10 @@ def _rigid_shapes(layout: Layout, count: int, L: float) -> FloatArray:
     stiffest = float(spring.max(initial=0.0)) or 1.0
     mass = ways.T @ np.array([[1.0, 1 / 2], [1 / 2, 1 / 3]]) @ ways
     _, found = eigh(ways.T @ (spring / stiffest) @ ways, mass)
-    return np.asarray((ways @ found).T[:count] / [1.0, L])
+    moved = (ways @ found).T[:count]
+    tip = moved.sum(axis=1)
+    up = np.where(np.abs(tip) > _STILL * np.abs(moved).sum(axis=1), tip, moved @ [1, 1 / 2])
+    return np.asarray(np.where(up < 0, -1.0, 1.0)[:, None] * moved / [1.0, L])
 
 
 def _free_ways(layout: Layout) -> FloatArray:

@@ -191,6 +191,27 @@ def test_modes_without_contact_keep_their_sign_as_a_support_stiffens(change: str
         previous = shapes
 
 
+SOFT = {
+    "pin and soft torsion": lambda x, k: (Support(x=x, translational=math.inf, torsional=k),),
+    "a spring": lambda x, k: (Support(x=x, translational=k),),
+    "two springs": lambda x, k: (Support(x=x, translational=k), Support(x=2.0 - 0.4 * x, translational=0.3 * k)),
+    "a spring and torsion": lambda x, k: (Support(x=x, translational=k, torsional=5.0 * k),),
+}
+
+
+@pytest.mark.parametrize("kind", SOFT)
+@pytest.mark.parametrize("x", [0.0, 0.3, 1.1, 2.0])
+def test_modes_keep_their_sign_from_rigid_to_bending(kind: str, x: float) -> None:
+    places, previous = np.linspace(0, 2, 21), None
+    for k in [0.0, *BEAM.EI * 10.0 ** np.arange(-13.0, -2.0, 0.5)]:
+        if k == 0.0 and kind != "pin and soft torsion":  # without a spring, other motions are rigid
+            continue
+        shapes = exact_modes(Problem(beam=BEAM, supports=SOFT[kind](x, k)), FREE, 3).shapes(places)[:2]
+        if previous is not None:
+            assert np.all((previous * shapes).sum(axis=1) > 0.0), k
+        previous = shapes
+
+
 def with_many_stops(count: int) -> Problem:
     """The paper's joint with many more stops along it."""
     joint = paper_joint()

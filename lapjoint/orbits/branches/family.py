@@ -199,7 +199,6 @@ class Family:
             known.append(found[0])
             zones.append(Zone(zone.high, found[1]))
         finer = copy(self)
-        finer.__dict__.pop("_finer", None)
         finer.zones, finer._maps = zones, lru_cache(maxsize=_KEPT)(finer._made)
         return known, finer
 
