@@ -255,8 +255,7 @@ class _Follower:
         length = float(np.linalg.norm(chord))
         if length > max(farthest, _AT_GRAZE):
             return False
-        if _comes_to_shorter(self._family, self._here, before):
-            self._end_at_shorter(before)
+        if self._ends_at_shorter(before):
             return True
         if length > _AT_GRAZE and float(chord @ before.tangent) < 0 and not self._turns_sharply(before):
             return False  # it lies behind
@@ -300,29 +299,28 @@ class _Follower:
         if not self._family.low <= new.value <= self._family.high:
             self._places += _at_boundary(self._family, self._here, new)
             self._end = "boundary"
-        elif _comes_to_shorter(self._family, self._here, new):
-            self._end_at_shorter(new)
-        elif not (self._turned_back(new) and self._leave_out_more()):
+        elif not self._ends_at_shorter(new) and not (self._turned_back(new) and self._leave_out_more()):
             self._bend = _bend(self._family, self._here, new)
             self._come_to(new, rates)
             grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
             self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
 
-    def _end_at_shorter(self, beyond: Place) -> None:
-        """End the curve just before the motion that repeats sooner, which lies between here and a place beyond it."""
+    def _ends_at_shorter(self, beyond: Place) -> bool:
+        """End the curve just before a motion that repeats sooner, if one lies between here and a place beyond."""
         here = self._here
-        assert here.missed is not None
-        assert beyond.missed is not None
-        missed = [float(np.linalg.norm(one)) for one in (here.missed, beyond.missed)]
+        share = _share_to_shorter(self._family, here, beyond)
+        if share is None:
+            return False
         length = float(np.linalg.norm(beyond.chord(self._family, here)))
-        for share in _UP_TO:  # so near to where two curves meet, Newton's method may find neither
-            last = between_two(self._family, here, beyond, share * missed[0] / sum(missed), length)
+        for part in _UP_TO:  # so near to where two curves meet, Newton's method may find neither
+            last = between_two(self._family, here, beyond, part * share, length)
             if last is None or last.extrema.closings != here.extrema.closings:
                 continue
             if last.tangent[-1] * here.tangent[-1] > 0:  # else it is beyond, where the curve comes back
                 self._places.append(last)
                 break
         self._end = "bifurcation"
+        return True
 
     def _pass(self, graze: Graze, beyond: Place | None) -> None:
         """Go across a graze, or end there."""
@@ -380,7 +378,7 @@ class _Follower:
         if found is None:
             return False
         beyond, width = found
-        if _comes_to_shorter(self._family, self._here, beyond):
+        if _share_to_shorter(self._family, self._here, beyond) is not None:
             self._end = "bifurcation"
             return True
         self._jumps.append(Jump(self._here.value, beyond.value, len(self._places), width))
@@ -418,18 +416,20 @@ def _outward(family: Family, place: Place) -> bool:
     return abs(place.value - out) <= _AT_END * family.scale(place.value)
 
 
-def _comes_to_shorter(family: Family, here: Place, new: Place) -> bool:
-    """Whether, between two places, the branch comes to a motion that repeats sooner, and would be gone through again.
+def _share_to_shorter(family: Family, here: Place, new: Place) -> float | None:
+    """The share of the way from one place to another at which the branch comes to a motion that repeats sooner.
 
-    It springs from a branch of half as many half periods there.  By how much its motions miss to repeat after these
-    changes its sign, and twice the way there is what is missed: a motion and its image lie on either side.  So does the
-    orientation change, as two curves meet there.
+    It springs from a branch of half as many half periods there, and would be gone through again.  By how much its
+    motions miss to repeat after these changes its sign, and twice the way there is what is missed: a motion and its
+    image lie on either side.  So does the orientation change, as two curves meet there.  None if it does not.
     """
     a, b = here.missed, new.missed
     if a is None or b is None or a.shape != b.shape or float(a @ (b * new.weights / here.weights)) >= 0:
-        return False
-    sizes = float(np.linalg.norm(a)) + float(np.linalg.norm(b))
-    return sizes <= _BOTH_SIDES * float(np.linalg.norm(new.chord(family, here)))
+        return None
+    sizes = float(np.linalg.norm(a)), float(np.linalg.norm(b))
+    if sum(sizes) > _BOTH_SIDES * float(np.linalg.norm(new.chord(family, here))):
+        return None
+    return sizes[0] / sum(sizes)
 
 
 def _bend(family: Family, here: Place, new: Place) -> FloatArray | None:
@@ -462,7 +462,7 @@ def _stepped(family: Family, here: Place, step: float, bend: FloatArray | None) 
     angle = math.acos(min(1.0, float(chord @ new.tangent) / max(length, 1e-300)))
     if angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
         return None, angle
-    if new.orientation != here.orientation and not _comes_to_shorter(family, here, new):
+    if new.orientation != here.orientation and _share_to_shorter(family, here, new) is None:
         return None, angle
     return new, angle
 
