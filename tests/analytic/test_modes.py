@@ -212,6 +212,13 @@ def test_modes_keep_their_sign_from_rigid_to_bending(kind: str, x: float) -> Non
         previous = shapes
 
 
+@pytest.mark.parametrize("k", [1e-8, 1.0, 1e9])
+def test_rigid_modes_move_the_tip_upwards_wherever_the_beam_is_held(k: float) -> None:
+    for x in np.linspace(0.0, 1.9, 20).tolist():
+        shapes = exact_modes(Problem(beam=BEAM, supports=(Support(x=x, translational=k),)), FREE, 3).shapes
+        assert shapes(np.array([BEAM.length]))[0, 0] > 0.0, x
+
+
 def with_many_stops(count: int) -> Problem:
     """The paper's joint with many more stops along it."""
     joint = paper_joint()
