@@ -14,9 +14,9 @@ from lapjoint.campaigns.point import plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.continuation import Limits
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.free_motion import free_seed
+from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import on_branch, seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
@@ -122,7 +122,7 @@ def solve_branch(
             seed_of(plain),
             most_multiple=plan.max_period_multiple,
             errors=plan.errors,
-            limits=Limits(plan.max_points, progress),
+            limits=Limits(plan.max_points, progress=progress),
         )
     except SolverError as error:
         return {"seeds": [], "points": [], "message": str(error)}

@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from by_another_solver import bifurcations_of
+from by_another_solver import by_another
 
 import analytic
 import fe_lapjoint
 from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.continuation import Limits, follow
+from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.resolving import resolved
+from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import seed_from
 from lapjoint.orbits.branches.value_errors import AIM
 
@@ -41,12 +43,14 @@ def judged(low: float, high: float, start: float, elements: int) -> list[tuple[s
     place = corrected(own, seed.value, seed.point, seed.count)
     assert place is not None
     up = np.append(np.zeros(place.tangent.size - 1), 1.0)
+    run = follow(own, place.along(up), Limits())
     rows = []
-    for one in bifurcations_of(own, follow(own, place.along(up), Limits())):
-        by_other = one.by(own, other)
-        assert by_other is not None, f"{one.kind} at {one.value} rad/s: not found by the finite element solver"
-        a, b = one.stated(own), by_other.stated(other)
-        rows.append((one.kind, a.value, abs(a.value - b.value) / (a.error + b.error), max(a.error, b.error) / a.value))
+    for one in resolved(own, run).bifurcations:
+        if one.found is not None:
+            a, b = one.bifurcation, by_another(one, other)
+            assert b is not None, f"{a.kind} at {a.value} rad/s: not found by the finite element solver"
+            apart = abs(a.value - b.value) / (a.error + b.error)
+            rows.append((a.kind, a.value, apart, max(a.error, b.error) / a.value))
     return rows
 
 

@@ -14,8 +14,8 @@ from toy import Bar as ToySolver
 import analytic
 import fe_lapjoint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.continuation import Limits
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
 
 AMPLITUDE = "base_motion.amplitude"

@@ -25,8 +25,8 @@ import fe_lapjoint
 from lapjoint import History, Problem
 from lapjoint.answers.branches import Branch, BranchPoint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.continuation import Limits
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import seed_from
 from lapjoint.orbits.branches.tracing import trace
 from lapjoint.orbits.period_map import PeriodMap

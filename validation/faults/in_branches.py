@@ -16,7 +16,7 @@ BRANCHES = (
     Fault(
         "branch-graze-other-side",
         "a sign",
-        "lapjoint.orbits.branches.value_errors",
+        "lapjoint.orbits.branches.found_again",
         "From the motion just before a graze its number is taken off the wrong way along the tangent.",
         old="graze.place.value - graze.rate * graze.extremum.value",
         new="graze.place.value + graze.rate * graze.extremum.value",

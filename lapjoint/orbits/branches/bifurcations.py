@@ -33,8 +33,8 @@ _HALVINGS = 8
 """How often the way between two places is halved to tell bifurcations apart that lie on it."""
 _LOOKS = 5
 """How often it is halved to find two that undo each other."""
-_FEW = 4
-"""Number of multipliers, the largest, that may leave the circle and come back: the others are far within."""
+_PAIR = 2
+"""Most multipliers that pass the circle at once."""
 _GOES_ON = 2.0
 """Largest ratio of a step and the one before it for which it is looked how moduli go on."""
 _SHARPER = 2.0
@@ -102,7 +102,7 @@ def between(family: Family, first: Place, last: Place, around: Around) -> Iterat
 
 def _within(family: Family, first: Place, last: Place, around: Around, halvings: int) -> Iterator[Located | NotLocated]:
     """The bifurcations between two places, the way between which has been halved so often."""
-    a, b = _signature(first), _signature(last)
+    a, b = signature(first), signature(last)
     change = tuple(int(x != y) for x, y in zip(a[:2], b[:2], strict=True)), abs(b[2] - a[2])
     found = [] if change == _NONE else list(_at_changes(family, first, last, _kind_of(change, first)))
     if change in _SINGLE and found and _outside(found[0].place, _ROUNDING) == min(a[2], b[2]):
@@ -145,34 +145,54 @@ def _kind_of(change: tuple[tuple[int, ...], int], place: Place) -> Kind | None:
     return kinds.get(change)
 
 
-def _signature(place: Place) -> tuple[int, int, int]:
-    """Signs of w and of det(1 + M), 0 or 1, and the number of mu outside the circle."""
+def signature(place: Place) -> tuple[int, int, int]:
+    """What tells bifurcations apart that lie between two places.
+
+    Parameters
+    ----------
+    place : Place
+        A place.
+
+    Returns
+    -------
+    tuple of int
+        Signs of w and of det(1 + M), 0 or 1, and the number of mu outside the circle.
+    """
     return _goes_up(place), _above_minus_one(place), _outside(place, _ROUNDING)
 
 
 def _may_come_back(family: Family, first: Place, last: Place, around: Around) -> bool:
-    """Whether moduli change by more than the distance of one from 1, or det(1 + M) by more than its own size.
+    """Whether a modulus changes by more than its distance from 1, or det(1 + M) by more than its own size.
 
-    A multiplier may then pass the circle, or -1, and come back; or if it went on as it comes to either place.
+    A multiplier may then pass the circle, or -1, and come back; or if it went on as it comes to either place.  The k-th
+    largest modulus changes steadily: one that passes 1 is the least of those outside the circle, or the largest of
+    those within, or the next where a pair does.
     """
-    a, b = (np.abs(place.orbit.values[:_FEW]) for place in (first, last))
-    if not a.size:
-        return False
-    det = [abs(complex(np.prod(place.orbit.values + 1))) for place in (first, last)]
-    near = min(float(np.min(np.abs(one - 1))) for one in (a, b))
-    if bool(np.max(np.abs(b - a)) > near) or abs(det[1] - det[0]) > min(det):
+    count = _outside(first, _ROUNDING)
+    near = slice(max(count - _PAIR, 0), count + _PAIR)
+    a, b = (np.abs(place.orbit.values[near]) for place in (first, last))
+    if bool((np.abs(b - a) > np.minimum(np.abs(a - 1), np.abs(b - 1))).any()):
         return True
-    return _goes_on_past(family, around[0], first, last) or _goes_on_past(family, around[1], last, first)
+    det = [_near_minus_one(place) for place in (first, last)]
+    if abs(det[1] - det[0]) > min(det):
+        return True
+    return _goes_on_past(family, around[0], first, last, near) or _goes_on_past(family, around[1], last, first, near)
 
 
-def _goes_on_past(family: Family, before: Place | None, here: Place, other: Place) -> bool:
+def _near_minus_one(place: Place) -> float:
+    """The size of det(1 + M), over that of multipliers which are far outside the circle."""
+    values = place.orbit.values
+    return float(np.prod(np.abs(values + 1) / np.maximum(np.abs(values), 1)))
+
+
+def _goes_on_past(family: Family, before: Place | None, here: Place, other: Place, near: slice) -> bool:
     """Whether a modulus passes 1 on the way to another place, if it goes on as from the one before.
 
     It may grow by as much as before, or as many times: where a contact is light, as one over the root of its depth.
     """
     if before is None:
         return False
-    now, then = (np.maximum(np.abs(place.orbit.values[:_FEW]), _TINY) for place in (here, before))
+    now, then = (np.maximum(np.abs(place.orbit.values[near]), _TINY) for place in (here, before))
     if now.shape != then.shape or not _passes(now, then, _GOES_ON):
         return False
     way, came = (float(np.linalg.norm(other.chord(family, here))), float(np.linalg.norm(here.chord(family, before))))

@@ -57,12 +57,16 @@ class Start:
     """The period maps."""
     place: Place
     """The place."""
+    itself: bool = False
+    """Whether only this section point of the motion counts."""
 
     @cached_property
     def images(self) -> tuple[Place, ...]:
         """The place at each of the motion's section points; its tangent is that of the first."""
         family, first = self.family, self.place
         found = [first]
+        if self.itself:
+            return (first,)
         for point in images_of(first.half_periods, first.point, first.count)[1:]:
             exact = corrected(family, first.value, point, first.count, fixed=True)  # an unstable motion is left soon
             point = point if exact is None else exact.point

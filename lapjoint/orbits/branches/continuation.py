@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,12 +12,15 @@ from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.closing import Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze
+from lapjoint.orbits.branches.grazing import beyond_graze, located_graze
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
+from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
 from lapjoint.problem import FloatArray
 
 _FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
 """Arc length of the first step, and of the longest and shortest: motions change by so much of their size."""
+_SHARE = 0.1
+"""Share of the length that a curve may have at most that its first step is."""
 _TURN = 0.2
 """Angle between a step and the tangent at its end that is aimed at, rad: the curve is then known to some 1e-2 of a step
 between its points."""
@@ -85,62 +88,6 @@ _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
 
-@dataclass(frozen=True)
-class Limits:
-    """How far a branch is followed."""
-
-    most: int = 5000
-    """Largest number of its points."""
-    progress: Callable[[float], None] | None = None
-    """Called with the share of the range, or of the effort, that is behind."""
-
-
-@dataclass(frozen=True)
-class Graze:
-    """A graze that a branch goes across, or at which it ends."""
-
-    stop: int
-    """The stop."""
-    value: float
-    """The number, in its SI unit."""
-    kind: str
-    """``persists``, ``folds`` or ``ends``."""
-    before: OnExtremum = field(repr=False)
-    """The motion just before."""
-    rate: float
-    """Change of the extremum's value with the arc length before it, m."""
-    index: int
-    """Number of places of the run before it."""
-
-
-@dataclass(frozen=True)
-class Jump:
-    """A part of a branch that is not resolved: several grazes at once, or a jump of the map by truncation."""
-
-    first: float
-    """The number before it, in its SI unit."""
-    last: float
-    """The number after it."""
-    index: int
-    """Number of places of the run before it."""
-    width: int = 0
-    """Which of the widths was left out that are tried in turn."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """A curve followed in one direction."""
-
-    places: list[Place]
-    """Its places in sequence, from the start."""
-    grazes: list[Graze]
-    """Its grazes."""
-    jumps: list[Jump]
-    """Where it could not be resolved."""
-    end: str
-    """Why it ends."""
-
-
 def follow(family: Family, start: Place, limits: Limits) -> Run:
     """Follow a curve from a place, in the direction of its tangent.
 
@@ -168,7 +115,6 @@ class _Follower:
         self._family, self._limits = family, limits
         self._places, self._grazes, self._jumps = [start], list[Graze](), list[Jump]()
         self._rates = rates_of(family, start)
-        self._step = _FIRST
         self._bend: FloatArray | None = None
         self._ceiling = _LONGEST
         self._refused = math.inf
@@ -176,13 +122,15 @@ class _Follower:
         self._expected = 0.0
         self._end, self._tries = "", 0
         self._start, self._looked, self._missed = Start(family, start), 0, 0.0
+        self._until = None if limits.until is None else Start(family, limits.until, itself=True)
+        self._step, self._length, self._measured = min(_FIRST, _SHARE * limits.length), 0.0, 0
 
     def run(self) -> Run:
         """Follow it to its end."""
         if _outward(self._family, self._places[0]):
             self._end = "boundary"
         while not self._end:
-            if len(self._places) >= self._limits.most or self._tries >= _TRIES * self._limits.most:
+            if self._spent:
                 self._end = "effort"
             else:
                 self._advance()
@@ -193,20 +141,38 @@ class _Follower:
     def _here(self) -> Place:
         return self._places[-1]
 
+    @property
+    def _spent(self) -> bool:
+        """Whether it is as long as it may be."""
+        most = self._limits.most
+        if math.isfinite(self._limits.length):
+            ways = (b.chord(self._family, a) for a, b in pairwise(self._places[self._measured :]))
+            self._length += sum(float(np.linalg.norm(way)) for way in ways)
+            self._measured = len(self._places) - 1
+        return len(self._places) >= most or self._tries >= _TRIES * most or self._length >= self._limits.length
+
     def _look_back(self) -> None:
         """End the curve where it has come to its start, or to motions of the curve from which it springs."""
         for i in range(self._looked, len(self._places) - 1):
             new = self._places[i + 1]
+            there = None if self._until is None else self._until.between(self._places[i], new)
+            if there is not None:
+                self._end_at(i, there, "until")
+                break
             missed = 1.0 if new.missed is None else float(np.linalg.norm(new.missed))
             back = None if i < _ROUND else self._start.between(self._places[i], new)
             if back is not None or missed <= _VANISHED * self._missed:
-                self._places[i + 1 :] = [new if back is None else back]
-                self._grazes = [graze for graze in self._grazes if graze.index <= i]
-                self._jumps = [jump for jump in self._jumps if jump.index <= i]
-                self._end = "bifurcation" if back is None else "closed"
+                self._end_at(i, *((new, "bifurcation") if back is None else (back, "closed")))
                 break
             self._missed = max(self._missed, missed)
         self._looked = len(self._places) - 1
+
+    def _end_at(self, i: int, last: Place, why: str) -> None:
+        """End the curve at a place that follows the one with number `i`."""
+        self._places[i + 1 :] = [last]
+        self._grazes = [graze for graze in self._grazes if graze.index <= i]
+        self._jumps = [jump for jump in self._jumps if jump.index <= i]
+        self._end = why
 
     def _advance(self) -> None:
         """Take a step, or a shorter one next time; where none can be taken, go across what is in the way."""

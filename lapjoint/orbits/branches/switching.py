@@ -14,7 +14,7 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.bifurcations import crosses_minus_one, flip_of
 from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.value_errors import smooth_finder
+from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.newton import RESIDUAL
 
 _LENGTHS = (1e-2, 3e-2, 3e-3, 1e-3)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
-from lapjoint.answers.branches import Bifurcation, Branch, BranchPoint
-from lapjoint.answers.steady_state import SectionPoint, impulses_per_period
+from lapjoint.answers.branches import Branch, BranchPoint
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
-from lapjoint.orbits.branches.continuation import Graze, Jump, Limits, Run, follow
+from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.resolving import resolved, unrefined
+from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.branches.switching import sprung_from, switched
-from lapjoint.orbits.branches.value_errors import Stated, graze_finder, smooth_finder, stated
 from lapjoint.orbits.steady_state import periodic_state
 
 
@@ -81,15 +79,17 @@ def trace(
         return None
     ahead, back = _both_ways(family, start, seed, limits)
     run = _joined(back, ahead)
-    found = sorted(_bifurcations(family, run, errors), key=lambda pair: pair[0].index)
-    points = tuple(_point(family, place) for place in run.places)
+    found = resolved(family, run) if errors else unrefined(family, run)
+    points = tuple(_point(*one) for one in zip(found.families, found.places, strict=True))
     seeds = []
-    for _, place in found:
+    for one in found.bifurcations:
+        place = one.springing
         if place is not None and place.count * 2 <= 2 * most_multiple:
-            new = switched(family, place)
+            new = switched(one.family, place)
             if new is not None:
-                seeds.append(Seed(new.value, new.point, new.count, (place.value, place.point)))
-    branch = Branch(family.path, points, tuple(one for one, _ in found), (back.end, ahead.end))
+                away_from = place.value, family.adopted(place.value, place.point)  # they may be of a finer solver
+                seeds.append(Seed(new.value, family.adopted(new.value, new.point), new.count, away_from))
+    branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), (back.end, ahead.end))
     runs = [ahead] if seed.away_from is not None else [back, ahead]
     ends = [sprung_from(family, one.places[-1]) for one in runs if one.end == "bifurcation"]
     springs = (seed.away_from, *((one.value, one.point) for one in ends if one is not None))
@@ -137,57 +137,3 @@ def _joined(back: Run, ahead: Run) -> Run:
 def _point(family: Family, place: Place) -> BranchPoint:
     solver = family.solver_at(place.value).name
     return BranchPoint(place.value, periodic_state(place.half_periods.map, solver, place.orbit, None))
-
-
-def _bifurcations(family: Family, run: Run, errors: bool) -> Iterator[tuple[Bifurcation, Place | None]]:
-    """Those of a run; with the place where a branch springs from it, if one does."""
-    for graze in run.grazes:
-        yield _grazing(family, graze, errors), None
-    for jump in run.jumps:
-        yield _unresolved(jump, jump.index), None
-    apart = {jump.index for jump in run.jumps}
-    for i, (a, b) in enumerate(pairwise(run.places)):
-        if i + 1 in apart or a.extrema.closings != b.extrema.closings:
-            continue
-        for one in between(family, a, b, (_beside(run, i, i - 1, apart), _beside(run, i + 1, i + 2, apart))):
-            if isinstance(one, NotLocated):
-                yield _unresolved(one, i + 1), None
-                continue
-            yield _smooth(family, one, i + 1, errors), one.place if one.kind in _SPRINGING else None
-
-
-def _beside(run: Run, here: int, other: int, apart: set[int]) -> Place | None:
-    """The neighbour of a place, if the curve goes on smoothly to it."""
-    if not 0 <= other < len(run.places) or max(here, other) in apart:
-        return None
-    same = run.places[other].extrema.closings == run.places[here].extrema.closings
-    return run.places[other] if same else None
-
-
-_SPRINGING = ("flip", "symmetry breaking")
-"""Kinds of bifurcations from which a branch of periodic motions springs."""
-
-
-def _unresolved(part: Jump | NotLocated, index: int) -> Bifurcation:
-    return Bifurcation("unresolved", 0.5 * (part.first + part.last), 0.5 * abs(part.last - part.first), index)
-
-
-def _smooth(family: Family, one: Located, index: int, errors: bool) -> Bifurcation:
-    value = one.place.value
-    known = stated(family, one.place, value, smooth_finder(one.kind)) if errors else Stated(value, np.inf)
-    return Bifurcation(one.kind, known.value, known.error, index, impulses=_impulses(one.place))
-
-
-def _grazing(family: Family, graze: Graze, errors: bool) -> Bifurcation:
-    place, known = graze.before.place, Stated(graze.value, np.inf)
-    if errors:
-        known = stated(
-            family, place, graze.value, graze_finder(graze.before.extremum, graze.rate, place.extrema.duration)
-        )
-    return Bifurcation("grazing", known.value, known.error, graze.index, graze.stop, graze.kind, _impulses(place))
-
-
-def _impulses(place: Place) -> tuple[float, ...]:
-    multiple = place.orbit.period_multiple
-    history = place.half_periods.map.history(place.point, multiple)
-    return tuple(impulses_per_period(history, multiple).tolist())

@@ -2,37 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.bifurcations import Kind, located, tests_of
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum
-from lapjoint.orbits.branches.grazing import located_graze
+from lapjoint.orbits.branches.found_again import Finder
 from lapjoint.orbits.refinement import ROUNDING
 
 AIM = 1e-5
 """Error of a bifurcation over the scale of its number that is aimed at."""
 _MOST = 3
 """Most finer solvers that are asked."""
-_REACHES = (1e-3, 1e-2, 5e-2)
-"""Arc lengths, to both sides of where the coarser solver has it, within which a bifurcation is looked for."""
-_BACK = (0.0, 1e-5, 1e-4, 1e-3)
-"""Arc lengths before a graze from which it is looked for, in turn: by another solver, it may lie before."""
-_FIRST = 1e-5
-"""Arc length of the first step of a search by secants: most bifurcations of two solvers are about so far apart."""
-_SECANTS = 15
-"""Most secants: five are enough where a multiplier is smooth; beside a graze it changes as a square root."""
-_GROWS = 30.0
-"""By how much a step by a secant is longer than the last one at most."""
-_LOCATED = 1e-9
-"""Length of a step, or value of what vanishes, at which a bifurcation is found."""
-_SAME_MULTIPLIER = 0.05
-"""Distance between the critical multipliers of two solvers up to which a bifurcation is the same one."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +26,6 @@ class Stated:
     """The number, in its SI unit."""
     error: float
     """Its error, in the same unit; infinite where none can be stated."""
-
-
-Finder = Callable[[Family, Place], tuple[Place, float] | None]
-"""Finds a bifurcation by another solver from where one has it: the motion just at it, and the number."""
 
 
 def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated:
@@ -83,163 +62,3 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     except (InputError, SolverError):
         pass
     return Stated(value, error)
-
-
-def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
-    """Finds a bifurcation of a smooth part of a curve: the same one, by the multiplier that is critical there.
-
-    Parameters
-    ----------
-    kind : str
-        Its kind.
-    like : Place, optional
-        The motion at the bifurcation, by any solver; without it, it is the one from which the search begins.
-
-    Returns
-    -------
-    Finder
-        The function.
-    """
-
-    def find(family: Family, place: Place) -> tuple[Place, float] | None:
-        near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
-        if near is None:
-            return None
-        vanishes = critical(kind, like or place)
-        found = _root(family, near, vanishes) or _between_ends(family, near, kind)
-        if found is None or not _same_kind(kind, found, like or place):
-            return None
-        return found, found.value
-
-    return find
-
-
-def critical(kind: Kind, at: Place) -> Callable[[Place], float]:
-    """What vanishes at a bifurcation, with a sign, for motions near it.
-
-    Parameters
-    ----------
-    kind : str
-        Its kind.
-    at : Place
-        The motion there, or nearly there.
-
-    Returns
-    -------
-    callable
-        Takes a place; follows the multiplier that is critical.
-    """
-    if kind == "fold":
-        return lambda place: float(place.tangent[-1])
-    mu = critical_multiplier(kind, at)
-
-    def followed(place: Place) -> complex:
-        values = place.orbit.values
-        return complex(values[int(np.argmin(np.abs(values - mu)))])
-
-    if kind == "neimark-sacker":
-        return lambda place: abs(followed(place)) - 1
-    return lambda place: followed(place).real + 1
-
-
-def critical_multiplier(kind: Kind, at: Place) -> complex:
-    """The multiplier that is critical at a bifurcation.
-
-    Parameters
-    ----------
-    kind : str
-        Its kind.
-    at : Place
-        The motion there.
-
-    Returns
-    -------
-    complex
-        1, -1, or that of a pair on the unit circle that has a positive imaginary part.
-    """
-    if kind == "fold":
-        return 1.0
-    if kind != "neimark-sacker":
-        return -1.0
-    values = at.orbit.values
-    pairs = values[values.imag > 0]
-    return complex(pairs[int(np.argmin(np.abs(np.abs(pairs) - 1)))]) if pairs.size else 1.0
-
-
-def _same_kind(kind: Kind, found: Place, place: Place) -> bool:
-    """Whether a bifurcation is the one that another solver has at a place, and not its neighbour."""
-    if found.extrema.closings != place.extrema.closings:
-        return False
-    mu, other = (critical_multiplier(kind, one) for one in (found, place))
-    return abs(mu - other) <= _SAME_MULTIPLIER
-
-
-def _root(family: Family, near: Place, vanishes: Callable[[Place], float]) -> Place | None:
-    """The place of a curve at which something vanishes, by secants from a place near it."""
-    before, here, length = near, _beside(family, near, _FIRST), _FIRST
-    for _ in range(_SECANTS):
-        if here is None:
-            return None
-        a, b = vanishes(before), vanishes(here)
-        if abs(b) <= _LOCATED:
-            return here
-        if a == b:
-            return None
-        step = float(np.clip(-b * length / (b - a), -_GROWS * abs(length), _GROWS * abs(length)))
-        if abs(step) <= _LOCATED:
-            return here
-        before, here, length = here, _beside(family, here, step), step
-        if here is not None and float(np.linalg.norm(here.chord(family, near))) > _REACHES[-1]:
-            return None
-    return None
-
-
-def _beside(family: Family, here: Place, step: float) -> Place | None:
-    """The place some arc length from another, with its tangent in the same direction."""
-    value, guess = here.moved(family, step * here.tangent)
-    found = corrected(family, value, guess, here.count)
-    if found is None or not family.low <= value <= family.high:
-        return None
-    return found.along(np.sign(step) * found.chord(family, here))
-
-
-def _between_ends(family: Family, near: Place, kind: Kind) -> Place | None:
-    """The place near another between two at which something is counted that changes at a bifurcation."""
-    count, distance = tests_of(near)[kind]
-    for reach in _REACHES:
-        ends = [_beside(family, near, step) for step in (-reach, reach)]
-        first, last = ends
-        if first is not None and last is not None and count(first) != count(last):
-            return located(family, first, last, count, distance)
-    return None
-
-
-def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
-    """Finds a graze.
-
-    Parameters
-    ----------
-    extremum : Extremum
-        The extremum that vanishes there, as the coarsest solver has it just before.
-    rate : float
-        Change of its value with the arc length before it, m.
-    duration : float
-        Length of the motion there, s.
-
-    Returns
-    -------
-    Finder
-        The function.
-    """
-
-    def find(family: Family, place: Place) -> tuple[Place, float] | None:
-        for back in _BACK:
-            value, guess = place.moved(family, -back * place.tangent)
-            near = corrected(family, value, guess, place.count)
-            mine = None if near is None else near.extrema.matching(extremum, duration)
-            graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
-            if graze is not None:
-                return graze.place, graze.place.value - graze.rate * graze.extremum.value
-        return None
-
-    return find

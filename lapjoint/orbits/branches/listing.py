@@ -1,0 +1,117 @@
+"""The bifurcations of a curve that was followed, listed in their sequence with their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lapjoint.answers.branches import Bifurcation, BifurcationKind
+from lapjoint.answers.steady_state import impulses_per_period
+from lapjoint.orbits.branches.bifurcations import Located, NotLocated
+from lapjoint.orbits.branches.corrector import Place
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_along import Way, along, directly, motion_at, smooth_bifurcations
+from lapjoint.orbits.branches.run import Graze, Jump, Run
+from lapjoint.orbits.branches.value_errors import Stated, stated
+
+_SPRINGING = ("flip", "symmetry breaking")
+"""Kinds of bifurcations from which a branch of periodic motions springs."""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A bifurcation of a curve."""
+
+    family: Family
+    """The period maps by which it was found."""
+    bifurcation: Bifurcation
+    """The bifurcation, with the index of the place that follows it or lies at it."""
+    found: Located | Graze | None = field(default=None, repr=False)
+    """What was found; None if it is not resolved."""
+    way: Way | None = field(default=None, repr=False)
+    """The branch about it; None if it is not resolved."""
+
+    @property
+    def index(self) -> int:
+        """The index of the place that follows it or lies at it."""
+        return self.bifurcation.index
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether a finer solver may have another one in its place."""
+        return self.bifurcation.kind == "unresolved" or not np.isfinite(self.bifurcation.error)
+
+    @property
+    def springing(self) -> Place | None:
+        """The motion there, if a branch springs from it."""
+        found = self.found
+        return found.place if isinstance(found, Located) and found.kind in _SPRINGING else None
+
+    def asked_along(self) -> Listed:
+        """The same with its error by finer solvers along their own curves, if it has none.
+
+        Returns
+        -------
+        Listed
+            The bifurcation.
+        """
+        if not self.doubtful or self.found is None or self.way is None:
+            return self
+        known = stated(self.family, motion_at(self.found), self.bifurcation.value, along(self.found, self.way))
+        return replace(self, bifurcation=replace(self.bifurcation, value=known.value, error=known.error))
+
+
+def listed(family: Family, run: Run, errors: bool) -> list[Listed]:
+    """The bifurcations of a curve.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    run : Run
+        The curve.
+    errors : bool
+        Whether to estimate their errors, from the motions at them.
+
+    Returns
+    -------
+    list of Listed
+        In their sequence along the curve.
+    """
+    return sorted(_each(family, run, errors), key=lambda one: one.index)
+
+
+def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
+    """Those at grazes, those that are not resolved, and those on smooth parts."""
+    for graze in run.grazes:
+        yield _named(family, run, graze, (graze.index - 1, graze.index + 1), errors)
+    for jump in run.jumps:
+        yield Listed(family, _unresolved(jump, jump.index))
+    for index, one in smooth_bifurcations(family, run):
+        if isinstance(one, NotLocated):
+            yield Listed(family, _unresolved(one, index))
+        else:
+            yield _named(family, run, one, (index - 1, index), errors)
+
+
+def _unresolved(part: Jump | NotLocated, index: int) -> Bifurcation:
+    return Bifurcation("unresolved", 0.5 * (part.first + part.last), 0.5 * abs(part.last - part.first), index)
+
+
+def _named(family: Family, run: Run, one: Located | Graze, beside: tuple[int, int], errors: bool) -> Listed:
+    """One that is resolved, with the indices of the places before it and behind it."""
+    place = motion_at(one)
+    value, index = (one.value, one.index) if isinstance(one, Graze) else (place.value, beside[1])
+    known = stated(family, place, value, directly(one)) if errors else Stated(value, np.inf)
+    stop, after = (one.stop, one.kind) if isinstance(one, Graze) else (-1, "")
+    kind: BifurcationKind = "grazing" if isinstance(one, Graze) else one.kind
+    found = Bifurcation(kind, known.value, known.error, index, stop, after, _impulses(place))
+    return Listed(family, found, one, Way(family, run, *beside))
+
+
+def _impulses(place: Place) -> tuple[float, ...]:
+    multiple = place.orbit.period_multiple
+    history = place.half_periods.map.history(place.point, multiple)
+    return tuple(impulses_per_period(history, multiple).tolist())

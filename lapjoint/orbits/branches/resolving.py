@@ -1,0 +1,181 @@
+"""Parts of a curve that a finer self of the solver sees otherwise are followed by it, until one finer still agrees.
+
+Close to a graze, where a map of few modes jumps or turns sharply, a coarse solver may have bifurcations that a finer
+one has not, or none at all.  What is not confirmed there says nothing of the joint.  So each such part, with a little
+of the curve before and behind it, is followed by the finer solver from the motion before to the one behind; its
+motions and bifurcations take the place of the others, if less of them is in doubt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from lapjoint.errors import SolverError
+from lapjoint.orbits.branches.bifurcations import signature
+from lapjoint.orbits.branches.continuation import follow
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.listing import Listed, listed
+from lapjoint.orbits.branches.run import Limits, Run
+
+_LEVELS = 2
+"""Most finer solvers by which a part is followed: each leaves about a third of what the one before left in doubt."""
+_TOGETHER = 8
+"""Most places between two bifurcations in doubt that belong to one part."""
+_MARGINS = (1e-3, 1e-2, 5e-2)
+"""Arc lengths before and behind a part from which on the finer solver may begin and end, in turn."""
+_FARTHEST = 30
+"""Most places before and behind a part at which it may begin and end."""
+_LONGER = 2.0
+"""Most by which the finer solver's curve is longer than the coarser one's."""
+_POINTS = 100
+"""Most points of the finer solver's curve, besides twice as many as there were."""
+_NEAR = 0.05
+"""Largest distance of the motions of two solvers over their size."""
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """A curve, and its bifurcations."""
+
+    places: list[Place]
+    """Its places, in sequence."""
+    bifurcations: list[Listed]
+    """Its bifurcations, in sequence."""
+    families: list[Family]
+    """The period maps of each place."""
+
+
+def unrefined(family: Family, run: Run) -> Resolved:
+    """A curve with its bifurcations, as it was followed, without errors.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    run : Run
+        The curve.
+
+    Returns
+    -------
+    Resolved
+        The curve.
+    """
+    return Resolved(run.places, listed(family, run, errors=False), [family] * len(run.places))
+
+
+def resolved(family: Family, run: Run, levels: int = _LEVELS) -> Resolved:
+    """A curve with its bifurcations and their errors, in which parts in doubt are followed by finer solvers.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps by which it was followed.
+    run : Run
+        The curve.
+    levels : int
+        Most finer solvers.
+
+    Returns
+    -------
+    Resolved
+        The curve.
+    """
+    now = Resolved(run.places, listed(family, run, errors=True), [family] * len(run.places))
+    for part in reversed(list(_parts(now.bifurcations)) if levels else []):
+        try:
+            finer = _followed(family, run, now.bifurcations, part, levels)
+        except SolverError:
+            continue
+        if finer is not None:
+            now = _put_in(now, *finer)
+    return replace(now, bifurcations=[one.asked_along() for one in now.bifurcations])
+
+
+def _parts(bifurcations: list[Listed]) -> Iterator[tuple[int, int]]:
+    """The first and the last index of what is in doubt, part by part."""
+    indices = [one.index for one in bifurcations if one.doubtful]
+    edges = [i for i, (a, b) in enumerate(pairwise(indices), start=1) if b - a > _TOGETHER]
+    for first, last in pairwise([0, *edges, len(indices)]):
+        if first < last:
+            yield indices[first], indices[last - 1]
+
+
+def _followed(
+    family: Family, run: Run, bifurcations: list[Listed], part: tuple[int, int], levels: int
+) -> tuple[int, int, Resolved] | None:
+    """A part as the finer solver has it, with the indices of the first and the last place that it takes the place of.
+
+    None if the finer solver does not come from the motion before to the one behind, or leaves more in doubt.
+    """
+    first, last = part
+    known = family.finer(run.places[first].value)
+    if known is None:
+        return None
+    finer, taken = known[1], {one.index for one in bifurcations}
+    for margin in _MARGINS:
+        before = _end(family, finer, run, range(first - 1, max(first - 1 - _FARTHEST, 0), -1), margin, taken)
+        behind = _end(
+            family, finer, run, range(last + 1, min(last + 1 + _FARTHEST, len(run.places) - 1)), margin, taken
+        )
+        if before is None or behind is None:
+            continue
+        (i, begin), (j, end) = before, behind
+        length = sum(float(np.linalg.norm(b.chord(family, a))) for a, b in pairwise(run.places[i : j + 1]))
+        limits = Limits(most=_POINTS + 2 * (j - i), length=_LONGER * length, until=end)
+        there = follow(finer, begin, limits)
+        if there.end != "until":
+            continue
+        found = resolved(finer, there, levels - 1)
+        own = [one for one in bifurcations if i < one.index <= j]
+        if _doubt(found.bifurcations) < _doubt(own):
+            return i, j, found
+    return None
+
+
+def _end(
+    family: Family, finer: Family, run: Run, indices: range, margin: float, taken: set[int]
+) -> tuple[int, Place] | None:
+    """Where a part begins or ends: the index of a place some arc length off, and the motion of the finer solver."""
+    length = 0.0
+    for i in indices:
+        place = run.places[i]
+        length += float(np.linalg.norm(place.chord(family, run.places[i - indices.step])))
+        if length < margin or not taken.isdisjoint((i, i + 1)):
+            continue
+        near = corrected(finer, place.value, finer.adopted(place.value, place.point), place.count, fixed=True)
+        if near is None or near.extrema.closings != place.extrema.closings:
+            continue
+        near = near.going_on_from(place)
+        alike = signature(near) == signature(place)
+        if alike and float(np.linalg.norm(near.chord(finer, place))) <= _NEAR:
+            return i, near
+    return None
+
+
+def _doubt(bifurcations: list[Listed]) -> tuple[int, float]:
+    """How many have no error, and how wide all parts are that are not resolved."""
+    wide = sum(one.bifurcation.error for one in bifurcations if one.bifurcation.kind == "unresolved")
+    return sum(one.doubtful and one.bifurcation.kind != "unresolved" for one in bifurcations), wide
+
+
+def _put_in(whole: Resolved, i: int, j: int, part: Resolved) -> Resolved:
+    """A curve whose places with the indices `i` to `j` are those of another."""
+    more = len(part.places) - (j + 1 - i)
+    bifurcations = [one for one in whole.bifurcations if one.index <= i]
+    bifurcations += [_later(one, i) for one in part.bifurcations]
+    bifurcations += [_later(one, more) for one in whole.bifurcations if one.index > j]
+    return Resolved(
+        whole.places[:i] + part.places + whole.places[j + 1 :],
+        bifurcations,
+        whole.families[:i] + part.families + whole.families[j + 1 :],
+    )
+
+
+def _later(one: Listed, by: int) -> Listed:
+    """The same with a larger index."""
+    return replace(one, bifurcation=replace(one.bifurcation, index=one.index + by))

@@ -1,0 +1,70 @@
+"""A curve that was followed: its places, its grazes, and what could not be resolved; and how far one is followed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from lapjoint.orbits.branches.corrector import Place
+from lapjoint.orbits.branches.grazing import OnExtremum
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a branch is followed."""
+
+    most: int = 5000
+    """Largest number of its points."""
+    length: float = math.inf
+    """Arc length from its start after which it ends, as if its points were spent."""
+    until: Place | None = None
+    """A motion at which it ends."""
+    progress: Callable[[float], None] | None = None
+    """Called with the share of the range, or of the effort, that is behind."""
+
+
+@dataclass(frozen=True)
+class Graze:
+    """A graze that a branch goes across, or at which it ends."""
+
+    stop: int
+    """The stop."""
+    value: float
+    """The number, in its SI unit."""
+    kind: str
+    """``persists``, ``folds`` or ``ends``."""
+    before: OnExtremum = field(repr=False)
+    """The motion just before."""
+    rate: float
+    """Change of the extremum's value with the arc length before it, m."""
+    index: int
+    """Number of places of the run before it."""
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A part of a branch that is not resolved: several grazes at once, or a jump of the map by truncation."""
+
+    first: float
+    """The number before it, in its SI unit."""
+    last: float
+    """The number after it."""
+    index: int
+    """Number of places of the run before it."""
+    width: int = 0
+    """Which of the widths was left out that are tried in turn."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A curve followed in one direction."""
+
+    places: list[Place]
+    """Its places in sequence, from the start."""
+    grazes: list[Graze]
+    """Its grazes."""
+    jumps: list[Jump]
+    """Where it could not be resolved."""
+    end: str
+    """Why it ends."""
