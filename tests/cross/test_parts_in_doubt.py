@@ -72,7 +72,7 @@ def found_by(solver: Perturbed, errors: bool = True) -> tuple[Bifurcation, ...]:
     values = [point.value for point in found.branch.points]
     assert values == sorted(values)
     for one in found.branch.bifurcations:  # it lies before the point of its index, whoever has followed that part
-        assert values[one.index - 1] <= one.value <= values[one.index] or not np.isfinite(one.error)
+        assert values[one.index - 1] - one.error <= one.value <= values[one.index] + one.error
     return found.branch.bifurcations
 
 
