@@ -118,10 +118,8 @@ def _followed(
         return None
     finer, taken = known[1], {one.index for one in bifurcations}
     for margin in _MARGINS:
-        before = _end(family, finer, run, range(first - 1, max(first - 1 - _FARTHEST, 0), -1), margin, taken)
-        behind = _end(
-            family, finer, run, range(last + 1, min(last + 1 + _FARTHEST, len(run.places) - 1)), margin, taken
-        )
+        before = _end(family, finer, run, range(first - 1, max(first - 2 - _FARTHEST, -1), -1), margin, taken)
+        behind = _end(family, finer, run, range(last + 1, min(last + 2 + _FARTHEST, len(run.places))), margin, taken)
         if before is None or behind is None:
             continue
         (i, begin), (j, end) = before, behind
