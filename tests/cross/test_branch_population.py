@@ -30,19 +30,20 @@ def check(found: Iterable[tuple[int, Witnessed]]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("solver", "indices"),
+    ("solver", "errors", "indices"),
     [
-        (SOLVERS[0], FEW),
-        *(pytest.param(solver, FEW + MORE, marks=pytest.mark.thorough) for solver in SOLVERS),
+        (SOLVERS[0], False, FEW),
+        *(pytest.param(solver, False, FEW + MORE, marks=pytest.mark.thorough) for solver in SOLVERS),
+        pytest.param(SOLVERS[0], True, FEW + MORE, marks=pytest.mark.thorough),
     ],
 )
-def test_no_branch_of_a_few_random_joints_is_false(solver: AnySolver, indices: tuple[int, ...]) -> None:
-    check((index, witnessed(solver, QUICK_SEED, index)) for index in indices)
+def test_no_branch_of_a_few_random_joints_is_false(solver: AnySolver, errors: bool, indices: tuple[int, ...]) -> None:
+    check((index, witnessed(solver, QUICK_SEED, index, errors)) for index in indices)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_no_branch_of_random_joints_is_false(solver: AnySolver) -> None:
+@pytest.mark.parametrize(("solver", "errors"), [(SOLVERS[0], False), (SOLVERS[0], True), (SOLVERS[1], False)])
+def test_no_branch_of_random_joints_is_false(solver: AnySolver, errors: bool) -> None:
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        tasks = [pool.submit(witnessed, solver, SEED, index) for index in range(COUNT)]
+        tasks = [pool.submit(witnessed, solver, SEED, index, errors) for index in range(COUNT)]
         check(list(enumerate(task.result() for task in tasks)))

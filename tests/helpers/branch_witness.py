@@ -91,18 +91,18 @@ class Witnessed:
     """Its bifurcations."""
 
 
-def witnessed(solver: AnySolver, seed: int, index: int) -> Witnessed:
-    """All of it for one problem."""
+def witnessed(solver: AnySolver, seed: int, index: int, errors: bool = False) -> Witnessed:
+    """All of it for one problem; with errors, finer solvers have followed what was in doubt."""
     one, rng = drawn(seed, index), np.random.default_rng((seed, index, 14))
     grid = Grid(one.problem, (Axis(one.path, (one.low, one.high)),))
     family = Family(solver, lambda value: grid.with_values((value,)), one.path, one.low, one.high)
-    branch = first_branch(family)
+    branch = first_branch(family, errors)
     if branch is None:
         return Witnessed((), 0, 0, (), ())
     faults, pushed = list(unnamed(branch)), 0
     for i in rng.permutation(len(branch.points))[:DRAWN].tolist():
         point = branch.points[i]
-        map_ = family.at(point.value).map
+        map_ = map_of(family, point)
         where = f"point {i} at {point.value:.9g}"
         faults += [f"{where}: {what}" for what in (*unseen(point), *marched_again(map_, point))]
         said = None if at_graze(branch, i) else pushed_march(map_, point, rng)
@@ -113,12 +113,21 @@ def witnessed(solver: AnySolver, seed: int, index: int) -> Witnessed:
     )
 
 
-def first_branch(family: Family) -> Branch | None:
+def map_of(family: Family, point: BranchPoint) -> PeriodMap:
+    """The period map of the solver that has found a motion."""
+    while family.solver_at(point.value).name != point.motion.solver:
+        finer = family.finer(point.value)
+        assert finer is not None
+        family = finer[1]
+    return family.at(point.value).map
+
+
+def first_branch(family: Family, errors: bool) -> Branch | None:
     """The branch of a motion that a march from rest comes to, at one of three values."""
     for value in (family.low, family.high, 0.5 * (family.low + family.high)):
         seed = seed_from(family, value, family.at(value).map.initial(), 2)
         if seed is not None:
-            found = trace(family, seed, most_multiple=2, errors=False, limits=Limits(POINTS))
+            found = trace(family, seed, most_multiple=2, errors=errors, limits=Limits(POINTS))
             return None if found is None else found.branch
     return None
 
