@@ -13,7 +13,11 @@ import analytic
 from lapjoint import Problem, paper_joint
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.orbits.branches.closing import Start
+from lapjoint.orbits.branches.continuation import follow
+from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
 
@@ -41,6 +45,18 @@ def test_a_closed_curve_is_gone_round_once_wherever_in_the_motion_it_comes_back(
     )  # motions close to 1e-9, of which c is a hundredth
     first, last = (found.branch.points[i] for i in (0, -1))
     assert last.value == pytest.approx(first.value, abs=1e-5)
+
+
+def test_a_curve_that_comes_to_a_ring_on_which_its_start_does_not_lie_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Such a ring is come to across what cannot be resolved; here the start of a ring is not looked at.
+    between, first = Start.between, 1.0
+    monkeypatch.setattr(Start, "between", lambda self, a, b: None if self.place.value == first else between(self, a, b))
+    family = family_of(Tongue(1), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+    start = corrected(family, first, SectionPoint(FREE, np.array([[0.0, 1.0]])), 2, fixed=True)
+    assert start is not None
+    run = follow(family, start, Limits(1000))
+    assert run.end == "closed"
+    assert len(run.places) < 300  # 100 to the first mark, and once round
 
 
 @pytest.fixture(scope="module")
