@@ -177,7 +177,7 @@ class PeriodMap:
                 f"start: has coordinates of type {coordinates.dtype} and shape {coordinates.shape}; the analytic "
                 "solver takes two rows of real numbers, displacements and velocities of one mode or more"
             )
-        if not np.all(np.isfinite(coordinates)):
+        if not np.isfinite(coordinates).all():
             raise InputError("start: has coordinates that are not finite")
         return _section_point(resumed(self.joint, point))
 
