@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.period_map import Segments, Tangent
 from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
@@ -217,7 +217,7 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     Extremum, or None
         The one that Newton's method finds from the same phase, or else the nearest of its kind; None if there is none.
     """
-    if isinstance(found.half_periods.map, Tangent):
+    if gives(found.half_periods.map, Tangent):
         t = extremum.time / duration * found.count * found.half_periods.map.period / 2
         near = _polished_between_switches(found.linearised.segments, extremum, t)
         if near is not None:
@@ -252,7 +252,7 @@ def _polished_between_switches(segments: Segments, extremum: Extremum, t: float)
 def _polished(found: Return, extremum: Extremum) -> Extremum:
     """An extremum found more exactly, where a solver gives no motion in closed form between switches."""
     half_periods = found.half_periods
-    if isinstance(half_periods.map, Tangent):
+    if gives(half_periods.map, Tangent):
         return extremum
     history = half_periods.map.history(found.start, (found.count + 1) // 2)
     stop, t = history.problem.stops[extremum.at], extremum.time
