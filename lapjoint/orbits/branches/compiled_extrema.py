@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros, zeros
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
@@ -227,6 +227,9 @@ def moved_events(
     found = zeros((tau.size, 4))
     for i in range(tau.size):
         s, u, t = segment[i], place[i], tau[i]
+        if i > 0 and s == segment[i - 1] and u == place[i - 1] and t == tau[i - 1]:  # of the stop on the other side
+            put(found[i], found[i - 1])
+            continue
         one, two, three = polynomial[s, u, 0], polynomial[s, u, 1], polynomial[s, u, 2]
         z, rate = one + t * (two + t * three), two + 2 * t * three
         speed = motion.polynomial[s, u, 1] + 2 * t * motion.polynomial[s, u, 2]

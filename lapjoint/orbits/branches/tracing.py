@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from lapjoint.answers.branches import Bifurcation, Branch, BranchPoint
-from lapjoint.answers.steady_state import SectionPoint, impulses_per_period
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
 from lapjoint.orbits.branches.continuation import Graze, Jump, Limits, Run, follow
@@ -189,5 +189,5 @@ def _grazing(family: Family, graze: Graze, errors: bool) -> Bifurcation:
 
 def _impulses(place: Place) -> tuple[float, ...]:
     multiple = place.orbit.period_multiple
-    history = place.half_periods.map.history(place.point, multiple)
-    return tuple(impulses_per_period(history, multiple).tolist())
+    passage = place.half_periods.map.march(place.point, 2 * multiple)
+    return tuple((passage.impulses / multiple).tolist())
