@@ -150,7 +150,9 @@ class PeriodMap:
 
     def unit_norms(self, n: int) -> FloatArray:
         """Norms of units of the coordinates. See `lapjoint.orbits.period_map.UnitNorms`."""
-        return np.repeat([1.0, self.period / (2 * math.pi)], n // 2)
+        norms = np.ones(n)
+        norms[n // 2 :] = self.period / (2 * math.pi)
+        return norms
 
     def size(self, point: SectionPoint) -> float:
         """Norm of the coordinates. See `lapjoint.orbits.PeriodMap.size`."""
@@ -177,7 +179,7 @@ class PeriodMap:
                 f"start: has coordinates of type {coordinates.dtype} and shape {coordinates.shape}; the analytic "
                 "solver takes two rows of real numbers, displacements and velocities of one mode or more"
             )
-        if not np.all(np.isfinite(coordinates)):
+        if not np.isfinite(coordinates).all():
             raise InputError("start: has coordinates that are not finite")
         return _section_point(resumed(self.joint, point))
 

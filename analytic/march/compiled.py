@@ -121,7 +121,7 @@ def no_log(modes: int, stops: int) -> Log:
 
 
 def new_log(rows: int, modes: int, stops: int) -> Log:
-    """An empty log.
+    """Room for a log.
 
     Parameters
     ----------
@@ -135,20 +135,20 @@ def new_log(rows: int, modes: int, stops: int) -> Log:
     Returns
     -------
     Log
-        Filled with zeros, and with NO_SWITCH for the stops.
+        Whatever is in it: each row is written as a whole.
     """
     return Log(
-        slot=np.zeros(rows, dtype=np.int64),
-        start=np.zeros(rows),
-        end=np.zeros(rows),
-        q=np.zeros((rows, modes)),
-        v=np.zeros((rows, modes)),
-        q_end=np.zeros((rows, modes)),
-        v_end=np.zeros((rows, modes)),
-        stop=np.full(rows, NO_SWITCH, dtype=np.int64),
-        rate=np.zeros(rows),
-        area=np.zeros((rows, stops)),
-        deepest=np.zeros((rows, stops)),
+        slot=np.empty(rows, dtype=np.int64),
+        start=np.empty(rows),
+        end=np.empty(rows),
+        q=np.empty((rows, modes)),
+        v=np.empty((rows, modes)),
+        q_end=np.empty((rows, modes)),
+        v_end=np.empty((rows, modes)),
+        stop=np.empty(rows, dtype=np.int64),
+        rate=np.empty(rows),
+        area=np.empty((rows, stops)),
+        deepest=np.empty((rows, stops)),
     )
 
 

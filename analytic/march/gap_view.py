@@ -16,16 +16,16 @@ from analytic.march.compiled import Log
 from analytic.march.linearised import Carried, carried_along
 from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
-from analytic.march.tables import BoolArray, Tables
+from analytic.march.tables import Tables
 from analytic.march.terms import drift_at_stops, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
-from lapjoint.orbits.period_map import Segment, SegmentChange
+from lapjoint.orbits.period_map import SegmentChange, Segments
 from lapjoint.problem import FloatArray
 
 
-def gap_view(motion: March) -> tuple[Segment, ...]:
+def gap_view(motion: March) -> Segments:
     """The segments of a recorded motion as sums of exponentials.
 
     Parameters
@@ -35,13 +35,13 @@ def gap_view(motion: March) -> tuple[Segment, ...]:
 
     Returns
     -------
-    tuple of Segment
+    Segments
         In the order of time.
     """
     return gap_view_of(carried_along(motion))
 
 
-def gap_view_of(carried: Carried) -> tuple[Segment, ...]:
+def gap_view_of(carried: Carried) -> Segments:
     """The same of a motion along which deviations have been carried.
 
     Parameters
@@ -51,52 +51,36 @@ def gap_view_of(carried: Carried) -> tuple[Segment, ...]:
 
     Returns
     -------
-    tuple of Segment
+    Segments
         In the order of time.
     """
     motion, change, starts = carried.motion, carried.change, carried.starts
     log, tables = motion.log, motion.joint.tables
     count, stops, harmonics = starts.shape[2], tables.sign.size, tables.omega.size
-    M, T = log.slot.size, int(tables.terms[log.slot].max())
-    amplitudes, polynomial = np.zeros((M, T + harmonics), dtype=complex), np.zeros((M, stops, 3))
+    free = tables.terms[log.slot]
+    M, T = free.size, int(free.max())
+    rates, amplitudes = np.zeros((2, M, T + harmonics), dtype=complex)
+    weights, waves, secular = np.zeros((3, M, stops, T + harmonics), dtype=complex)
+    polynomial, slope = np.zeros((2, M, stops, 3))
     A, drift = np.zeros((M, T, count), dtype=complex), np.zeros((M, stops, 2, count))
-    waves, secular = np.zeros((2, M if change is not None else 0, stops, T + harmonics), dtype=complex)
-    _view(tables, change, log, starts, amplitudes, polynomial, A, drift, waves, secular)
+    _view(tables, change, log, starts, rates, weights, amplitudes, polynomial, A, drift, waves, secular)
     n = count if change is None else count - 1
-    slots, which = log.slot.tolist(), log.stop.tolist()
-    begin, end, known = log.start.tolist(), log.end.tolist(), {slot: _of_state(tables, slot) for slot in set(slots)}
-    segments = []
-    for i, slot in enumerate(slots):
-        closed, rates, weights = known[slot]
-        terms, by_number = rates.size, None
-        if change is not None:
-            slope = np.zeros((stops, 3))
-            slope[:, :2] = drift[i, :, :, n]
-            by_number = SegmentChange(waves[i, :, :terms], secular[i, :, :terms], slope)
-        segments.append(
-            Segment(
-                start=begin[i],
-                end=end[i],
-                closed=closed,
-                rates=rates,
-                weights=weights,
-                amplitudes=amplitudes[i, :terms],
-                polynomial=polynomial[i],
-                deviations=A[i, : terms - harmonics, :n],
-                drift=drift[i, :, :, :n],
-                switched=which[i],
-                change=by_number,
-            )
-        )
-    return tuple(segments)
-
-
-def _of_state(tables: Tables, slot: int) -> tuple[BoolArray, ComplexArray, ComplexArray]:
-    """What segments in one state have in common: the closed stops, and the rates and weights of the terms."""
-    free, at = int(tables.terms[slot]), tables.position
-    rates = np.concatenate([tables.root[slot, :free], 1j * tables.omega])
-    weights = np.concatenate([tables.weight[slot, at, :free], -1j * tables.forced[slot, at]], axis=1)
-    return tables.closed[slot].copy(), rates, weights
+    if change is not None:
+        slope[:, :, :2] = drift[:, :, :, n]
+    return Segments(
+        start=log.start,
+        end=log.end,
+        closed=tables.closed[log.slot],
+        terms=np.stack([free + harmonics, free], axis=1),
+        rates=rates,
+        weights=weights,
+        amplitudes=amplitudes,
+        polynomial=polynomial,
+        deviations=A[:, :, :n],
+        drift=drift[:, :, :, :n],
+        switched=log.stop,
+        change=None if change is None else SegmentChange(waves, secular, slope),
+    )
 
 
 @njit_called()
@@ -105,6 +89,8 @@ def _view(
     change: Change | None,
     log: Log,
     starts: FloatArray,
+    rates: ComplexArray,
+    weights: ComplexArray,
     amplitudes: ComplexArray,
     polynomial: FloatArray,
     A: ComplexArray,
@@ -112,7 +98,7 @@ def _view(
     waves: ComplexArray,
     secular: ComplexArray,
 ) -> None:
-    """Write the parts of ``M`` segments that depend on where each starts.
+    """Write the parts of ``M`` segments.
 
     Parameters
     ----------
@@ -120,8 +106,10 @@ def _view(
         The states of the joint, how its harmonics change with a number, and the motion.
     starts : FloatArray, shape (M, 2 N, m)
         Deviations (dq, dv) at the start of each segment, as columns.
-    amplitudes : ComplexArray, shape (M, T + H)
-        Takes the amplitudes of the free terms of its state, and after these of the harmonics.
+    rates, amplitudes : ComplexArray, shape (M, T + H)
+        Take those of the free terms of its state, and after these of the harmonics.
+    weights : ComplexArray, shape (M, P, T + H)
+        Takes those of the same terms.
     polynomial : FloatArray, shape (M, P, 3)
         Takes the coefficients of 1, tau, tau^2.
     A : ComplexArray, shape (M, T, m)
@@ -138,11 +126,19 @@ def _view(
         free = tables.terms[slot]
         set_phases(tables, log.start[i], theta)
         start_terms(tables, slot, theta, log.q[i], log.v[i], amplitudes[i], poly)
+        for t in range(free):
+            rates[i, t] = tables.root[slot, t]
         for h in range(theta.size):
-            amplitudes[i, free + h] = theta[h]
+            rates[i, free + h], amplitudes[i, free + h] = complex(0.0, tables.omega[h]), theta[h]
         drift_at_stops(tables, slot, poly, at_positions)
         for k in range(tables.sign.size):
-            put(polynomial[i, k], at_positions[tables.position[k]])
+            u = tables.position[k]
+            put(polynomial[i, k], at_positions[u])
+            for t in range(free):
+                weights[i, k, t] = tables.weight[slot, u, t]
+            for h in range(theta.size):
+                forced = tables.forced[slot, u, h]
+                weights[i, k, free + h] = complex(forced.imag, -forced.real)
         if change is not None:
             add_forced_change(tables, change, slot, log.start[i], -1.0, now)
         _deviation_terms(tables, slot, now, A[i], drift[i])

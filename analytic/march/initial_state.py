@@ -119,17 +119,13 @@ def resumed(joint: Joint, point: SectionPoint) -> Coordinates:
     Coordinates
         In the contact state that the gaps of this joint imply.
     """
-    modes, left_out = joint.at_stops(point.state)
-    q, v = (_fitted(part, modes.shape[1]) for part in point.coordinates)
+    state, (modes, left_out) = point.state, joint.at_stops(point.state)
+    q, v = _fitted(point.coordinates, modes.shape[1])
     z = (modes @ q + left_out).tolist()
-    closed = ContactState(
-        tuple(
-            k
-            for k, stop in enumerate(joint.problem.stops)
-            if stop.sign * z[k] > stop.gap or (k in point.state and stop.sign * z[k] > stop.gap * (1 - TOUCHING))
-        )
-    )
-    return translated(joint, Coordinates(point.state, q, v), closed)
+    kept, closed = 1 - TOUCHING, state.closed
+    pressed = [k for k, (sign, gap) in enumerate(joint.gaps) if sign * z[k] > (gap * kept if k in closed else gap)]
+    found = Coordinates(state, q, v)
+    return found if pressed == list(closed) else translated(joint, found, ContactState(tuple(pressed)))
 
 
 def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordinates:
@@ -182,10 +178,10 @@ def carried_over(
 
 
 def _fitted(values: FloatArray, size: int) -> FloatArray:
-    """`values`, cut or padded with 0 to the shape ``(size,)``."""
-    if values.size == size:
+    """A copy of `values`, cut or padded with 0 to the shape ``(2, size)``."""
+    if values.shape[1] == size:
         return np.array(values, dtype=float)
-    result = np.zeros(size)
-    common = min(size, values.size)
-    result[:common] = values[:common]
+    result = np.zeros((2, size))
+    common = min(size, values.shape[1])
+    result[:, :common] = values[:, :common]
     return result

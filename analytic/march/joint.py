@@ -9,6 +9,7 @@ not.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -196,6 +197,11 @@ class Joint:
             loads = np.concatenate([[1.0], np.sin(self.harmonics.theta(0.0))])
             self._at_stops[state] = modal.at_stops, loads @ (modal.residual_at_stops * self.sizes[:, None])
         return self._at_stops[state]
+
+    @cached_property
+    def gaps(self) -> tuple[tuple[int, float], ...]:
+        """Sign and gap, m, of each stop."""
+        return tuple((stop.sign, stop.gap) for stop in self.problem.stops)
 
     @property
     def states(self) -> tuple[ContactState, ...]:

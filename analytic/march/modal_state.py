@@ -24,7 +24,7 @@ kept depends on its key alone and is never changed: `analytic.march.joint` makes
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -76,9 +76,9 @@ class ModalState:
         """Number of modes N."""
         return self.damping_rate.size
 
-    @property
+    @cached_property
     def residual_at_stops(self) -> FloatArray:
-        """Residual shapes at the stops, m for each unit of load, shape ``(1 + H, P)``."""
+        """Residual shapes at the stops, m for each unit of load, shape ``(1 + H, P)``; not to be written to."""
         return np.asarray(self.foundation_at_stops - self.residual.weights @ self.at_stops.T)
 
     def head(self, count: int) -> ModalState:
@@ -155,6 +155,7 @@ def _family(
     return Family(still, places)
 
 
+@lru_cache(maxsize=_STATES)
 def modal_state(family: Family, state: ContactState, count: int) -> ModalState:
     """A contact state in modal form, for unit loads.
 

@@ -246,6 +246,8 @@ class UnitTables(NamedTuple):
     """Damping rates zeta omega, 1/s, shape ``(S, N)``."""
     residual: FloatArray
     """Residual shapes at the stops' positions, constant one first, m for each unit of load, ``(S, U, 1 + H + R)``."""
+    resonant: bool
+    """Whether `scale` may move a mode."""
     borrowed: Tables
     """The same arrays as `tables`, for compiled functions: these take no arrays that cannot be written to.  Nobody
     writes to them."""
@@ -273,7 +275,7 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
     tables = empty_tables(problem, Harmonics.of_unit_frequency(len(family.places)), size, S)
     U, loads = tables.constant.shape[1], tables.force.shape[1]
     borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
-    unit = UnitTables(tables, np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)), borrowed)
+    unit = UnitTables(tables, np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)), False, borrowed)
     for slot, state in enumerate(known.states):
         flat = flat_state(family, state, count_in(state, counts))
         fill(tables, slot, flat)
@@ -286,7 +288,7 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
     for array in (*tables, *unit[1:4]):
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
-    return unit
+    return unit._replace(resonant=may_resonate(unit.natural, unit.damping_rate))
 
 
 def connect(
@@ -458,12 +460,12 @@ def scale(
         Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
     """
     omega, N = away_from_resonance(natural, damping_rate, tables.omega), natural.shape[1]
-    waves = slice(1, 1 + tables.omega.size)
-    tables.force[slots] *= sizes[:, None]
-    tables.carry_residual[slots] *= sizes[:, None]
-    tables.harmonic[slots] = forced_answer(tables.force[slots, waves], omega, damping_rate, tables.omega)
-    moved = tables.weight[slots, :, :N] @ tables.harmonic[slots].transpose(0, 2, 1)
-    tables.forced[slots] = moved + residual[:, :, waves] * sizes[waves]
+    waves, force = slice(1, 1 + tables.omega.size), tables.force[slots]
+    for unit in (force, tables.carry_residual[slots]):
+        unit *= sizes[:, None]
+    answer = forced_answer(force[:, waves], omega, damping_rate, tables.omega)
+    moved = tables.weight[slots, :, :N] @ answer.transpose(0, 2, 1)
+    tables.harmonic[slots], tables.forced[slots] = answer, moved + residual[:, :, waves] * sizes[waves]
     if omega is not natural:
         for row, i in np.argwhere(omega != natural):
             _move(tables, slots.start + int(row), int(i), omega[row, i : i + 1], damping_rate[row, i : i + 1])
@@ -475,10 +477,6 @@ def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: Fl
     tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
     tables.turn[slot, :, i] = np.exp(tables.step * root)
     tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2
-
-
-_SCALED = ("harmonic", "force", "forced", "constant", "carry_residual")
-"""What a joint writes to from the start."""
 
 
 def owned(tables: Tables) -> Tables:
@@ -510,22 +508,20 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
     Returns
     -------
     Tables
-        Of what `scale` writes to a copy of the joint's own; the rest is borrowed, and `owned` makes it the joint's own
+        Of what `scale` writes to, arrays of the joint's own; the rest is borrowed, and `owned` makes it the joint's own
         before it is written to.
     """
-    borrowed = unit.borrowed
-    own = borrowed._replace(**{name: getattr(borrowed, name).copy() for name in _SCALED})
-    if may_resonate(unit.natural, unit.damping_rate):  # `scale` may move a mode
-        own = owned(own)
-    turn = np.exp(1j * np.outer(unit.tables.step, harmonics.omega))
-    unit_time = unit_of_time(unit.tables.step, harmonics)
-    H = harmonics.omega.size
-    harmonic, forced = (np.ascontiguousarray(part) for part in (own.harmonic[:, :H], own.forced[:, :, :H]))
-    return own._replace(
+    borrowed, H = unit.borrowed, harmonics.omega.size
+    (S, _, N), U = borrowed.harmonic.shape, borrowed.forced.shape[1]
+    own = borrowed._replace(
         omega=harmonics.omega,
         phase=harmonics.phase,
-        harmonic_turn=turn,
-        unit=unit_time,
-        harmonic=harmonic,
-        forced=forced,
+        harmonic_turn=np.exp(1j * np.outer(borrowed.step, harmonics.omega)),
+        unit=unit_of_time(borrowed.step, harmonics),
+        harmonic=np.zeros((S, H, N), dtype=complex),
+        forced=np.zeros((S, U, H), dtype=complex),
+        force=borrowed.force.copy(),
+        constant=borrowed.constant.copy(),
+        carry_residual=borrowed.carry_residual.copy(),
     )
+    return owned(own) if unit.resonant else own

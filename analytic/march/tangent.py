@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.switching import SUM
 from analytic.march.tables import Tables
@@ -146,39 +148,35 @@ def saltation(
         for c in range(m):
             delay[c] += late * mode[i] * now[i, c]
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
-    moved, result = zeros((2 * n_old, m)), zeros((2 * n_new, m))
-    for i in range(2 * n_old):
+    moved, carried, result = zeros((S.shape[1], 2 * m)), zeros((S.shape[0], 2 * m)), zeros((2 * n_new, m))
+    for i in range(n_old):
         for c in range(m):
             moved[i, c] = now[i, c] + before[i] * delay[c]
+            moved[i, m + c] = now[n_old + i, c] + before[n_old + i] * delay[c]
+    _project(S, n_new, n_old, moved, carried)
     for j in range(n_new):
         x, y = -after[j], -after[n_new + j]
         for h in range(theta.size):
             x += onto[1 + h, j] * tables.omega[h] * theta[h].real
             y -= onto[1 + h, j] * tables.omega[h] ** 2 * theta[h].imag
         for c in range(m):
-            result[j, c], result[n_new + j, c] = x * delay[c], y * delay[c]
-    _project(S, n_new, n_old, moved, result)
+            result[j, c] = x * delay[c] + carried[j, c]
+            result[n_new + j, c] = y * delay[c] + carried[j, m + c]
     return result
 
 
 @njit_inner(fastmath=SUM)
 def _project(S: FloatArray, n_new: int, n_old: int, now: FloatArray, result: FloatArray) -> None:
-    """Add S dq and S dv of deviations `now`, ``(2 n_old, m)``, to `result`, ``(2 n_new, m)``; `S` has that much.
+    """Write S dq and S dv of deviations `now`, ``(N, 2 m)``, to `result`, ``(N, 2 m)``; of `S` so much is not zero.
 
-    Loops over so few modes take less time than a call of a matrix product.
+    For one deviation loops over so few modes take less time than a call of a matrix product.
     """
-    m = now.shape[1]
+    if now.shape[1] > 2:
+        np.dot(S, now, result)
+        return
     for j in range(n_new):
-        if m == 1:
-            x, y = 0.0, 0.0
-            for i in range(n_old):
-                x += S[j, i] * now[i, 0]
-                y += S[j, i] * now[n_old + i, 0]
-            result[j, 0] += x
-            result[n_new + j, 0] += y
-            continue
+        x, y = 0.0, 0.0
         for i in range(n_old):
-            factor = S[j, i]
-            for c in range(m):
-                result[j, c] += factor * now[i, c]
-                result[n_new + j, c] += factor * now[n_old + i, c]
+            x += S[j, i] * now[i, 0]
+            y += S[j, i] * now[i, 1]
+        result[j, 0], result[j, 1] = x, y

@@ -5,7 +5,6 @@ The points are numbered in C order: the last axis is the fastest.
 
 from __future__ import annotations
 
-import copy
 import math
 import re
 from collections import Counter
@@ -231,23 +230,18 @@ class Grid:
             for path, number in self._numbers(axis, value)
         ]
         with suppress(InputError):  # its message would be of parts, and not of tables
-            return problem_from_tables(self._assigned(numbers, parts=True), _described(self.axes, values))
-        return problem_from_tables(self._assigned(numbers, parts=False), _described(self.axes, values))
-
-    def _assigned(self, numbers: list[tuple[str, float, str]], *, parts: bool) -> dict[str, Any]:
-        """The tables with some numbers; the parts in which none lies are those of the problem, if that is wanted."""
-        touched = {path_keys(path)[0] for path, _, _ in numbers}
-        tables = {
-            key: getattr(self.problem, key) if parts and key not in touched else copy.deepcopy(table)
-            for key, table in self._tables.items()
-        }
-        for path, number, source in numbers:
-            assign(tables, path, number, source)
-        return tables
+            return problem_from_tables(_assigned(self._parts, numbers))
+        return problem_from_tables(_assigned(self._tables, numbers), _described(self.axes, values))
 
     @cached_property
     def _tables(self) -> dict[str, Any]:
         return problem_tables(self.problem)
+
+    @cached_property
+    def _parts(self) -> dict[str, Any]:
+        """The tables in which an axis lies, and the parts of the problem in which none does."""
+        touched = {path_keys(path)[0] for axis in self.axes for path, _ in self._numbers(axis, axis.values[0])}
+        return {key: table if key in touched else getattr(self.problem, key) for key, table in self._tables.items()}
 
     def _numbers(self, axis: Axis, value: float) -> list[tuple[str, float]]:
         """The paths that a value of an axis sets, and the number at each."""
@@ -282,6 +276,21 @@ class Grid:
         corners = [int(np.ravel_multi_index(corner, self.shape)) for corner in product(*ends)]
         for point in range(self.size) if self.size <= CHECKED_POINTS else corners:
             self.problem_at(point).require_excitation_frequency(self.describe(point))
+
+
+def _assigned(tables: dict[str, Any], numbers: list[tuple[str, float, str]]) -> dict[str, Any]:
+    """A copy of tables with some numbers: path, number, and what asks for it."""
+    copied: dict[str, Any] = _copied(tables)
+    for path, number, source in numbers:
+        assign(copied, path, number, source)
+    return copied
+
+
+def _copied(value: Any) -> Any:
+    """Tables and lists of their own; what else they hold is never changed."""
+    if isinstance(value, dict):
+        return {key: _copied(item) for key, item in value.items()}
+    return [_copied(item) for item in value] if isinstance(value, list) else value
 
 
 def _ratio(omega: float, own: float | None) -> float:

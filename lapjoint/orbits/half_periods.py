@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 
@@ -14,6 +15,27 @@ from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent, UnitNorms
 from lapjoint.orbits.watch import SegmentWatch, Watch
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
+
+_TINY = float(np.finfo(float).tiny)
+"""Least size of a section point, in the unit of `PeriodMap.norm`, that is not zero."""
+
+
+def gives(map_: PeriodMap, more: type) -> bool:
+    """Whether a map gives more than it must.
+
+    Parameters
+    ----------
+    map_ : PeriodMap
+        The map.
+    more : type
+        A protocol of methods alone.
+
+    Returns
+    -------
+    bool
+        Python remembers what it finds of a class; only if that does not have the methods, the map itself is looked at.
+    """
+    return issubclass(type(map_), more) or isinstance(map_, more)
 
 
 @dataclass(frozen=True)
@@ -72,7 +94,7 @@ class HalfPeriods:
     @cached_property
     def tangent(self) -> Tangent:
         """The solver's own derivative, or finite differences."""
-        return self.map if isinstance(self.map, Tangent) else FiniteDifferences(self.map)
+        return cast(Tangent, self.map) if gives(self.map, Tangent) else FiniteDifferences(self.map)
 
     @property
     def least(self) -> int:
@@ -98,7 +120,11 @@ class HalfPeriods:
         """
         if n not in self._unit_norms:
             map_ = self.map
-            known = map_.unit_norms(n) if isinstance(map_, UnitNorms) else [map_.norm(unit) for unit in np.eye(n)]
+            known = (
+                cast(UnitNorms, map_).unit_norms(n)
+                if gives(map_, UnitNorms)
+                else [map_.norm(unit) for unit in np.eye(n)]
+            )
             self._unit_norms[n] = np.asarray(known, dtype=float)
         return self._unit_norms[n]
 
@@ -123,7 +149,7 @@ class HalfPeriods:
     @cached_property
     def _fields(self) -> FieldDerivatives | None:
         """The map, if it knows derivatives by numbers of its problem."""
-        return self.map if isinstance(self.map, FieldDerivatives) else None
+        return cast(FieldDerivatives, self.map) if gives(self.map, FieldDerivatives) else None
 
     def linearised(self, point: SectionPoint, count: int, field: str | None = None) -> Return:
         """March over some half periods, with the derivative.
@@ -163,7 +189,22 @@ class HalfPeriods:
         float
             Dimensionless.
         """
-        return self.map.norm(deviation) / max(self.map.size(point), float(np.finfo(float).tiny))
+        return self.map.norm(deviation) / self.size(point)
+
+    def size(self, point: SectionPoint) -> float:
+        """Size of a section point, by which others are divided.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            A point of the map.
+
+        Returns
+        -------
+        float
+            `PeriodMap.size`, above zero.
+        """
+        return max(self.map.size(point), _TINY)
 
     def apart(self, point: SectionPoint, origin: SectionPoint) -> float:
         """Distance of two section points over the size of the second.

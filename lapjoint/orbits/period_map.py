@@ -12,10 +12,10 @@ them by the matrices that the solver gave.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, overload, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -281,6 +281,129 @@ class Segment(NamedTuple):
     """How it moves with a number of the problem; None if that was not asked for."""
 
 
+@dataclass(frozen=True, eq=False)
+class Segments(Sequence[Segment]):
+    """The ``S`` segments of an orbit, all their parts in arrays; each `Segment` is made when it is asked for.
+
+    A segment with fewer terms than another has terms of no size instead, after its own.
+    """
+
+    start: FloatArray
+    """`Segment.start` of each, s, shape ``(S,)``."""
+    end: FloatArray
+    """`Segment.end` of each, s, shape ``(S,)``."""
+    closed: npt.NDArray[np.bool_]
+    """`Segment.closed` of each, shape ``(S, P)``."""
+    terms: npt.NDArray[np.intp]
+    """Number of terms of each, and of those that deviations have, shape ``(S, 2)``."""
+    rates: ComplexArray
+    """`Segment.rates` of each, 1/s, shape ``(S, K)``."""
+    weights: ComplexArray
+    """`Segment.weights` of each, m over the unit of the amplitudes, shape ``(S, P, K)``."""
+    amplitudes: ComplexArray
+    """`Segment.amplitudes` of each, in the solver's own unit, shape ``(S, K)``."""
+    polynomial: FloatArray
+    """`Segment.polynomial` of each, m, m/s and m/s2, shape ``(S, P, 3)``."""
+    deviations: ComplexArray
+    """`Segment.deviations` of each, shape ``(S, K', n)``."""
+    drift: FloatArray
+    """`Segment.drift` of each, m and m/s, shape ``(S, P, 2, n)``."""
+    switched: npt.NDArray[np.intp]
+    """`Segment.switched` of each, shape ``(S,)``."""
+    change: SegmentChange | None = None
+    """`Segment.change` of all, its arrays of the shapes ``(S, P, K)`` and ``(S, P, 3)``; None if not asked for."""
+
+    @staticmethod
+    def of(segments: Sequence[Segment]) -> Segments:
+        """Segments in arrays.
+
+        Parameters
+        ----------
+        segments : sequence of Segment
+            At least one, in the order of time.
+
+        Returns
+        -------
+        Segments
+            The same.
+        """
+        if isinstance(segments, Segments):
+            return segments
+        terms = np.array([(one.rates.size, one.deviations.shape[0]) for one in segments])
+        K, own = terms.max(axis=0).tolist()
+        changes = [one.change for one in segments if one.change is not None]
+        change = None
+        if changes:
+            waves, secular = (_padded([getattr(one, name) for one in changes], K) for name in ("waves", "secular"))
+            change = SegmentChange(waves, secular, np.array([one.polynomial for one in changes]))
+        return Segments(
+            start=np.array([one.start for one in segments]),
+            end=np.array([one.end for one in segments]),
+            closed=np.array([one.closed for one in segments]),
+            terms=terms,
+            rates=_padded([one.rates for one in segments], K),
+            weights=_padded([one.weights for one in segments], K),
+            amplitudes=_padded([one.amplitudes for one in segments], K),
+            polynomial=np.array([one.polynomial for one in segments]),
+            deviations=_padded([one.deviations.T for one in segments], own).transpose(0, 2, 1),
+            drift=np.array([one.drift for one in segments]),
+            switched=np.array([one.switched for one in segments], dtype=np.intp),
+            change=change,
+        )
+
+    def __len__(self) -> int:
+        return self.start.size
+
+    @overload
+    def __getitem__(self, i: int) -> Segment: ...
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Segment, ...]: ...
+    def __getitem__(self, i: int | slice) -> Segment | tuple[Segment, ...]:
+        if isinstance(i, slice):
+            return tuple(self[k] for k in range(*i.indices(len(self))))
+        K, own = self.terms[i].tolist()
+        change = self.change
+        return Segment(
+            start=float(self.start[i]),
+            end=float(self.end[i]),
+            closed=self.closed[i],
+            rates=self.rates[i, :K],
+            weights=self.weights[i, :, :K],
+            amplitudes=self.amplitudes[i, :K],
+            polynomial=self.polynomial[i],
+            deviations=self.deviations[i, :own],
+            drift=self.drift[i],
+            switched=int(self.switched[i]),
+            change=None
+            if change is None
+            else SegmentChange(change.waves[i, :, :K], change.secular[i, :, :K], change.polynomial[i]),
+        )
+
+    def at(self, t: float) -> Segment:
+        """The segment at a time.
+
+        Parameters
+        ----------
+        t : float
+            s from the start of the orbit.
+
+        Returns
+        -------
+        Segment
+            The earlier one where two meet, and the last one if there is none.
+        """
+        there = np.flatnonzero((self.start <= t) & (t <= self.end))
+        return self[int(there[0]) if there.size else len(self) - 1]
+
+
+def _padded(parts: list[ComplexArray], size: int) -> ComplexArray:
+    """Arrays of shape ``(..., k)`` as one of shape ``(S, ..., size)``, with zeros after those that are shorter."""
+    made = np.zeros((len(parts), *parts[0].shape[:-1], size), dtype=complex)
+    for one, part in zip(made, parts, strict=True):
+        one[..., : part.shape[-1]] = part
+    return made
+
+
 @dataclass(frozen=True)
 class Linearised:
     """A march over some half periods with its derivative."""
@@ -289,16 +412,16 @@ class Linearised:
     """Where it ends; not mirrored."""
     matrix: FloatArray
     """Derivative of the end by the start, both in the coordinates that belong to the start, shape ``(n, n)``."""
-    trace: Callable[[], tuple[Segment, ...]] = field(repr=False)
+    trace: Callable[[], Sequence[Segment]] = field(repr=False)
     """Gives the march from switch to switch, without gaps in time; called only where it is asked for."""
     by_number: FloatArray | None = None
     """Derivative of the end by a number of the problem, while the start stays where it is, in the coordinates that
     belong to the start, over the number's unit, shape ``(n,)``; None if it was not asked for."""
 
     @cached_property
-    def segments(self) -> tuple[Segment, ...]:
+    def segments(self) -> Segments:
         """The march from switch to switch, without gaps in time."""
-        return self.trace()
+        return Segments.of(self.trace())
 
 
 @runtime_checkable

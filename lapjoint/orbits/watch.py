@@ -13,6 +13,7 @@ the first bound would not be tight, and towards the switches, where h vanishes.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -30,7 +31,7 @@ from lapjoint.orbits.compiled_intervals import (
     spacings,
 )
 from lapjoint.orbits.compiled_watch import largest_motion, terms_at_points
-from lapjoint.orbits.period_map import Segment
+from lapjoint.orbits.period_map import Segment, Segments
 from lapjoint.problem import FloatArray, Problem
 
 _PER_HALF_PERIOD = 16
@@ -116,16 +117,17 @@ class SegmentWatch:
     ----------
     problem : Problem
         The problem whose stops are watched.
-    segments : tuple of Segment
+    segments : sequence of Segment
         The orbit.
     twins : tuple of int, or None
         The twin of each stop on the other side, if the orbit goes on mirrored after the last segment.
     """
 
-    def __init__(self, problem: Problem, segments: tuple[Segment, ...], twins: tuple[int, ...] | None) -> None:
+    def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
+        segments = Segments.of(segments)
         _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
-        motion, length = stacked(segments, first), segments[-1].end
+        motion, length = motion_at(segments, first), float(segments.end[-1])
         stops = Stops(
             sign=np.array([stop.sign for stop in problem.stops], dtype=float),
             gap=np.array([stop.gap for stop in problem.stops], dtype=float),
@@ -133,9 +135,8 @@ class SegmentWatch:
             beyond=np.arange(len(problem.stops)) if twins is None else np.array(twins, dtype=np.intp),
         )
         self._place = place
-        self._switching = np.array([i for i, one in enumerate(segments) if one.switched >= 0], dtype=np.intp)
-        stop = np.array([segments[i].switched for i in self._switching], dtype=np.intp)
-        time = np.array([segments[i].end for i in self._switching])
+        self._switching = np.flatnonzero(segments.switched >= 0)
+        stop, time = segments.switched[self._switching], segments.end[self._switching]
         rate, curvature = slopes_at_switches(motion, stops, self._switching, stop)
         self.switches = Switches(time, stop, rate, curvature, spacings(time, stop, stops.beyond, length))
         points = first_points(motion.duration, math.pi / problem.forces.fastest / _PER_HALF_PERIOD)
@@ -177,16 +178,12 @@ class SegmentWatch:
             until=until.ravel(),
         )
 
-    def _set_up_deviations(self, segments: tuple[Segment, ...], first: IndexArray, motion: Motion) -> None:
+    def _set_up_deviations(self, segments: Segments, first: IndexArray, motion: Motion) -> None:
         """Rows that give the amplitudes of deviations, and their terms at all points and at all switches."""
-        terms, n = max(one.deviations.shape[0] for one in segments), segments[0].deviations.shape[1]
-        rows: FloatArray = np.zeros((2, len(segments), terms, n))
-        for i, one in enumerate(segments):
-            size = one.deviations.shape[0]
-            rows[0, i, :size], rows[1, i, :size] = one.deviations.real, one.deviations.imag
-        self._shape, self._rows = (len(segments), first.size, terms), rows.reshape(-1, n)
-        drifts = any(one.drift.any() for one in segments)
-        self._drift = np.concatenate([one.drift[first].reshape(-1, n) for one in segments]) if drifts else None
+        count, terms, n = segments.deviations.shape
+        rows = np.array([segments.deviations.real, segments.deviations.imag])
+        self._shape, self._rows = (count, first.size, terms), rows.reshape(-1, n)
+        self._drift = segments.drift[:, first].reshape(-1, n) if segments.drift.any() else None
         self._terms, self._misses = terms_at_points(self._segment, self._tau, motion.rates, motion.weights, terms)
         rates, weights = motion.rates[:, :terms], motion.weights[:, :, :terms]
         at, self._durations = self._switching, motion.duration[self._switching]
@@ -195,12 +192,12 @@ class SegmentWatch:
         self._at_switches = np.concatenate([both.real, -both.imag], axis=3)
 
 
-def stacked(segments: tuple[Segment, ...], first: IndexArray) -> Motion:
-    """Segments as arrays.
+def motion_at(segments: Segments, first: IndexArray) -> Motion:
+    """Segments as compiled functions take them.
 
     Parameters
     ----------
-    segments : tuple of Segment
+    segments : Segments
         The orbit.
     first : ndarray, shape (U,)
         A stop at each of the places whose terms are wanted.
@@ -208,23 +205,15 @@ def stacked(segments: tuple[Segment, ...], first: IndexArray) -> Motion:
     Returns
     -------
     Motion
-        The orbit, in compiled functions' shape.
+        The orbit, at these places.
     """
-    count, stops = len(segments), segments[0].closed.size
-    terms = max(segment.rates.size for segment in segments)
-    rates, amplitudes = np.zeros((2, count, terms), dtype=complex)
-    weights = np.zeros((count, stops, terms), dtype=complex)
-    for i, segment in enumerate(segments):
-        n = segment.rates.size
-        rates[i, :n], amplitudes[i, :n], weights[i, :, :n] = segment.rates, segment.amplitudes, segment.weights
-    start = np.array([segment.start for segment in segments])
     made = Motion(
-        start=start,
-        duration=np.array([segment.end for segment in segments]) - start,
-        rates=rates,
-        amplitudes=amplitudes,
-        weights=weights[:, first],
-        polynomial=np.array([segment.polynomial[first] for segment in segments]),
-        orientation=np.where([segment.closed for segment in segments], -1.0, 1.0),
+        start=segments.start,
+        duration=segments.end - segments.start,
+        rates=segments.rates,
+        amplitudes=segments.amplitudes,
+        weights=segments.weights[:, first],
+        polynomial=segments.polynomial[:, first],
+        orientation=np.where(segments.closed, -1.0, 1.0),
     )
     return in_c_order(made)

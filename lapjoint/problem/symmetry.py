@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from lapjoint.problem import Problem
+from functools import lru_cache
+
+from lapjoint.problem import Problem, Stop
+
+_KEPT = 64
+"""Number of sets of stops whose twins are kept: problems of one sweep, or of one branch, mostly have the same."""
 
 
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
@@ -21,14 +26,18 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     tuple of int, or None
         For each stop the index of its twin, as indices into ``problem.stops``.
     """
-    if not problem.forces.change_sign:
-        return None
+    return _twins(problem.stops) if problem.forces.change_sign else None
+
+
+@lru_cache(maxsize=_KEPT)
+def _twins(stops: tuple[Stop, ...]) -> tuple[int, ...] | None:
+    """The twin of each stop, if both sides agree."""
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
-    for k, stop in enumerate(problem.stops):
+    for k, stop in enumerate(stops):
         sides[stop.side].append(((stop.x, stop.gap, stop.stiffness), k))
     top, bottom = (sorted(sides[side]) for side in ("top", "bottom"))
     if [key for key, _ in top] != [key for key, _ in bottom]:
         return None
     twins = {a: b for (_, a), (_, b) in zip(top, bottom, strict=True)}
     twins |= {b: a for a, b in twins.items()}
-    return tuple(twins[k] for k in range(len(problem.stops)))
+    return tuple(twins[k] for k in range(len(stops)))

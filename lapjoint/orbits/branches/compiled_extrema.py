@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros, int_zeros, zeros
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
@@ -26,6 +26,8 @@ _STEPS = 60
 """Most steps of the search for an extremum, of which three or four are needed."""
 _EXACT = 1e-9
 """Step over the first interval at which an extremum is found: the value there is wrong by the square of this."""
+_NEAR = 1e-5
+"""The same where the step is that of a series, which is wrong by the fourth power of this."""
 
 
 @njit_called()
@@ -53,39 +55,40 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
     """
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]
-    before, now = zeros(places), zeros(places)
-    waves, factors = complex_zeros(terms), complex_zeros(terms)
-    loud, active = int_zeros(terms), 0
+    before, now, found = zeros(places), zeros(places), zeros((places, 2))
+    waves, factors, weights = zeros((terms, 2)), zeros((terms, 2)), zeros((places, terms, 2))
     for s in range(motion.duration.size):
         duration = motion.duration[s]
         if duration <= 0:  # stops that switch at one time leave nothing between them
             continue
-        tau, step, left = 0.0, 0.0, 0
+        tau, step, left, loud = 0.0, 0.0, 0, 0
         while True:
             if left == 0:
-                active, swing = _loud(motion, s, tau, waves, loud)
+                loud, swing = _loud(motion, s, tau, waves, factors, weights)
                 count = max(1, math.ceil((duration - tau) / min(width, swing / _PER_SWING, duration / _LEAST)))
                 step, left = (duration - tau) / count, min(count, _BLOCK)
-                for i in range(active):
-                    factors[i] = np.exp(motion.rates[s, loud[i]] * step)
+                for i in range(loud):
+                    factor = np.exp(complex(factors[i, 0], factors[i, 1]) * step)
+                    factors[i, 0], factors[i, 1] = factor.real, factor.imag
+            turned = False
             for u in range(places):
                 rate = motion.polynomial[s, u, 1] + 2 * tau * motion.polynomial[s, u, 2]
-                for i in range(active):
-                    weight = motion.weights[s, u, loud[i]]
-                    rate += weight.real * waves[i].real - weight.imag * waves[i].imag
+                for i in range(loud):
+                    rate += weights[u, i, 0] * waves[i, 0] - weights[u, i, 1] * waves[i, 1]
                 now[u] = rate
-            for i in range(active):
-                waves[i] *= factors[i]
-            for p in range(stops.sign.size):
+                if tau > 0 and _turns(before[u], rate):
+                    turned = True
+                    found[u, 0], found[u, 1] = _stationary(motion, s, u, tau - step, tau, before[u], rate)
+            for i in range(loud):
+                x, y, a, b = waves[i, 0], waves[i, 1], factors[i, 0], factors[i, 1]
+                waves[i, 0], waves[i, 1] = x * a - y * b, x * b + y * a
+            for p in range(stops.sign.size if turned else 0):
                 u = stops.place[p]
-                last, rate = stops.sign[p] * before[u], stops.sign[p] * now[u]
-                highest = last > 0 and rate <= 0
-                if tau > 0 and (highest or (last < 0 and rate >= 0)):
-                    at = _stationary(motion, s, u, tau - step, tau, before[u], now[u])
+                if _turns(before[u], now[u]):
                     stop.append(p)
-                    time.append(motion.start[s] + at)
-                    value.append(stops.sign[p] * _derivatives(motion, s, u, at)[0] - stops.gap[p])
-                    maximum.append(highest)
+                    time.append(motion.start[s] + found[u, 0])
+                    value.append(stops.sign[p] * found[u, 1] - stops.gap[p])
+                    maximum.append(stops.sign[p] * before[u] > 0)
             before, now = now, before
             if tau >= duration:
                 break
@@ -96,54 +99,84 @@ def gap_extrema(motion: Motion, stops: Stops, width: float) -> tuple[IndexArray,
 
 
 @njit_inner()
-def _loud(motion: Motion, s: int, tau: float, waves: ComplexArray, loud: IndexArray) -> tuple[int, float]:
+def _loud(
+    motion: Motion, s: int, tau: float, waves: FloatArray, rates: FloatArray, weights: FloatArray
+) -> tuple[int, float]:
     """The terms that are not faint at a time: how many, and half a period of the fastest of them, s.
 
-    `loud`, ``(K,)``, takes their indices, and `waves`, ``(K,)``, their rates there.
+    `waves` and `rates`, ``(K, 2)``, take real and imaginary parts of their rates there and of their exponents, and
+    `weights`, ``(U, K, 2)``, of their weights.
     """
-    places, terms = motion.weights.shape[1], waves.size
-    all_waves, sizes = complex_zeros(terms), zeros((places, terms))
-    largest = zeros(places)
+    places, terms = motion.weights.shape[1], waves.shape[0]
+    wave, sizes, largest = complex_zeros(terms), zeros((terms, places)), zeros(places)
     for k in range(terms):
-        all_waves[k] = motion.amplitudes[s, k] * motion.rates[s, k] * np.exp(motion.rates[s, k] * tau)
+        root = motion.rates[s, k]
+        if root.real * tau < _GONE:
+            continue
+        wave[k] = motion.amplitudes[s, k] * root * np.exp(root * tau)
+        size = wave[k].real ** 2 + wave[k].imag ** 2
         for u in range(places):
-            sizes[u, k] = abs(motion.weights[s, u, k] * all_waves[k])
-            largest[u] = max(largest[u], sizes[u, k])
+            weight = motion.weights[s, u, k]
+            sizes[k, u] = size * (weight.real**2 + weight.imag**2)
+            largest[u] = max(largest[u], sizes[k, u])
     count, fastest = 0, 0.0
     for k in range(terms):
+        loud = False
         for u in range(places):
-            if sizes[u, k] > _FAINT * largest[u]:
-                loud[count], waves[count] = k, all_waves[k]
-                count, fastest = count + 1, max(fastest, abs(motion.rates[s, k]))
-                break
-    return count, math.pi / fastest if fastest > 0 else math.inf
+            loud |= sizes[k, u] > _FAINT**2 * largest[u]
+        if loud:
+            root = motion.rates[s, k]
+            fastest = max(fastest, root.real**2 + root.imag**2)
+            waves[count, 0], waves[count, 1] = wave[k].real, wave[k].imag
+            rates[count, 0], rates[count, 1] = root.real, root.imag
+            for u in range(places):
+                weights[u, count, 0], weights[u, count, 1] = motion.weights[s, u, k].real, motion.weights[s, u, k].imag
+            count += 1
+    return count, math.pi / math.sqrt(fastest) if fastest > 0 else math.inf
+
+
+@njit_inner(inline="always")
+def _turns(before: float, now: float) -> bool:
+    """Whether a rate vanishes between two times."""
+    return (before > 0 and now <= 0) or (before < 0 and now >= 0)
 
 
 @njit_inner()
-def _stationary(motion: Motion, s: int, u: int, a: float, b: float, fa: float, fb: float) -> float:
-    """Where the rate at a place vanishes between two times at which its signs differ, s: Newton's method, enclosed."""
-    least = _EXACT * (b - a)
+def _stationary(motion: Motion, s: int, u: int, a: float, b: float, fa: float, fb: float) -> tuple[float, float]:
+    """Where the rate at a place vanishes between two times at which its signs differ, s, and z there, m.
+
+    Newton's method, enclosed; with z1 to z4 the derivatives of z, its steps go on where the series of the rate does:
+
+        step = x - c x^2 + (2 c^2 - d) x^3,    x = -z1 / z2,    c = z3 / (2 z2),    d = z4 / (6 z2)
+    """
+    width = b - a
     t = (a * fb - b * fa) / (fb - fa) if fa != fb else 0.5 * (a + b)
+    step, z = 0.0, 0.0
     for _ in range(_STEPS):
-        _, rate, bend = _derivatives(motion, s, u, t)
+        z, rate, bend, third, fourth = _derivatives(motion, s, u, t)
         if (rate > 0) == (fb > 0):
             b = t
         else:
             a = t
-        new = t - rate / bend if bend != 0.0 else 0.5 * (a + b)
-        if not a <= new <= b:
-            new = 0.5 * (a + b)
-        if abs(new - t) <= least or b - a <= least:
-            return new
-        t = new
-    return t
+        step = -rate / bend if bend != 0.0 else math.inf
+        near = abs(third * step) <= abs(bend) and abs(fourth * step * step) <= abs(bend)
+        if near:
+            c, d = 0.5 * third / bend, fourth / (6 * bend)
+            step *= 1 - step * (c - step * (2 * c * c - d))
+        if not a <= t + step <= b:
+            near, step = False, 0.5 * (a + b) - t
+        z += step * (rate + step / 2 * (bend + step / 3 * (third + step / 4 * fourth)))
+        t += step
+        if abs(step) <= (_NEAR if near else _EXACT) * width or b - a <= _EXACT * width:
+            break
+    return t, z
 
 
 @njit_inner()
-def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, float, float]:
-    """z at a place, `tau` after the start of a segment, m, its rate, m/s, and the rate of that, m/s2."""
+def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, float, float, float, float]:
+    """z at a place, `tau` after the start of a segment, m, and its first four derivatives, m over powers of s."""
     one, two, three = motion.polynomial[s, u, 0], motion.polynomial[s, u, 1], motion.polynomial[s, u, 2]
-    z, rate, bend = one + tau * (two + tau * three), two + 2 * tau * three, 2 * three
+    z, rate, bend, third, fourth = one + tau * (two + tau * three), two + 2 * tau * three, 2 * three, 0.0, 0.0
     for k in range(motion.rates.shape[1]):
         r = motion.rates[s, k]
         wave = motion.weights[s, u, k] * motion.amplitudes[s, k]
@@ -153,8 +186,12 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
         z += wave.real
         wave *= r
         rate += wave.real
-        bend += (wave * r).real
-    return z, rate, bend
+        wave *= r
+        bend += wave.real
+        wave *= r
+        third += wave.real
+        fourth += (wave * r).real
+    return z, rate, bend, third, fourth
 
 
 @njit_called()
@@ -190,6 +227,9 @@ def moved_events(
     found = zeros((tau.size, 4))
     for i in range(tau.size):
         s, u, t = segment[i], place[i], tau[i]
+        if i > 0 and s == segment[i - 1] and u == place[i - 1] and t == tau[i - 1]:  # of the stop on the other side
+            put(found[i], found[i - 1])
+            continue
         one, two, three = polynomial[s, u, 0], polynomial[s, u, 1], polynomial[s, u, 2]
         z, rate = one + t * (two + t * three), two + 2 * t * three
         speed = motion.polynomial[s, u, 1] + 2 * t * motion.polynomial[s, u, 2]

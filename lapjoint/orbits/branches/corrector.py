@@ -304,5 +304,4 @@ def scaling(half: HalfPeriods, point: SectionPoint, n: int) -> FloatArray:
     FloatArray, shape (n,)
         Over the unit of each coordinate.
     """
-    size = max(half.map.size(point), float(np.finfo(float).tiny))
-    return half.unit_norms(n) / size
+    return half.unit_norms(n) / half.size(point)

@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
-from lapjoint.orbits.half_periods import HalfPeriods, Return
-from lapjoint.orbits.period_map import Segment, Tangent
-from lapjoint.orbits.watch import stacked
+from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
+from lapjoint.orbits.period_map import Segments, Tangent
+from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
 
 _PER_HALF_PERIOD = 64
@@ -142,17 +142,16 @@ def extrema_of(found: Return) -> Extrema:
     stops, _ = stops_of(problem.stops)
     width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
     at, time, value, highest = gap_extrema(motion_of(found), stops, width)
-    ends = [segment for segment in segments if segment.switched >= 0]
-    switched = np.array([segment.switched for segment in ends], dtype=np.intp)
-    closes = np.array([not segment.closed[segment.switched] for segment in ends], dtype=bool)
+    ends = np.flatnonzero(segments.switched >= 0)
+    switched = segments.switched[ends]
+    closes = ~segments.closed[ends, switched]
     closings = np.bincount(switched[closes], minlength=len(problem.stops))
     stop, twins = at, half_periods.twins
     if found.count % 2 and twins is not None:
         closings = closings + closings[list(twins)]
         stop, switched = (np.minimum(one, np.array(twins)[one]) for one in (at, switched))
-    when = np.array([segment.end for segment in ends], dtype=float)
-    closed, which = tuple(closings.tolist()), switched.astype(np.intp)
-    return Extrema(stop, at, time, value, highest, closed, duration, which, when, closes)
+    closed, when = tuple(closings.tolist()), segments.end[ends]
+    return Extrema(stop, at, time, value, highest, closed, duration, switched, when, closes)
 
 
 @lru_cache(maxsize=64)  # problems of one branch, and of others that are followed at the same time, share theirs
@@ -196,7 +195,7 @@ def motion_of(found: Return) -> Motion:
     """
     kept: dict[str, Any] = found.__dict__
     if "_motion" not in kept:
-        kept["_motion"] = stacked(found.linearised.segments, stops_of(found.half_periods.map.problem.stops)[1])
+        kept["_motion"] = motion_at(found.linearised.segments, stops_of(found.half_periods.map.problem.stops)[1])
     motion: Motion = kept["_motion"]
     return motion
 
@@ -218,7 +217,7 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     Extremum, or None
         The one that Newton's method finds from the same phase, or else the nearest of its kind; None if there is none.
     """
-    if isinstance(found.half_periods.map, Tangent):
+    if gives(found.half_periods.map, Tangent):
         t = extremum.time / duration * found.count * found.half_periods.map.period / 2
         near = _polished_between_switches(found.linearised.segments, extremum, t)
         if near is not None:
@@ -228,11 +227,9 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     return None if match is None else _polished(found, match)
 
 
-def _polished_between_switches(
-    segments: tuple[Segment, ...], extremum: Extremum, t: float
-) -> tuple[float, float] | None:
+def _polished_between_switches(segments: Segments, extremum: Extremum, t: float) -> tuple[float, float] | None:
     """Time and displacement of an extremum near a time, s and m; None if it is not in the same segment."""
-    one = next((s for s in segments if s.start <= t <= s.end), segments[-1])
+    one = segments.at(t)
     wave, p = one.weights[extremum.at] * one.amplitudes, one.polynomial[extremum.at]
     tau, last = t - one.start, np.inf
     for _ in range(_STEPS):
@@ -255,7 +252,7 @@ def _polished_between_switches(
 def _polished(found: Return, extremum: Extremum) -> Extremum:
     """An extremum found more exactly, where a solver gives no motion in closed form between switches."""
     half_periods = found.half_periods
-    if isinstance(half_periods.map, Tangent):
+    if gives(half_periods.map, Tangent):
         return extremum
     history = half_periods.map.history(found.start, (found.count + 1) // 2)
     stop, t = history.problem.stops[extremum.at], extremum.time
@@ -268,14 +265,14 @@ def _polished(found: Return, extremum: Extremum) -> Extremum:
     return replace(extremum, time=t, value=value)
 
 
-def slope_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extremum: Extremum) -> float:
+def slope_of(half_periods: HalfPeriods, segments: Segments, extremum: Extremum) -> float:
     """Derivative of an extremum's value by the number of which the motion's segments know the change.
 
     Parameters
     ----------
     half_periods : HalfPeriods
         The map.
-    segments : tuple of Segment
+    segments : Segments
         The motion, with `Segment.change`.
     extremum : Extremum
         One of its extrema.
@@ -285,7 +282,7 @@ def slope_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extremum:
     float
         m over the number's unit, while the start of the motion stays where it is.
     """
-    one = next((s for s in segments if s.start <= extremum.time <= s.end), segments[-1])
+    one = segments.at(extremum.time)
     tau, k, change = extremum.time - one.start, extremum.at, one.change
     assert change is not None
     waves = (change.waves[k] + tau * change.secular[k]) @ np.exp(one.rates * tau)
@@ -293,14 +290,14 @@ def slope_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extremum:
     return half_periods.map.problem.stops[k].sign * z
 
 
-def gradient_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extremum: Extremum) -> FloatArray:
+def gradient_of(half_periods: HalfPeriods, segments: Segments, extremum: Extremum) -> FloatArray:
     """Derivative of an extremum's value by the start of the motion.
 
     Parameters
     ----------
     half_periods : HalfPeriods
         The map.
-    segments : tuple of Segment
+    segments : Segments
         The motion.
     extremum : Extremum
         One of its extrema.
@@ -310,7 +307,7 @@ def gradient_of(half_periods: HalfPeriods, segments: tuple[Segment, ...], extrem
     FloatArray, shape (n,)
         m over the unit of each coordinate of the section point.
     """
-    one = next((s for s in segments if s.start <= extremum.time <= s.end), segments[-1])
+    one = segments.at(extremum.time)
     tau, k = extremum.time - one.start, extremum.at
     count = one.deviations.shape[0]
     terms = one.weights[k, :count] * np.exp(one.rates[:count] * tau)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lapjoint.answers.branches import Bifurcation, BifurcationKind
-from lapjoint.answers.steady_state import impulses_per_period
 from lapjoint.orbits.branches.bifurcations import Located, NotLocated
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
@@ -113,5 +112,5 @@ def _named(family: Family, run: Run, one: Located | Graze, beside: tuple[int, in
 
 def _impulses(place: Place) -> tuple[float, ...]:
     multiple = place.orbit.period_multiple
-    history = place.half_periods.map.history(place.point, multiple)
-    return tuple(impulses_per_period(history, multiple).tolist())
+    passage = place.half_periods.map.march(place.point, 2 * multiple)
+    return tuple((passage.impulses / multiple).tolist())

@@ -81,10 +81,10 @@ def _exact(family: Family, place: Place) -> Rates:
     motion, (stops, first) = motion_of(found), stops_of(problem.stops)
     by_number = place.tangent[-1] * family.scale(place.value)
     change = change_along(found, first, place.tangent[:-1] / place.weights, by_number)
-    ends = [(i, one.switched) for i, one in enumerate(found.linearised.segments) if one.switched >= 0]
-    which, switched = np.array(ends, dtype=np.intp).reshape(-1, 2).T
+    segments = found.linearised.segments
+    which = np.flatnonzero(segments.switched >= 0)
     segment = np.searchsorted(motion.start, here.time, side="right") - 1
-    at = np.concatenate([here.at, switched])
+    at = np.concatenate([here.at, segments.switched[which]])
     tau = np.concatenate([here.time - motion.start[segment], motion.duration[which]])
     moved = moved_events(motion, *change, np.concatenate([segment, which]), stops.place[at], tau)
     excitation, m = excitation_change(problem, family.path), here.time.size
@@ -120,17 +120,13 @@ def change_along(
     polynomial : FloatArray, shape (S, U, 3)
         The same.
     """
-    motion = motion_of(found)
-    waves, secular = np.zeros((2, *motion.weights.shape), dtype=complex)
-    polynomial = np.zeros(motion.polynomial.shape)
-    for i, one in enumerate(found.linearised.segments):
-        assert one.change is not None
-        free, terms = one.deviations.shape[0], one.rates.size
-        waves[i, :, :free] = motion.weights[i, :, :free] * (one.deviations @ point)
-        polynomial[i, :, :2] = one.drift[first] @ point
-        waves[i, :, :terms] += number * one.change.waves[first]
-        secular[i, :, :terms] = number * one.change.secular[first]
-        polynomial[i] += number * one.change.polynomial[first]
+    segments = found.linearised.segments
+    change, own = segments.change, segments.deviations @ point
+    assert change is not None
+    waves, secular = number * change.waves[:, first], number * change.secular[:, first]
+    polynomial = number * change.polynomial[:, first]
+    waves[:, :, : own.shape[1]] += segments.weights[:, first, : own.shape[1]] * own[:, None]
+    polynomial[:, :, :2] += segments.drift[:, first] @ point
     return waves, secular, polynomial
 
 
