@@ -419,9 +419,14 @@ class Linearised:
     belong to the start, over the number's unit, shape ``(n,)``; None if it was not asked for."""
 
     @cached_property
-    def segments(self) -> Segments:
+    def segments(self) -> Sequence[Segment]:
         """The march from switch to switch, without gaps in time."""
-        return Segments.of(self.trace())
+        return self.trace()
+
+    @cached_property
+    def arrays(self) -> Segments:
+        """The same in arrays, if there are stops."""
+        return Segments.of(self.segments)
 
 
 @runtime_checkable

@@ -135,7 +135,7 @@ def _loud(
     return count, math.pi / math.sqrt(fastest) if fastest > 0 else math.inf
 
 
-@njit_inner(inline="always")
+@njit_inner()
 def _turns(before: float, now: float) -> bool:
     """Whether a rate vanishes between two times."""
     return (before > 0 and now <= 0) or (before < 0 and now >= 0)

@@ -7,6 +7,7 @@ or the lowest of a contact or of a flight, which is about to be parted in two, o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -17,7 +18,7 @@ import numpy.typing as npt
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
-from lapjoint.orbits.period_map import Segments, Tangent
+from lapjoint.orbits.period_map import Segment, Segments, Tangent
 from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
 
@@ -132,14 +133,13 @@ def extrema_of(found: Return) -> Extrema:
     Extrema
         Over the same half periods.
     """
-    half_periods, segments = found.half_periods, found.linearised.segments
-    problem = half_periods.map.problem
+    half_periods, problem = found.half_periods, found.half_periods.map.problem
     duration = found.count * half_periods.map.period / 2
     if not problem.stops:
         none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
         never = none.astype(bool)
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
-    stops, _ = stops_of(problem.stops)
+    segments, (stops, _) = found.linearised.arrays, stops_of(problem.stops)
     width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
     at, time, value, highest = gap_extrema(motion_of(found), stops, width)
     ends = np.flatnonzero(segments.switched >= 0)
@@ -195,7 +195,7 @@ def motion_of(found: Return) -> Motion:
     """
     kept: dict[str, Any] = found.__dict__
     if "_motion" not in kept:
-        kept["_motion"] = motion_at(found.linearised.segments, stops_of(found.half_periods.map.problem.stops)[1])
+        kept["_motion"] = motion_at(found.linearised.arrays, stops_of(found.half_periods.map.problem.stops)[1])
     motion: Motion = kept["_motion"]
     return motion
 
@@ -219,7 +219,7 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     """
     if gives(found.half_periods.map, Tangent):
         t = extremum.time / duration * found.count * found.half_periods.map.period / 2
-        near = _polished_between_switches(found.linearised.segments, extremum, t)
+        near = _polished_between_switches(found.linearised.arrays, extremum, t)
         if near is not None:
             sign, gap = (getattr(found.half_periods.map.problem.stops[extremum.at], name) for name in ("sign", "gap"))
             return replace(extremum, time=near[0], value=sign * near[1] - gap)
@@ -265,14 +265,14 @@ def _polished(found: Return, extremum: Extremum) -> Extremum:
     return replace(extremum, time=t, value=value)
 
 
-def slope_of(half_periods: HalfPeriods, segments: Segments, extremum: Extremum) -> float:
+def slope_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum) -> float:
     """Derivative of an extremum's value by the number of which the motion's segments know the change.
 
     Parameters
     ----------
     half_periods : HalfPeriods
         The map.
-    segments : Segments
+    segments : sequence of Segment
         The motion, with `Segment.change`.
     extremum : Extremum
         One of its extrema.
@@ -282,7 +282,7 @@ def slope_of(half_periods: HalfPeriods, segments: Segments, extremum: Extremum) 
     float
         m over the number's unit, while the start of the motion stays where it is.
     """
-    one = segments.at(extremum.time)
+    one = Segments.of(segments).at(extremum.time)
     tau, k, change = extremum.time - one.start, extremum.at, one.change
     assert change is not None
     waves = (change.waves[k] + tau * change.secular[k]) @ np.exp(one.rates * tau)
@@ -290,14 +290,14 @@ def slope_of(half_periods: HalfPeriods, segments: Segments, extremum: Extremum) 
     return half_periods.map.problem.stops[k].sign * z
 
 
-def gradient_of(half_periods: HalfPeriods, segments: Segments, extremum: Extremum) -> FloatArray:
+def gradient_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum) -> FloatArray:
     """Derivative of an extremum's value by the start of the motion.
 
     Parameters
     ----------
     half_periods : HalfPeriods
         The map.
-    segments : Segments
+    segments : sequence of Segment
         The motion.
     extremum : Extremum
         One of its extrema.
@@ -307,7 +307,7 @@ def gradient_of(half_periods: HalfPeriods, segments: Segments, extremum: Extremu
     FloatArray, shape (n,)
         m over the unit of each coordinate of the section point.
     """
-    one = segments.at(extremum.time)
+    one = Segments.of(segments).at(extremum.time)
     tau, k = extremum.time - one.start, extremum.at
     count = one.deviations.shape[0]
     terms = one.weights[k, :count] * np.exp(one.rates[:count] * tau)

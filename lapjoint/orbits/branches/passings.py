@@ -81,7 +81,7 @@ def _exact(family: Family, place: Place) -> Rates:
     motion, (stops, first) = motion_of(found), stops_of(problem.stops)
     by_number = place.tangent[-1] * family.scale(place.value)
     change = change_along(found, first, place.tangent[:-1] / place.weights, by_number)
-    segments = found.linearised.segments
+    segments = found.linearised.arrays
     which = np.flatnonzero(segments.switched >= 0)
     segment = np.searchsorted(motion.start, here.time, side="right") - 1
     at = np.concatenate([here.at, segments.switched[which]])
@@ -120,7 +120,7 @@ def change_along(
     polynomial : FloatArray, shape (S, U, 3)
         The same.
     """
-    segments = found.linearised.segments
+    segments = found.linearised.arrays
     change, own = segments.change, segments.deviations @ point
     assert change is not None
     waves, secular = number * change.waves[:, first], number * change.secular[:, first]
