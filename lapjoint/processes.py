@@ -48,6 +48,60 @@ def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
         end_pool(pool)
 
 
+class StandingPool:
+    """A pool of processes that is kept from task to task, and made again when one of them dies.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes, at least 1.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self._pool: ProcessPoolExecutor | None = None
+
+    @property
+    def pool(self) -> ProcessPoolExecutor:
+        """The pool, whose processes start when it is first asked for.
+
+        Raises
+        ------
+        SolverError
+            If they do not start.
+        """
+        if self._pool is None:
+            self._pool = new_pool(self.workers)
+        return self._pool
+
+    def end(self) -> None:
+        """End its processes at once, whatever they are doing; it starts others when it is asked for again."""
+        if self._pool is not None:
+            end_pool(self._pool)
+        self._pool = None
+
+
+@contextmanager
+def standing_pool(workers: int) -> Iterator[StandingPool]:
+    """A pool that is kept for the time of a block, and starts when it is first asked for.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes, at least 1.
+
+    Yields
+    ------
+    StandingPool
+        The pool; when the block ends, its processes end at once.
+    """
+    pool = StandingPool(workers)
+    try:
+        yield pool
+    finally:
+        pool.end()
+
+
 def new_pool(workers: int) -> ProcessPoolExecutor:
     """A pool whose processes are known to start; `end_pool` ends it.
 

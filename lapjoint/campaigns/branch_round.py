@@ -37,6 +37,8 @@ class Round:
     """The plan, of all values of the second number."""
     parts: tuple[Part, ...]
     """The parts, each a cell."""
+    rehearsed: bool = False
+    """Whether all that workers need is compiled."""
 
     @property
     def size(self) -> int:
@@ -79,6 +81,8 @@ class Round:
 
     def rehearse(self, solver: Solver) -> None:
         """Have what workers need compiled. See `lapjoint.campaigns.campaign.Rehearses.rehearse`."""
+        if self.rehearsed:
+            return
         first = self.parts[0]
         plan = self.plan.at(first.value)
         if first.seed is None:

@@ -7,6 +7,7 @@ after the other, and one branch after the other.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from lapjoint.campaigns.running import send, stored
 from lapjoint.campaigns.workers import Workers, check_workers
 from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem import Problem
+from lapjoint.processes import StandingPool, standing_pool
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
@@ -191,6 +193,8 @@ class _Work:
         self._plan, self._journal, self._progress = plan, journal, progress
         self._workers, self._scheduler = workers, scheduler
         self._parts: dict[str, dict[str, Any]] = {} if journal is None else journal.parts
+        self._pool: StandingPool | None = None
+        self._rehearsed = False
         self._known_of = (plan.size + 1) * plan.values  # one branch at least is to be expected at each value
 
     def done(self) -> list[Diagram]:
@@ -199,8 +203,10 @@ class _Work:
 
         alone = self._workers == 1 and self._scheduler is None
         searches = [Search(self._plan, i, 1 if alone else _ROUND) for i in range(self._plan.values)]
-        for together in [[search] for search in searches] if alone else [searches]:
-            self._do(together)
+        workers = self._workers if isinstance(self._workers, int) and self._scheduler is None else 1
+        with standing_pool(workers) if workers > 1 else nullcontext() as self._pool:
+            for together in [[search] for search in searches] if alone else [searches]:
+                self._do(together)
         return [search.diagram for search in searches]
 
     def _do(self, searches: list[Search]) -> None:
@@ -231,8 +237,9 @@ class _Work:
 
         if missing:
             todo = [Batch((cell,)) for cell in range(len(missing))]
-            workers, scheduler = (1, None) if len(missing) == 1 else (self._workers, self._scheduler)
-            send(Round(self._plan, missing), todo, workers, scheduler, deliver, self._say)
+            workers, scheduler = (1, None) if len(missing) == 1 else (self._pool or self._workers, self._scheduler)
+            send(Round(self._plan, missing, self._rehearsed), todo, workers, scheduler, deliver, self._say)
+            self._rehearsed = self._rehearsed or any(part.seed is not None for part in missing)
 
     def _keep(self, name: str, result: dict[str, Any]) -> None:
         if self._journal is None:

@@ -16,6 +16,7 @@ from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_her
 from lapjoint.errors import InputError
 from lapjoint.netcdf_files import write_netcdf
 from lapjoint.problem import Problem
+from lapjoint.processes import StandingPool, standing_pool
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
@@ -332,7 +333,7 @@ def all_cells(
 def send(
     plan: Cells,
     todo: list[Batch],
-    workers: Workers,
+    workers: Workers | StandingPool,
     scheduler: str | None,
     deliver: Deliver,
     progress: Progress | None = None,
@@ -345,8 +346,8 @@ def send(
         The work.
     todo : list of Batch
         What is to be done of it, at least one batch.
-    workers : int or map-like callable
-        Number of processes, or a function like `map`.
+    workers : int, StandingPool or map-like callable
+        Number of processes, or processes that stand, or a function like `map`.
     scheduler : str, or None
         Address of a dask scheduler whose workers do it instead.
     deliver : callable
@@ -360,8 +361,11 @@ def send(
         work_on_cluster(plan, _after_first_cell(plan, todo, deliver), scheduler, deliver)
     elif callable(workers):
         work_mapped(plan, _after_first_cell(plan, todo, deliver), workers, deliver)
-    elif workers > 1:
+    elif isinstance(workers, StandingPool):
         work_in_processes(plan, _after_first_cell(plan, todo, deliver), workers, deliver)
+    elif workers > 1:
+        with standing_pool(min(workers, len(todo))) as pool:
+            work_in_processes(plan, _after_first_cell(plan, todo, deliver), pool, deliver)
     else:
         work_here(plan, todo, deliver, progress)
 

@@ -17,7 +17,7 @@ from typing import Any
 from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_batch
 from lapjoint.campaigns.campaign import Cells
 from lapjoint.errors import InputError
-from lapjoint.processes import end_pool, interrupts_held, new_pool
+from lapjoint.processes import StandingPool, interrupts_held
 from lapjoint.solver import Progress
 
 Deliver = Callable[[Solved], None]
@@ -121,7 +121,7 @@ def given_up(plan: Cells, batch: Batch, reason: str) -> Solved:
     return Solved({batch.cells[0]: plan.point({"message": reason})}, batch.section, after(batch, 1, batch.section))
 
 
-def work_in_processes(plan: Cells, batches: Iterable[Batch], workers: int, deliver: Deliver) -> None:
+def work_in_processes(plan: Cells, batches: Iterable[Batch], pool: StandingPool, deliver: Deliver) -> None:
     """Solve all batches in a pool of processes; the sweep goes on when processes die.
 
     Parameters
@@ -130,8 +130,8 @@ def work_in_processes(plan: Cells, batches: Iterable[Batch], workers: int, deliv
         The work.
     batches : iterable of Batch
         The work.
-    workers : int
-        Largest number of processes.
+    pool : StandingPool
+        The processes; they stand afterwards, idle.
     deliver : callable
         Takes each `Solved`, in any sequence.
 
@@ -141,13 +141,8 @@ def work_in_processes(plan: Cells, batches: Iterable[Batch], workers: int, deliv
         If the processes do not start.
     """
     waiting = deque(batches)
-    if not waiting:
-        return
-    running = _Run(plan, waiting, workers, deliver)
-    try:
-        running.work()
-    finally:
-        running.end()
+    if waiting:
+        _Run(plan, waiting, pool, deliver).work()
 
 
 class _Run:
@@ -162,16 +157,14 @@ class _Run:
     for twice this time for each suspected batch.  Afterwards the rest of a batch waits with the others again.
     """
 
-    def __init__(self, plan: Cells, waiting: deque[Batch], workers: int, deliver: Deliver) -> None:
-        self._plan, self._waiting, self._deliver = plan, waiting, deliver
-        self._workers = min(workers, len(waiting))
+    def __init__(self, plan: Cells, waiting: deque[Batch], pool: StandingPool, deliver: Deliver) -> None:
+        self._plan, self._waiting, self._deliver, self._pool = plan, waiting, deliver, pool
         self._suspected: deque[Batch] = deque()
         self._suspicion_ends = 0.0
         """Time of the monotonic clock, s."""
         self._submitted: dict[Future[Solved], Batch] = {}
         self._deaths: Counter[int] = Counter()
         """Number of deaths, by the first cell of the batch."""
-        self._pool = new_pool(self._workers)
 
     def work(self) -> None:
         """Go on until all batches are done."""
@@ -183,17 +176,13 @@ class _Run:
                 lost += self._collect(wait(self._submitted).done)
                 self._recover(lost)
 
-    def end(self) -> None:
-        """End the processes at once, whatever they are doing."""
-        end_pool(self._pool)
-
     def _submit_next(self) -> None:
         """Submit the next suspected batch once the pool is empty, or as many waiting batches as keep it busy."""
         if self._suspected:
             if not self._submitted:
                 self._submit(self._suspected.popleft(), alone=True)
             return
-        while self._waiting and len(self._submitted) < self._workers + 1:
+        while self._waiting and len(self._submitted) < self._pool.workers + 1:
             if not self._submit(self._waiting.popleft()):
                 break
 
@@ -201,11 +190,11 @@ class _Run:
         """Submit a batch, or its first cell only if it is `alone`; False if the pool is broken and did not take it."""
         try:
             with interrupts_held():
-                future = self._pool.submit(solve_batch, self._plan, batch.first() if alone else batch)
+                future = self._pool.pool.submit(solve_batch, self._plan, batch.first() if alone else batch)
         except BrokenProcessPool:
             self._waiting.appendleft(batch)
             if not self._submitted:
-                self._renew()
+                self._pool.end()
             return False
         self._submitted[future] = batch
         return True
@@ -234,7 +223,7 @@ class _Run:
     def _recover(self, lost: list[Batch]) -> None:
         """Renew the pool after a death, and suspect the lost batches, or give up a cell that died too often alone."""
         self._suspicion_ends = time.monotonic() + len(lost) * 2 * BATCH_SECONDS
-        self._renew()
+        self._pool.end()
         for batch in lost:
             cell = batch.cells[0]
             self._deaths[cell] += 1
@@ -244,7 +233,3 @@ class _Run:
                 )
             else:
                 self._suspected.append(batch)
-
-    def _renew(self) -> None:
-        end_pool(self._pool)
-        self._pool = new_pool(self._workers)

@@ -11,13 +11,14 @@ import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 from lapjoint.errors import SolverError
-from lapjoint.processes import process_pool
+from lapjoint.processes import process_pool, standing_pool
 
 LONG = 600.0  # s: longer than any of these tests may take
 BUSY = """
@@ -113,3 +114,16 @@ def test_processes_that_cannot_start_are_said_to(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("lapjoint.processes._ready", partial(os._exit, 1))
     with pytest.raises(SolverError, match="end as soon as they start"), process_pool(1):
         pass
+
+
+def test_a_standing_pool_keeps_its_processes_and_starts_others_after_one_dies() -> None:
+    with standing_pool(2) as standing:
+        first = set(standing.pool._processes)
+        assert list(standing.pool.map(math.sqrt, [4.0, 9.0])) == [2.0, 3.0]
+        assert set(standing.pool._processes) == first
+        with pytest.raises(BrokenProcessPool):
+            standing.pool.submit(os.abort).result()
+        standing.end()
+        assert not first & set(standing.pool._processes)
+        assert list(standing.pool.map(math.sqrt, [16.0])) == [4.0]
+    assert multiprocessing.active_children() == []
