@@ -126,7 +126,8 @@ class Search:
                 self._waiting += one["seeds"]
             elif not self._is_known(part.seed):
                 self._branches.append(one)
-                self._waiting += one["seeds"]
+                # Neighbours are often the two ends of one branch, which would be followed twice in one round.
+                self._waiting += [*one["seeds"][::2], *one["seeds"][1::2]]
         if self._spent:
             self._left_out = sum(not self._is_known(seed) for seed in (*over, *self._waiting))
 
