@@ -12,6 +12,7 @@ from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.resolving import resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.branches.switching import sprung_from, switched
@@ -40,6 +41,8 @@ class Traced:
     """The branch."""
     seeds: tuple[Seed, ...]
     """A motion of each branch that springs from it."""
+    bifurcations: tuple[Listed, ...]
+    """Its bifurcations, with the motions there."""
     springs: tuple[tuple[float, SectionPoint], ...] = ()
     """Bifurcations of other branches from which it springs, at either end: the number, and the section point."""
 
@@ -93,7 +96,7 @@ def trace(
     runs = [ahead] if seed.away_from is not None else [back, ahead]
     ends = [sprung_from(family, one.places[-1]) for one in runs if one.end == "bifurcation"]
     springs = (seed.away_from, *((one.value, one.point) for one in ends if one is not None))
-    return Traced(branch, tuple(seeds), tuple(one for one in springs if one is not None))
+    return Traced(branch, tuple(seeds), tuple(found.bifurcations), tuple(one for one in springs if one is not None))
 
 
 def _start(family: Family, seed: Seed) -> Place | None:
