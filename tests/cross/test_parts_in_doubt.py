@@ -6,7 +6,7 @@ perturbation of which each finer solver has a quarter: what is true is known wit
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -33,32 +33,34 @@ class Perturbed:
     """Sum of the multipliers at 1 and its slope."""
     product: float
     """Their product."""
-    bump: tuple[float, float, float]
-    """What is added to the sum: its height, where it is, and its width."""
+    bumps: tuple[tuple[float, float, float], ...]
+    """What is added to the sum: heights, where they are, and widths."""
+    share: float = 1.0
+    """Share of the heights that this solver has."""
 
     @property
     def name(self) -> str:
         """As it says."""
-        return f"perturbed by {self.bump[0]}"
+        return f"with {self.share} of the perturbation"
 
-    def flips(self, height: float) -> list[float]:
-        """Where 1 + sum + product changes its sign, within 1e-6, with a bump of some height."""
+    def true_flips(self) -> list[float]:
+        """Where 1 + sum + product changes its sign, within 1e-6, without any bump."""
         p = np.linspace(LOW, HIGH, 1_000_001)
-        value = 1 + self.product + self._sum(p, height)
+        value = 1 + self.product + replace(self, share=0.0)._sum(p)
         return [float(one) for one in p[1:][(value[1:] > 0) != (value[:-1] > 0)]]
 
-    def _sum(self, p: np.ndarray, height: float) -> np.ndarray:
-        (at, slope), (_, centre, width) = self.total, self.bump
-        return np.asarray(at + slope * (p - 1) + height * np.exp(-(((p - centre) / width) ** 2)))
+    def _sum(self, p: np.ndarray) -> np.ndarray:
+        (at, slope), bumps = self.total, self.bumps
+        waves = sum(height * np.exp(-(((p - centre) / width) ** 2)) for height, centre, width in bumps)
+        return np.asarray(at + slope * (p - 1) + self.share * waves)
 
     def period_map(self, problem: Problem) -> MadeMap:
         """The map at the amplitude of a problem."""
-        height = self.bump[0]
-        return Made(lambda p: [of_trace(float(self._sum(np.array(p), height)), self.product)]).period_map(problem)
+        return Made(lambda p: [of_trace(float(self._sum(np.array(p))), self.product)]).period_map(problem)
 
     def finer(self, problem: Problem) -> tuple[Refinement, Perturbed]:
         """The next one."""
-        other = Perturbed(self.total, self.product, (LEFT * self.bump[0], *self.bump[1:]))
+        other = replace(self, share=LEFT * self.share)
         return Refinement(other.name, RATIO, 2.0), other
 
 
@@ -79,14 +81,14 @@ def found_by(solver: Perturbed, errors: bool = True) -> tuple[Bifurcation, ...]:
 
 def test_two_flips_that_only_a_coarse_solver_has_are_not_listed() -> None:
     # The sum is -1.4, and the bump takes it to -1.6: below -1.5 from 1.28 to 1.52; a quarter of it leaves it above.
-    solver = Perturbed((-1.4, 0.0), 0.5, (-0.2, 1.4, 0.15))
+    solver = Perturbed((-1.4, 0.0), 0.5, ((-0.2, 1.4, 0.15),))
     assert [one.kind for one in found_by(solver, errors=False)] == ["flip", "flip"]
     assert found_by(solver) == ()
 
 
 def test_what_a_finer_solver_has_far_off_is_not_taken_for_the_same() -> None:
     # With a bump as wide as the range the flip is at 1.2, and for the finer solver at 1.65.
-    solver = Perturbed((-1.1, -0.5), 0.5, (-0.3, 1.2, 3.0))
+    solver = Perturbed((-1.1, -0.5), 0.5, ((-0.3, 1.2, 3.0),))
     (one,) = found_by(solver)
     assert one.kind == "flip"
     assert not np.isfinite(one.error)
@@ -95,9 +97,12 @@ def test_what_a_finer_solver_has_far_off_is_not_taken_for_the_same() -> None:
 @pytest.mark.parametrize("seed", range(12))
 def test_what_has_an_error_is_where_it_says(seed: int) -> None:
     rng = np.random.default_rng((23, seed))
-    bump = (rng.uniform(-0.2, 0.2), rng.uniform(1.2, 1.8), np.exp(rng.uniform(*np.log((0.01, 0.3)))))
-    solver = Perturbed((-1.4 - rng.uniform(0, 0.1), rng.uniform(-0.3, 0.3)), 0.5, bump)
-    true = solver.flips(0.0)
+    bumps = tuple(
+        (rng.uniform(-0.2, 0.2), rng.uniform(1.2, 1.8), float(np.exp(rng.uniform(*np.log((0.01, 0.3))))))
+        for _ in range(3)
+    )
+    solver = Perturbed((-1.4 - rng.uniform(0, 0.1), rng.uniform(-0.3, 0.3)), 0.5, bumps)
+    true = solver.true_flips()
     stated = [one for one in found_by(solver) if np.isfinite(one.error)]
     for one in stated:
         assert min((abs(one.value - value) for value in true), default=np.inf) <= one.error + 2e-6

@@ -85,14 +85,15 @@ def resolved(family: Family, run: Run, levels: int = _LEVELS) -> Resolved:
     Resolved
         The curve.
     """
-    now = Resolved(run.places, listed(family, run, errors=True), [family] * len(run.places))
-    for part in reversed(list(_parts(now.bifurcations)) if levels else []):
+    own, last = listed(family, run, errors=True), len(run.places)
+    now = Resolved(run.places, own, [family] * last)
+    for part in reversed(list(_parts(own)) if levels else []):  # the indices of those before stay as they are
         try:
-            finer = _followed(family, run, now.bifurcations, part, levels)
+            finer = _followed(family, run, own, part, last, levels)
         except SolverError:
             continue
         if finer is not None:
-            now = _put_in(now, *finer)
+            now, last = _put_in(now, *finer), finer[0]
     return replace(now, bifurcations=[one.asked_along() for one in now.bifurcations])
 
 
@@ -106,20 +107,22 @@ def _parts(bifurcations: list[Listed]) -> Iterator[tuple[int, int]]:
 
 
 def _followed(
-    family: Family, run: Run, bifurcations: list[Listed], part: tuple[int, int], levels: int
+    family: Family, run: Run, bifurcations: list[Listed], part: tuple[int, int], before_index: int, levels: int
 ) -> tuple[int, int, Resolved] | None:
     """A part as the finer solver has it, with the indices of the first and the last place that it takes the place of.
+
+    All that has an index of `before_index` or more is of another part.
 
     None if the finer solver does not come from the motion before to the one behind, or leaves more in doubt.
     """
     first, last = part
     known = family.finer(run.places[first].value)
-    if known is None:
+    if known is None or last >= before_index:
         return None
     finer, taken = known[1], {one.index for one in bifurcations}
     for margin in _MARGINS:
         before = _end(family, finer, run, range(first - 1, max(first - 2 - _FARTHEST, -1), -1), margin, taken)
-        behind = _end(family, finer, run, range(last + 1, min(last + 2 + _FARTHEST, len(run.places))), margin, taken)
+        behind = _end(family, finer, run, range(last + 1, min(last + 2 + _FARTHEST, before_index)), margin, taken)
         if before is None or behind is None:
             continue
         (i, begin), (j, end) = before, behind

@@ -45,20 +45,23 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     Returns
     -------
     Stated
-        By the finest solver that was asked; its error is that of the one before it.
+        By the finest solver that was asked; its error is that of the one before it, and infinite where one of them does
+        not find it.
     """
     error, scale = np.inf, family.scale(value)
     try:
         for _ in range(_MOST):
             finer = family.finer(value)
-            found = None if finer is None else finder(finer[1], place)
-            if finer is None or found is None:
+            if finer is None:
                 break
+            found = finder(finer[1], place)
+            if found is None:
+                return Stated(value, np.inf)
             apart = np.array([found[1] - value])
             error = float(finer[0].bounds(apart, np.abs(apart))[0]) + ROUNDING * scale
             family, (place, value) = finer[1], found
             if error <= AIM * scale:
                 break
     except (InputError, SolverError):
-        pass
+        error = np.inf
     return Stated(value, error)
