@@ -10,7 +10,7 @@ import pytest
 from made_map import Tongue, made_problem
 
 import analytic
-from lapjoint import Problem, paper_joint
+from lapjoint import Problem, branch, paper_joint
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.orbits.branches.closing import Start
@@ -122,3 +122,13 @@ def test_a_branch_goes_on_behind_a_fold_at_which_truncated_modes_make_the_map_ju
     assert found is not None
     assert found.branch.ends == ("boundary", "boundary")
     assert {found.branch.points[i].value for i in (0, -1)} == {low, high}
+
+
+@pytest.mark.thorough
+def test_a_branch_that_few_modes_lose_goes_on_to_the_other_end_of_it() -> None:
+    # From the flip at 183.163 rad/s to that at 183.266; with 16 modes there is no motion beyond 183.1735.
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    found = branch(joint, FREQUENCY, 183.0, 183.4, max_period_multiple=2, errors=False)
+    ends = {*found.branch_first_end.values.tolist(), *found.branch_last_end.values.tolist()}
+    assert ends == {"boundary", "bifurcation"}

@@ -9,7 +9,7 @@ import numpy as np
 from lapjoint.answers.branches import Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.continuation import follow
+from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
@@ -116,13 +116,13 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
         value, point = seed.away_from
         up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
     start, behind = start.along(up), start.along(-up)
-    ahead = follow(family, start, limits)
+    ahead = followed(family, start, limits)
     if seed.away_from is not None:
         return ahead, Run([behind], [], [], "bifurcation")
     if ahead.end == "closed":
         return ahead, Run([behind], [], [], "closed")
     left = replace(limits, most=max(limits.most - len(ahead.places), 1))
-    return ahead, follow(family, behind, left)
+    return ahead, followed(family, behind, left)
 
 
 def _joined(back: Run, ahead: Run) -> Run:
