@@ -13,10 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from lapjoint.orbits.branches.bifurcations import signature
 from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.run import Jump, Limits, Run
 
 _BRIDGES = 8
@@ -68,13 +68,13 @@ def _beyond(family: Family, run: Run) -> Place | None:
         return None
     finer = known[1]
     for place, length in _before(family, run):
-        near = _same(finer, place)
+        near = alike(finer, place)
         if near is None:
             continue
         there, gone = follow(finer, near, Limits(most=_MOST, length=length + _AHEAD)), 0.0
         for a, b in pairwise(there.places):
             gone += float(np.linalg.norm(b.chord(finer, a)))
-            own = _same(family, b) if gone > length else None
+            own = alike(family, b) if gone > length else None
             if own is not None and float(np.linalg.norm(own.chord(family, here))) <= _FAR:
                 return own
     return None
@@ -88,15 +88,6 @@ def _before(family: Family, run: Run) -> Iterator[tuple[Place, float]]:
         if left and length >= left[0]:
             yield b, length
             left = [one for one in left if one > length]
-
-
-def _same(family: Family, place: Place) -> Place | None:
-    """A motion of another solver by this one, with its tangent the same way; None if it has other contacts here."""
-    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count, fixed=True)
-    if near is None or near.extrema.closings != place.extrema.closings:
-        return None
-    near = near.going_on_from(place)
-    return near if signature(near) == signature(place) else None
 
 
 def _one_after_other(run: Run, rest: Run) -> Run:

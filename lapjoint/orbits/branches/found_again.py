@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lapjoint.orbits.branches.bifurcations import Kind, located, tests_of
+from lapjoint.orbits.branches.bifurcations import Kind, located, signature, tests_of
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
@@ -30,6 +30,28 @@ _SAME_MULTIPLIER = 0.05
 
 Finder = Callable[[Family, Place], tuple[Place, float] | None]
 """Finds a bifurcation by another solver from where one has it: the motion just at it, and the number."""
+
+
+def alike(family: Family, place: Place) -> Place | None:
+    """A motion as another solver has it, with its tangent the same way along the curve.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of the other solver.
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    Place, or None
+        At the same number; None if it has other contacts there, or other multipliers outside the circle.
+    """
+    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count, fixed=True)
+    if near is None or near.extrema.closings != place.extrema.closings:
+        return None
+    near = near.going_on_from(place)
+    return near if signature(near) == signature(place) else None
 
 
 def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:

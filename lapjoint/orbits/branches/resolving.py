@@ -15,10 +15,10 @@ from itertools import pairwise
 import numpy as np
 
 from lapjoint.errors import SolverError
-from lapjoint.orbits.branches.bifurcations import signature
 from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.listing import Listed, listed
 from lapjoint.orbits.branches.run import Limits, Run
 
@@ -148,12 +148,8 @@ def _end(
         length += float(np.linalg.norm(place.chord(family, run.places[i - indices.step])))
         if length < margin or not taken.isdisjoint((i, i + 1)):
             continue
-        near = corrected(finer, place.value, finer.adopted(place.value, place.point), place.count, fixed=True)
-        if near is None or near.extrema.closings != place.extrema.closings:
-            continue
-        near = near.going_on_from(place)
-        alike = signature(near) == signature(place)
-        if alike and float(np.linalg.norm(near.chord(finer, place))) <= _NEAR:
+        near = alike(finer, place)
+        if near is not None and float(np.linalg.norm(near.chord(finer, place))) <= _NEAR:
             return i, near
     return None
 
