@@ -16,6 +16,7 @@ the distance of one of them from the circle, or would pass it on the way if they
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -48,8 +49,12 @@ _ROUNDING = 1e-6
 _LOCATED = 1e-9
 """Change of the number over its scale, and of the motion over its size, at which a bifurcation is located; and the
 value of a test function there."""
+_SURE = 0.01
+"""Share of that at which it is located, too, if a straight line between the ends has it so near to one of them."""
 _STUCK = 3
-"""Number of steps in turn that leave more than half of what was left, after which it is halved."""
+"""Number of steps in turn that leave most of what was left, after which it is halved."""
+_MOST = 0.6
+"""Share of what was left from which on it is most: of a curve, half the way is not half the distance."""
 
 
 _VANISHES = 1e-4
@@ -100,39 +105,51 @@ def between(family: Family, first: Place, last: Place, around: Around) -> Iterat
     yield from _within(family, first, last, around, 0)
 
 
-def _within(family: Family, first: Place, last: Place, around: Around, halvings: int) -> Iterator[Located | NotLocated]:
-    """The bifurcations between two places, the way between which has been halved so often."""
+def _within(
+    family: Family, first: Place, last: Place, around: Around, halvings: int, known: Located | None = None
+) -> Iterator[Located | NotLocated]:
+    """The bifurcations between two places, the way between which has been halved so often; one may be known."""
     a, b = signature(first), signature(last)
     change = tuple(int(x != y) for x, y in zip(a[:2], b[:2], strict=True)), abs(b[2] - a[2])
-    found = [] if change == _NONE else list(_at_changes(family, first, last, _kind_of(change, first)))
-    if change in _SINGLE and found and _outside(found[0].place, _ROUNDING) == min(a[2], b[2]):
+    single = _kind_of(change, first)
+    if known is not None and (known.kind != single or not _lies_between(family, first, last, known.place)):
+        known = None
+    found = [] if single is None else [known] if known is not None else list(_at_changes(family, first, last, single))
+    if found and _outside(found[0].place, _ROUNDING) == min(a[2], b[2]):
         yield from found
         return
     looked = _LOOKS if change == _NONE else _HALVINGS
     if halvings < looked and (change != _NONE or _may_come_back(family, first, last, around)):
         middle = _middle(family, first, last)
         if middle is not None:
-            yield from _within(family, first, middle, (around[0], last), halvings + 1)
-            yield from _within(family, middle, last, (first, around[1]), halvings + 1)
+            known = found[0] if found else None
+            yield from _within(family, first, middle, (around[0], last), halvings + 1, known)
+            yield from _within(family, middle, last, (first, around[1]), halvings + 1, known)
             return
+    if single is None and change != _NONE:
+        found = list(_at_changes(family, first, last, None))
     yield from found
-    if change != _NONE and not found:
+    if not _needed(change, first) <= {one.kind for one in found}:
         yield NotLocated(first.value, last.value)
+
+
+def _lies_between(family: Family, first: Place, last: Place, place: Place) -> bool:
+    """Whether a place of a curve lies between two others that are near it."""
+    return float(place.chord(family, first) @ place.chord(family, last)) < 0
 
 
 def _at_changes(family: Family, first: Place, last: Place, only: Kind | None) -> Iterator[Located]:
     """The bifurcations of one kind between two places, or of any, one of each at most."""
-    for kind, (count, distance) in tests_of(first).items():
-        if count(first) != count(last) and only in (None, kind):
-            found = located(family, first, last, count, distance)
-            if found is not None and abs(distance(found)) <= _VANISHES:
+    for kind, test in tests_of(first).items():
+        if test.count(first) != test.count(last) and only in (None, kind):
+            found = located(family, first, last, test)
+            if found is not None and test.left(found) <= _VANISHES:
                 yield Located(kind, found)
 
 
 _NONE = ((0, 0), 0)
 """What changes where there is no bifurcation: signs of w and of det(1 + M), and the number of mu outside the circle."""
 _FOLD, _FLIP, _NEIMARK_SACKER = ((1, 0), 1), ((0, 1), 1), ((0, 0), 2)
-_SINGLE = (_NONE, _FOLD, _FLIP, _NEIMARK_SACKER)
 
 
 def _kind_of(change: tuple[tuple[int, ...], int], place: Place) -> Kind | None:
@@ -143,6 +160,14 @@ def _kind_of(change: tuple[tuple[int, ...], int], place: Place) -> Kind | None:
         _NEIMARK_SACKER: "neimark-sacker",
     }
     return kinds.get(change)
+
+
+def _needed(change: tuple[tuple[int, ...], int], place: Place) -> set[Kind]:
+    """The kinds of bifurcations of which there is one at least where so much changes."""
+    (turns, passes), outside = change
+    needed: set[Kind] = {"fold"} if turns else set()
+    needed |= {flip_of(place)} if passes else set()
+    return needed or ({"neimark-sacker"} if outside else set())
 
 
 def signature(place: Place) -> tuple[int, int, int]:
@@ -210,8 +235,11 @@ def _middle(family: Family, first: Place, last: Place) -> Place | None:
     length = float(np.linalg.norm(last.chord(family, first)))
     if length <= _LOCATED:
         return None
-    middle = between_two(family, first, last, 0.5, length)
-    return middle if middle is not None and middle.extrema.closings == first.extrema.closings else None
+
+    def alike(place: Place) -> bool:
+        return place.extrema.closings == first.extrema.closings
+
+    return between_two(family, first, last, 0.5, length, alike)
 
 
 def flip_of(place: Place) -> Kind:
@@ -230,8 +258,20 @@ def flip_of(place: Place) -> Kind:
     return "symmetry breaking" if place.count % 2 else "flip"
 
 
-def tests_of(place: Place) -> dict[Kind, tuple[Callable[[Place], int], Callable[[Place], float]]]:
-    """What is counted, and what vanishes where the count changes, for each kind that a branch may have.
+@dataclass(frozen=True)
+class Test:
+    """What tells where a bifurcation lies between two places."""
+
+    count: Callable[[Place], int]
+    """What changes there."""
+    distance: Callable[[Place], float]
+    """The size of a number that vanishes there, and grows with the distance on either side as far as it may."""
+    left: Callable[[Place], float]
+    """Distance of the multiplier that is nearest to where it must be, or for a fold of the tangent."""
+
+
+def tests_of(place: Place) -> dict[Kind, Test]:
+    """What changes, and what vanishes, at each kind of bifurcation that a branch may have.
 
     Parameters
     ----------
@@ -244,19 +284,13 @@ def tests_of(place: Place) -> dict[Kind, tuple[Callable[[Place], int], Callable[
         By the kind of the bifurcation.
     """
     return {
-        "fold": (_goes_up, lambda at: float(at.tangent[-1])),
-        flip_of(place): (_above_minus_one, _from_minus_one),
-        "neimark-sacker": (_outside, _from_circle),
+        "fold": Test(_goes_up, _steepness, _steepness),
+        flip_of(place): Test(_above_minus_one, _near_minus_one, _from_minus_one),
+        "neimark-sacker": Test(_outside, _from_circle, _from_circle),
     }
 
 
-def located(
-    family: Family,
-    first: Place,
-    last: Place,
-    count: Callable[[Place], int],
-    distance: Callable[[Place], float],
-) -> Place | None:
+def located(family: Family, first: Place, last: Place, test: Test) -> Place | None:
     """The place between two at which something that is counted changes.
 
     Parameters
@@ -265,36 +299,37 @@ def located(
         The period maps.
     first, last : Place
         Neighbours, between which the count changes.
-    count : callable
-        Gives the count at a place.
-    distance : callable
-        Gives a number that vanishes where it changes.
+    test : Test
+        What is counted, and what vanishes where it changes.
 
     Returns
     -------
     Place, or None
         None if a place between the two is not found.
     """
-    a, b, before = first, last, count(first)
-    fa, fb, stuck = abs(distance(a)), -abs(distance(b)), 0
+    a, b, kept, slow, before = first, last, "", 0, math.inf
+    at_a, at_b = test.distance(a), test.distance(b)
+    fa, fb = at_a, at_b
     for _ in range(_STEPS):
         length = float(np.linalg.norm(b.chord(family, a)))
+        if length * min(at_a, at_b) <= _SURE * _LOCATED * (at_a + at_b):
+            return a if at_a <= at_b else b
         if length <= _LOCATED:
             return a
-        share = 0.5 if fa == fb or stuck >= _STUCK else fa / (fa - fb)
-        here = between_two(family, a, b, min(max(share, 1e-3), 1 - 1e-3), length)
-        here = here or between_two(family, a, b, 0.5, length)
+        slow, before, least = slow + 1 if length > _MOST * before else 0, length, 0.5 * _LOCATED / length
+        share = 0.5 if slow >= _STUCK else min(max(fa / (fa + fb), least), 1 - least)
+        here = between_two(family, a, b, share, length) or between_two(family, a, b, 0.5, length)
         if here is None:
             return None
-        value = distance(here)
-        if abs(value) <= _LOCATED:
+        value = test.distance(here)
+        if value <= _LOCATED:
             return here
-        if count(here) == before:
-            stuck = stuck + 1 if share < 0.5 else 0
-            a, fb, fa = here, fb * _anderson(abs(value), fa) if stuck else fb, abs(value)
+        if test.count(here) == test.count(first):
+            fb = fb * _anderson(value, at_a) if kept == "b" else at_b
+            a, at_a, fa, kept = here, value, value, "b"
         else:
-            stuck = stuck + 1 if share > 0.5 else 0
-            b, fa, fb = here, fa * _anderson(abs(value), -fb) if stuck else fa, -abs(value)
+            fa = fa * _anderson(value, at_b) if kept == "a" else at_a
+            b, at_b, fb, kept = here, value, value, "a"
     return a
 
 
@@ -304,7 +339,14 @@ def _anderson(value: float, before: float) -> float:
     return share if share > 0 else 0.5
 
 
-def between_two(family: Family, a: Place, b: Place, share: float, length: float) -> Place | None:
+def between_two(
+    family: Family,
+    a: Place,
+    b: Place,
+    share: float,
+    length: float,
+    alike: Callable[[Place], bool] = lambda place: True,
+) -> Place | None:
     """A place between two neighbours.
 
     Parameters
@@ -317,23 +359,38 @@ def between_two(family: Family, a: Place, b: Place, share: float, length: float)
         How far from `a` towards `b`, 0 to 1.
     length : float
         Arc length between them.
+    alike : callable, optional
+        Whether a place will do.
 
     Returns
     -------
     Place, or None
         None if Newton's method finds none.
     """
-    near, far, step = (a, b, share * length) if share <= 0.5 else (b, a, -(1 - share) * length)
-    steep = abs(near.tangent[-1]) > STEEP and _goes_up(near) == _goes_up(far)  # no number is held across a fold
-    value, guess = near.moved(family, step * near.tangent)
-    found = corrected(family, value, guess, near.count, fixed=steep)
-    if found is None:
-        value, guess = near.moved(family, -min(share, 1 - share) * near.chord(family, far))
-        found = corrected(family, value, guess, near.count, fixed=steep)
-    if found is None:
+    near, far, share = (a, b, share) if share <= 0.5 else (b, a, 1 - share)
+    fixed = abs(near.tangent[-1]) > STEEP and _goes_up(near) == _goes_up(far)  # no number is held across a fold
+    step = length if near is a else -length
+    bent = _bent(family, near, far, share, step)
+    straight = (near, share * step * near.tangent), (far, (share - 1) * step * far.tangent)
+    for start, way in ((near, bent), *straight, (near, -share * near.chord(family, far))):
+        found = None if way is None else corrected(family, *start.moved(family, way), near.count, fixed=fixed)
+        if found is not None and (way is not bent or _lies_between(family, a, b, found)) and alike(found):
+            chord = found.chord(family, near)
+            return found.along(chord if near is a else -chord)
+    return None
+
+
+def _bent(family: Family, near: Place, far: Place, share: float, step: float) -> FloatArray | None:
+    """The way from a place to one between it and another along the cubic through both and along their tangents.
+
+    In the coordinates of `near`, shape ``(n + 1,)``; `step` is the arc length between the two, negative against the
+    tangents.  None where their coordinates are not the same.
+    """
+    if near.point.state != far.point.state or near.weights.shape != far.weights.shape:
         return None
-    chord = found.chord(family, near)
-    return found.along(chord if near is a else -chord)
+    scales = np.append(near.weights / far.weights, family.scale(far.value) / family.scale(near.value))
+    tangents = (1 - share) * near.tangent - share * scales * far.tangent
+    return np.asarray(share * (1 - share) * step * tangents - share**2 * (3 - 2 * share) * near.chord(family, far))
 
 
 def crosses_minus_one(place: Place) -> tuple[complex, np.ndarray]:
@@ -356,6 +413,11 @@ def crosses_minus_one(place: Place) -> tuple[complex, np.ndarray]:
 
 def _goes_up(place: Place) -> int:
     return int(place.tangent[-1] > 0)
+
+
+def _steepness(place: Place) -> float:
+    """The size of the number's part in the tangent."""
+    return abs(float(place.tangent[-1]))
 
 
 def _above_minus_one(place: Place) -> int:

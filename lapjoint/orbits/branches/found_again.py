@@ -187,12 +187,12 @@ def _beside(family: Family, here: Place, step: float) -> Place | None:
 
 def _between_ends(family: Family, near: Place, kind: Kind) -> Place | None:
     """The place near another between two at which something is counted that changes at a bifurcation."""
-    count, distance = tests_of(near)[kind]
+    test = tests_of(near)[kind]
     for reach in _REACHES:
         ends = [_beside(family, near, step) for step in (-reach, reach)]
         first, last = ends
-        if first is not None and last is not None and count(first) != count(last):
-            return located(family, first, last, count, distance)
+        if first is not None and last is not None and test.count(first) != test.count(last):
+            return located(family, first, last, test)
     return None
 
 
