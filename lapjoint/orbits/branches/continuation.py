@@ -243,7 +243,10 @@ class _Follower:
         if passed(self._here, self._rates, before, None, length).grazes:
             return False
         if found[1] is None:
-            return self._jump_over(found[0], before)
+            if self._jump_over(found[0], before):
+                return True
+            if not found[0].before.close:  # from nearer, there may be a motion beyond it
+                return False
         self._pass(*found)
         return True
 

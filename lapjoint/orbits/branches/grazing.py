@@ -13,7 +13,7 @@ target holds the penetration fixed, the derivative hardly changes in a step of N
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,6 +73,8 @@ class OnExtremum:
     """Its extremum."""
     rate: float
     """Derivative of the number along the curve by the extremum's value, SI unit over m."""
+    close: bool = True
+    """Whether it is as near to its target as is aimed at."""
 
 
 def located_graze(family: Family, place: Place, extremum: Extremum, rate: float) -> OnExtremum | None:
@@ -215,7 +217,7 @@ class _Search:
             if on_target:
                 return self._found(good, J, bordered)
             if self._tries and good.residual <= RESIDUAL and self._way(good) <= _CLOSE_ENOUGH and self._towards:
-                near = self._found(good, J, bordered)
+                near = replace(self._found(good, J, bordered), close=False)
             aim = self._aim(good)
             misses = (aim - good.extremum.value) / self._scale
             step = np.linalg.solve(bordered, np.append(-good.weights * good.r, misses))
