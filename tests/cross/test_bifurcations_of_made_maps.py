@@ -17,6 +17,9 @@ from scipy.optimize import brentq
 
 from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches import bifurcations
+from lapjoint.orbits.branches.bifurcations import Criterion, criteria_of
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.tracing import Seed, trace
 
@@ -118,6 +121,40 @@ def test_a_pair_that_leaves_the_circle_and_comes_back_within_a_step_is_found() -
 @pytest.mark.parametrize("seed", range(12))
 def test_the_bifurcations_of_a_random_map_are_found_and_no_others(seed: int) -> None:
     check(random_blocks(seed))
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("kind", ["flip", "neimark-sacker"])
+def test_bifurcations_that_cannot_be_located_lie_in_parts_that_are_said_to_be_unresolved(
+    seed: int, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    check_blind(random_blocks(seed), kind, monkeypatch)
+
+
+@pytest.mark.parametrize("kind", ["flip", "neimark-sacker"])
+@pytest.mark.parametrize("way", [-1, 1])
+def test_of_two_bifurcations_at_one_number_one_that_cannot_be_located_is_said_to_be_there(
+    kind: str, way: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flips = lambda p: way * (p - 1.5) - 1.5, lambda p: 0.5
+    pair = lambda p: 0.3, lambda p: 1 + 0.5 * (p - 1.5)
+    assert {one.kind for one in found_in([flips, pair])} >= {"flip", "neimark-sacker"}
+    check_blind([flips, pair], kind, monkeypatch)
+
+
+def check_blind(blocks: list[tuple[Curve, Curve]], kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bifurcations of a kind lie in parts that are not resolved if none of that kind is located."""
+    locate, known = bifurcations.located, [one.value for one in found_in(blocks) if one.kind == kind]
+
+    def blind(family: Family, first: Place, last: Place, criterion: Criterion) -> Place | None:
+        return None if criterion == criteria_of(first)[kind] else locate(family, first, last, criterion)
+
+    monkeypatch.setattr(bifurcations, "located", blind)
+    left = found_in(blocks)
+    assert all(one.kind != kind for one in left)
+    parts = [one for one in left if one.kind == "unresolved"]
+    for value in known:
+        assert any(abs(part.value - value) <= part.error + EXACT for part in parts)
 
 
 @pytest.mark.slow

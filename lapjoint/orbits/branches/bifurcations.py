@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -115,7 +116,7 @@ def _within(
     if known is not None and (known.kind != single or not _lies_between(family, first, last, known.place)):
         known = None
     found = [] if single is None else [known] if known is not None else list(_at_changes(family, first, last, single))
-    if found and _outside(found[0].place, _ROUNDING) == min(a[2], b[2]):
+    if found and _accounts(found, first, last):
         yield from found
         return
     looked = _LOOKS if change == _NONE else _HALVINGS
@@ -126,10 +127,10 @@ def _within(
             yield from _within(family, first, middle, (around[0], last), halvings + 1, known)
             yield from _within(family, middle, last, (first, around[1]), halvings + 1, known)
             return
-    if single is None and change != _NONE:
+    if change != _NONE:
         found = list(_at_changes(family, first, last, None))
     yield from found
-    if not _needed(change, first) <= {one.kind for one in found}:
+    if not _accounts(found, first, last):
         yield NotLocated(first.value, last.value)
 
 
@@ -140,10 +141,10 @@ def _lies_between(family: Family, first: Place, last: Place, place: Place) -> bo
 
 def _at_changes(family: Family, first: Place, last: Place, only: Kind | None) -> Iterator[Located]:
     """The bifurcations of one kind between two places, or of any, one of each at most."""
-    for kind, test in tests_of(first).items():
-        if test.count(first) != test.count(last) and only in (None, kind):
-            found = located(family, first, last, test)
-            if found is not None and test.left(found) <= _VANISHES:
+    for kind, criterion in criteria_of(first).items():
+        if criterion.count(first) != criterion.count(last) and only in (None, kind):
+            found = located(family, first, last, criterion)
+            if found is not None and criterion.left(found) <= _VANISHES:
                 yield Located(kind, found)
 
 
@@ -162,12 +163,15 @@ def _kind_of(change: tuple[tuple[int, ...], int], place: Place) -> Kind | None:
     return kinds.get(change)
 
 
-def _needed(change: tuple[tuple[int, ...], int], place: Place) -> set[Kind]:
-    """The kinds of bifurcations of which there is one at least where so much changes."""
-    (turns, passes), outside = change
-    needed: set[Kind] = {"fold"} if turns else set()
-    needed |= {flip_of(place)} if passes else set()
-    return needed or ({"neimark-sacker"} if outside else set())
+def _accounts(found: list[Located], first: Place, last: Place) -> bool:
+    """Whether bifurcations between two places, one of each kind at most, make up all that changes on the way."""
+    a, b, kinds = signature(first), signature(last), {one.kind for one in found}
+    if (a[0] != b[0], a[1] != b[1]) != ("fold" in kinds, flip_of(first) in kinds):
+        return False
+    changes = [2 if kind == "neimark-sacker" else 1 for kind in kinds]
+    if abs(b[2] - a[2]) not in {abs(sum(one)) for one in product(*((-change, change) for change in changes))}:
+        return False
+    return len(found) != 1 or _outside(found[0].place, _ROUNDING) == min(a[2], b[2])
 
 
 def signature(place: Place) -> tuple[int, int, int]:
@@ -259,7 +263,7 @@ def flip_of(place: Place) -> Kind:
 
 
 @dataclass(frozen=True)
-class Test:
+class Criterion:
     """What tells where a bifurcation lies between two places."""
 
     count: Callable[[Place], int]
@@ -270,7 +274,7 @@ class Test:
     """Distance of the multiplier that is nearest to where it must be, or for a fold of the tangent."""
 
 
-def tests_of(place: Place) -> dict[Kind, Test]:
+def criteria_of(place: Place) -> dict[Kind, Criterion]:
     """What changes, and what vanishes, at each kind of bifurcation that a branch may have.
 
     Parameters
@@ -284,13 +288,13 @@ def tests_of(place: Place) -> dict[Kind, Test]:
         By the kind of the bifurcation.
     """
     return {
-        "fold": Test(_goes_up, _steepness, _steepness),
-        flip_of(place): Test(_above_minus_one, _near_minus_one, _from_minus_one),
-        "neimark-sacker": Test(_outside, _from_circle, _from_circle),
+        "fold": Criterion(_goes_up, _steepness, _steepness),
+        flip_of(place): Criterion(_above_minus_one, _near_minus_one, _from_minus_one),
+        "neimark-sacker": Criterion(_outside, _from_circle, _from_circle),
     }
 
 
-def located(family: Family, first: Place, last: Place, test: Test) -> Place | None:
+def located(family: Family, first: Place, last: Place, criterion: Criterion) -> Place | None:
     """The place between two at which something that is counted changes.
 
     Parameters
@@ -299,7 +303,7 @@ def located(family: Family, first: Place, last: Place, test: Test) -> Place | No
         The period maps.
     first, last : Place
         Neighbours, between which the count changes.
-    test : Test
+    criterion : Criterion
         What is counted, and what vanishes where it changes.
 
     Returns
@@ -308,7 +312,7 @@ def located(family: Family, first: Place, last: Place, test: Test) -> Place | No
         None if a place between the two is not found.
     """
     a, b, kept, slow, before = first, last, "", 0, math.inf
-    at_a, at_b = test.distance(a), test.distance(b)
+    at_a, at_b = criterion.distance(a), criterion.distance(b)
     fa, fb = at_a, at_b
     for _ in range(_STEPS):
         length = float(np.linalg.norm(b.chord(family, a)))
@@ -321,10 +325,10 @@ def located(family: Family, first: Place, last: Place, test: Test) -> Place | No
         here = between_two(family, a, b, share, length) or between_two(family, a, b, 0.5, length)
         if here is None:
             return None
-        value = test.distance(here)
+        value = criterion.distance(here)
         if value <= _LOCATED:
             return here
-        if test.count(here) == test.count(first):
+        if criterion.count(here) == criterion.count(first):
             fb = fb * _anderson(value, at_a) if kept == "b" else at_b
             a, at_a, fa, kept = here, value, value, "b"
         else:

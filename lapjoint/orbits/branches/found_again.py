@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lapjoint.orbits.branches.bifurcations import Kind, located, signature, tests_of
+from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, signature
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
@@ -187,12 +187,12 @@ def _beside(family: Family, here: Place, step: float) -> Place | None:
 
 def _between_ends(family: Family, near: Place, kind: Kind) -> Place | None:
     """The place near another between two at which something is counted that changes at a bifurcation."""
-    test = tests_of(near)[kind]
+    criterion = criteria_of(near)[kind]
     for reach in _REACHES:
         ends = [_beside(family, near, step) for step in (-reach, reach)]
         first, last = ends
-        if first is not None and last is not None and test.count(first) != test.count(last):
-            return located(family, first, last, test)
+        if first is not None and last is not None and criterion.count(first) != criterion.count(last):
+            return located(family, first, last, criterion)
     return None
 
 
