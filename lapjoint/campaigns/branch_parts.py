@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
-from typing import Any
+from typing import Any, overload
 
 from lapjoint.answers.branches import Branch
+from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.point import plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
@@ -164,14 +165,30 @@ def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, An
     bool
         Whether it does, or its mirror image does.
     """
-    if not branch["points"]:
+    if not branch["points"] or branch["count"] != plain["count"]:
         return False
     family, seed, count = family_of(plan), seed_of(plain), branch["count"]
     springs = [(value, section_from(section)) for value, section in branch["springs"]]
     if springs_where(family, seed, springs, count):
         return True
-    points = [section_from(section) for section in branch["sections"]]
-    return on_branch(family, seed, branch["values"], points, count)
+    return on_branch(family, seed, branch["values"], _Sections(branch["sections"]), count)
+
+
+class _Sections(Sequence[SectionPoint]):
+    """Section points as values that JSON can hold; of a long branch, few are asked for."""
+
+    def __init__(self, plain: Sequence[dict[str, Any]]) -> None:
+        self._plain = plain
+
+    def __len__(self) -> int:
+        return len(self._plain)
+
+    @overload
+    def __getitem__(self, i: int) -> SectionPoint: ...
+    @overload
+    def __getitem__(self, i: slice) -> Sequence[SectionPoint]: ...
+    def __getitem__(self, i: int | slice) -> SectionPoint | Sequence[SectionPoint]:
+        return _Sections(self._plain[i]) if isinstance(i, slice) else section_from(self._plain[i])
 
 
 def plain_seed(seed: Seed) -> dict[str, Any]:

@@ -19,9 +19,10 @@ MAX_POINTS = 5000
 """Default of the largest number of points of a branch: the paper's joint from 1 to 5000 rad/s has some 1200."""
 MOST_POINTS = 1_000_000
 """Largest number of points of a branch that may be asked for."""
-EFFORT = 20_000
+EFFORT = 100_000
 """Default of the number of points of all branches together, each counted by its period multiple, from which on no
-further branch is followed: some minutes of work in one process."""
+further branch is followed: some forty minutes of work in one process.  The paper's joint with a damping ratio of 0.02
+takes 40 000 from 100 rad/s on, with four periods."""
 MOST_MULTIPLE = 64
 """Largest period multiple of branches."""
 

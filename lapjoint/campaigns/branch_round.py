@@ -1,8 +1,8 @@
-"""The parts of a search for branches that can be done at the same time, as cells that workers solve."""
+"""The parts of searches for branches that can be done at the same time, as cells that workers solve."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -25,9 +25,12 @@ class Found:
         return str(self.result.get("message", ""))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Round:
-    """Parts of the work that do not depend on each other: `lapjoint.campaigns.campaign.Cells`."""
+    """Parts of the work that do not depend on each other: `lapjoint.campaigns.campaign.Cells`.
+
+    Others come to them while workers solve some.
+    """
 
     noun: ClassVar[str] = BranchPlan.noun
     cells_noun: ClassVar[str] = BranchPlan.cells_noun
@@ -35,15 +38,46 @@ class Round:
     chained: ClassVar[bool] = False
     plan: BranchPlan
     """The plan, of all values of the second number."""
-    parts: tuple[Part, ...]
-    """The parts, each a cell."""
-    rehearsed: bool = False
-    """Whether all that workers need is compiled."""
+    parts: Mapping[int, Part]
+    """The parts that are not done, by the numbers of their cells; never changed, but replaced by another mapping, as a
+    worker may be about to be sent it."""
+    size: int
+    """Number of cells so far."""
 
-    @property
-    def size(self) -> int:
-        """Number of parts."""
-        return len(self.parts)
+    def more(self, parts: Sequence[Part]) -> list[int]:
+        """Take further parts.
+
+        Parameters
+        ----------
+        parts : sequence of Part
+            The parts.
+
+        Returns
+        -------
+        list of int
+            The numbers of their cells.
+        """
+        cells = list(range(self.size, self.size + len(parts)))
+        self.parts = {**self.parts, **dict(zip(cells, parts, strict=True))}
+        self.size += len(parts)
+        return cells
+
+    def done(self, cell: int) -> Part:
+        """Forget a part that is done.
+
+        Parameters
+        ----------
+        cell : int
+            Number of its cell.
+
+        Returns
+        -------
+        Part
+            The part.
+        """
+        part = self.parts[cell]
+        self.parts = {other: one for other, one in self.parts.items() if other != cell}
+        return part
 
     @property
     def solver(self) -> str:
@@ -81,9 +115,7 @@ class Round:
 
     def rehearse(self, solver: Solver) -> None:
         """Have what workers need compiled. See `lapjoint.campaigns.campaign.Rehearses.rehearse`."""
-        if self.rehearsed:
-            return
-        first = self.parts[0]
+        first = next(iter(self.parts.values()))
         plan = self.plan.at(first.value)
         if first.seed is None:
             half = family_of(plan).at(plan.first)

@@ -1,11 +1,13 @@
-"""A search for branches as a sequence of rounds: starts first, then the branches of the motions that they lead to.
+"""A search for branches: starts first, then the branches of the motions that they lead to.
 
-Motions that lie on a branch that is known are left out, by the sequence of the motions and not of the work; so neither
-the number of workers nor an interruption changes what is found, or in what sequence.
+Several branches may be followed at the same time, ahead of what has been taken.  Motions that lie on a branch that is
+known are left out, by the sequence of the motions and not of the work; so neither the number of workers nor an
+interruption changes what is found, or in what sequence.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -74,62 +76,80 @@ class Search:
         The plan, of all values.
     value : int
         Number of the value.
-    together : int
-        Number of branches that are followed in one round, before those that came out the same are told apart.
+    ahead : int
+        Number of branches that may be under way, or done before one that comes earlier in the sequence.
     """
 
-    def __init__(self, plan: BranchPlan, value: int, together: int) -> None:
-        self._plan, self._value, self._together = plan.at(value), value, together
-        self._waiting: list[dict[str, Any]] = []
+    def __init__(self, plan: BranchPlan, value: int, ahead: int) -> None:
+        self._plan, self._value, self._ahead = plan.at(value), value, ahead
+        self._waiting = deque[dict[str, Any]]()
+        self._open = deque[Part]()
         self._seen = 0
         self._begun = False
         self._branches: list[dict[str, Any]] = []
         self._failures: list[str] = []
-        self._left_out = 0
+        self._over: list[Mapping[str, Any]] = []
 
     @property
     def diagram(self) -> Diagram:
         """What is found so far."""
-        return Diagram(self._branches, self._failures, self._left_out)
+        left_out = sum(not self._is_known(seed) for seed in (*self._over, *self._waiting)) if self._spent else 0
+        return Diagram(self._branches, self._failures, left_out)
 
-    def next(self) -> tuple[Part, ...]:
-        """The parts of the next round; none when all is done."""
-        if not self._begun:
-            self._begun = True
-            return tuple(Part(self._value, i) for i in range(self._plan.size))
-        now: list[Part] = []
-        while self._waiting and len(now) < self._together and not self._spent:
-            seed = self._waiting.pop(0)
-            if not self._is_known(seed):
-                now.append(Part(self._value, self._seen, seed))
-            self._seen += 1
-        return tuple(now)
-
-    def take(self, parts: Sequence[Part], found: Sequence[dict[str, Any]]) -> None:
-        """Take what the parts of a round have come to.
+    def go_on(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
+        """Take what has been found, and give what can be done next.
 
         Parameters
         ----------
-        parts : sequence of Part
-            The parts.
-        found : sequence of dict
-            What each came to.
+        found : mapping of str to dict
+            What parts have come to, by their names; also of those that were done by an earlier run.
+
+        Returns
+        -------
+        list of Part
+            Parts that have not been given before; none of them is among `found`.
         """
-        over: list[Mapping[str, Any]] = []
-        for part, one in zip(parts, found, strict=True):
-            if part.seed is not None and self._spent:
-                over.append(part.seed)
-            elif one.get("message"):
-                reason = self._failure(part, one["message"])
-                self._failures += [reason] if reason not in self._failures else []
-            elif part.seed is None:
-                self._waiting += one["seeds"]
-            elif not self._is_known(part.seed):
-                self._branches.append(one)
-                # Neighbours are often the two ends of one branch, which would be followed twice in one round.
-                self._waiting += [*one["seeds"][::2], *one["seeds"][1::2]]
-        if self._spent:
-            self._left_out = sum(not self._is_known(seed) for seed in (*over, *self._waiting))
+        new: list[Part] = []
+        while True:
+            while self._open and self._open[0].name in found:
+                part = self._open.popleft()
+                self._take(part, found[part.name])
+            opened = self._next()
+            if not opened:
+                return [part for part in new if part.name not in found]
+            new += opened
+            self._open += opened
+
+    def _next(self) -> list[Part]:
+        """Parts to be opened: all starts; or branches, as many as may be ahead, once all starts are taken."""
+        if not self._begun:
+            self._begun = True
+            return [Part(self._value, i) for i in range(self._plan.size)]
+        if self._open and self._open[0].seed is None:
+            return []
+        parts: list[Part] = []
+        while self._waiting and len(self._open) + len(parts) < self._ahead and not self._spent:
+            seed = self._waiting.popleft()
+            if not self._is_known(seed):
+                parts.append(Part(self._value, self._seen, seed))
+            self._seen += 1
+        return parts
+
+    def _take(self, part: Part, one: dict[str, Any]) -> None:
+        """Take what the next part in the sequence has come to."""
+        if part.seed is not None and self._spent:
+            self._over.append(part.seed)
+        elif part.seed is not None and self._is_known(part.seed):
+            return
+        elif one.get("message"):
+            reason = self._failure(part, one["message"])
+            self._failures += [reason] if reason not in self._failures else []
+        elif part.seed is None:
+            self._waiting += one["seeds"]
+        else:
+            self._branches.append(one)
+            # Neighbours are often the two ends of one branch, which would be followed at the same time.
+            self._waiting += [*one["seeds"][::2], *one["seeds"][1::2]]
 
     @property
     def _spent(self) -> bool:

@@ -1,7 +1,7 @@
-"""Runs a search for branches from its plan to its dataset, in rounds whose parts workers do at the same time.
+"""Runs a search for branches from its plan to its dataset; its parts are done by workers at the same time.
 
-Several workers follow branches of all values of a second number in rounds of a few each; one process takes one value
-after the other, and one branch after the other.
+Several workers follow a few branches each of all values of a second number; one process takes one value after the
+other, and one branch after the other.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from lapjoint.campaigns.branch_search import Diagram, Part, Search
 
-_ROUND = 4
-"""Number of branches that several workers follow, at each value of a second number, before those that came out the same
-are told apart."""
+_AHEAD, _AHEAD_OF_OTHERS = 4, 8
+"""Number of branches for each process, or for workers of an unknown number, that may be under way or done before one
+that comes earlier, at each value of a second number: with two for each, one stood still for a fourth of the time."""
 
 
 def branch(
@@ -194,7 +194,6 @@ class _Work:
         self._workers, self._scheduler = workers, scheduler
         self._parts: dict[str, dict[str, Any]] = {} if journal is None else journal.parts
         self._pool: StandingPool | None = None
-        self._rehearsed = False
         self._known_of = (plan.size + 1) * plan.values  # one branch at least is to be expected at each value
 
     def done(self) -> list[Diagram]:
@@ -202,44 +201,41 @@ class _Work:
         from lapjoint.campaigns.branch_search import Search
 
         alone = self._workers == 1 and self._scheduler is None
-        searches = [Search(self._plan, i, 1 if alone else _ROUND) for i in range(self._plan.values)]
         workers = self._workers if isinstance(self._workers, int) and self._scheduler is None else 1
+        ahead = 1 if alone else _AHEAD * workers if workers > 1 else _AHEAD_OF_OTHERS
+        searches = [Search(self._plan, i, ahead) for i in range(self._plan.values)]
         with standing_pool(workers) if workers > 1 else nullcontext() as self._pool:
             for together in [[search] for search in searches] if alone else [searches]:
                 self._do(together)
         return [search.diagram for search in searches]
 
     def _do(self, searches: list[Search]) -> None:
-        """Do some searches at the same time."""
-        expected = {id(search): 1 for search in searches}
-        while True:
-            rounds = [(search, search.next()) for search in searches]
-            if not any(parts for _, parts in rounds):
-                return
-            for search, parts in rounds:
-                branches = sum(part.seed is not None for part in parts)
-                self._known_of += max(branches - expected[id(search)], 0)
-                expected[id(search)] = max(expected[id(search)] - branches, 0)
-            self._solve([part for _, parts in rounds for part in parts])
-            for search, parts in rounds:
-                search.take(parts, [self._parts[part.name] for part in parts])
-
-    def _solve(self, parts: list[Part]) -> None:
-        """Do those parts that are not done."""
+        """Do some searches at the same time: their starts, and then their branches."""
         from lapjoint.campaigns.branch_round import Round
 
-        missing = tuple(part for part in parts if part.name not in self._parts)
-        self._say()
+        expected = {id(search): 1 for search in searches}
 
-        def deliver(solved: Solved) -> None:
-            for cell, found in solved.points.items():
-                self._keep(missing[cell].name, found.result)  # type: ignore[attr-defined]  # of a Round it is Found
+        def next_parts() -> list[Part]:
+            parts = []
+            for search in searches:
+                new = search.go_on(self._parts)
+                parts += new
+                branches = sum(part.seed is not None for part in new)
+                self._known_of += max(branches - expected[id(search)], 0)
+                expected[id(search)] = max(expected[id(search)] - branches, 0)
+            return parts
 
-        if missing:
-            todo = [Batch((cell,)) for cell in range(len(missing))]
-            workers, scheduler = (1, None) if len(missing) == 1 else (self._pool or self._workers, self._scheduler)
-            send(Round(self._plan, missing, self._rehearsed), todo, workers, scheduler, deliver, self._say)
-            self._rehearsed = self._rehearsed or any(part.seed is not None for part in missing)
+        while parts := next_parts():
+            round_, branches = Round(self._plan, {}, 0), any(part.seed is not None for part in parts)
+            todo = [Batch((cell,)) for cell in round_.more(parts)]
+            self._say()
+
+            def deliver(solved: Solved, round_: Round = round_, branches: bool = branches) -> list[Batch]:
+                for cell, found in solved.points.items():
+                    self._keep(round_.done(cell).name, found.result)  # type: ignore[attr-defined]  # it is Found
+                return [Batch((cell,)) for cell in round_.more(next_parts())] if branches else []
+
+            send(round_, todo, self._pool or self._workers, self._scheduler, deliver, self._say)
 
     def _keep(self, name: str, result: dict[str, Any]) -> None:
         if self._journal is None:

@@ -41,7 +41,7 @@ def work_on_cluster(plan: Cells, batches: Iterable[Batch], scheduler: str, deliv
     scheduler : str
         Address of the scheduler, ``tcp://host:8786``.
     deliver : callable
-        Takes each `Solved`, in any sequence.
+        Takes each `Solved`, in any sequence, and may give more batches.
 
     Raises
     ------
@@ -159,7 +159,8 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
                 submit(batch, alone=True)
                 continue
             solved = given_up(plan, batch, "the workers that solved it died")
-        deliver(solved)
+        for more in deliver(solved):
+            submit(more)
         left = after(batch, len(solved.points), solved.section)
         if left is not None:
             submit(left, alone)

@@ -251,9 +251,7 @@ def stored(plan: Kept, out: str | Path, *, force: bool = False) -> xr.Dataset | 
     raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
-def delivery(
-    plan: Campaign, points: dict[int, Any], journal: Journal | None, progress: Progress | None
-) -> Callable[[Solved], None]:
+def delivery(plan: Campaign, points: dict[int, Any], journal: Journal | None, progress: Progress | None) -> Deliver:
     """What takes batches when they are solved; it says at once how much is done already.
 
     Parameters
@@ -279,13 +277,14 @@ def delivery(
 
     pace = Pace(plan.noun)
 
-    def deliver(solved: Solved) -> None:
+    def deliver(solved: Solved) -> tuple[Batch, ...]:
         if journal is None:
             points.update(solved.points)
         else:
             journal.append(solved.points, solved.section)
         pace.take(solved.points.values(), plan.size - len(points))
         say()
+        return ()
 
     say()
     return deliver
@@ -351,7 +350,7 @@ def send(
     scheduler : str, or None
         Address of a dask scheduler whose workers do it instead.
     deliver : callable
-        Takes each `Solved`, in any sequence.
+        Takes each `Solved`, in any sequence, and may give more batches.
     progress : callable, optional
         Called now and then with how much of a cell is done and the whole, where this process solves them.
     """
@@ -381,8 +380,9 @@ def _after_first_cell(plan: Cells, todo: list[Batch], deliver: Deliver) -> Itera
         yield from todo
         return
     solved = solve_batch(plan, todo[0].first())
-    deliver(solved)
+    more = deliver(solved)
     left = after(todo[0], 1, solved.section)
     if left is not None:
         yield left
     yield from todo[1:]
+    yield from more

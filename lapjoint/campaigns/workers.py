@@ -20,8 +20,8 @@ from lapjoint.errors import InputError
 from lapjoint.processes import StandingPool, interrupts_held
 from lapjoint.solver import Progress
 
-Deliver = Callable[[Solved], None]
-"""Takes what was solved of a batch."""
+Deliver = Callable[[Solved], Iterable[Batch]]
+"""Takes what was solved of a batch, and gives what is to be done because of it, besides what is left of the batch."""
 Mapper = Callable[[Callable[[Batch], Solved], Iterable[Batch]], Iterable[Solved]]
 """Maps a function over batches, as ``multiprocessing.Pool.imap_unordered`` does."""
 Workers = int | Callable[..., Any]
@@ -66,16 +66,16 @@ def work_here(plan: Cells, batches: Iterable[Batch], deliver: Deliver, progress:
     batches : iterable of Batch
         The work.
     deliver : callable
-        Takes each `Solved`.
+        Takes each `Solved`, and may give more batches.
     progress : callable, optional
         Called as `solve_batch` says.
     """
-    for batch in batches:
-        left: Batch | None = batch
-        while left is not None:
-            solved = solve_batch(plan, left, progress)
-            deliver(solved)
-            left = solved.left
+    waiting = deque(batches)
+    while waiting:
+        solved = solve_batch(plan, waiting.popleft(), progress)
+        if solved.left is not None:
+            waiting.appendleft(solved.left)
+        waiting.extend(deliver(solved))
 
 
 def work_mapped(plan: Cells, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
@@ -90,13 +90,13 @@ def work_mapped(plan: Cells, batches: Iterable[Batch], mapper: Mapper, deliver: 
     mapper : callable
         Maps a function over batches, and gives its results in any sequence.
     deliver : callable
-        Takes each `Solved`.
+        Takes each `Solved`, and may give more batches.
     """
     left = list(batches)
     while left:
         done, left = left, []
         for solved in mapper(partial(solve_batch, plan), done):
-            deliver(solved)
+            left += deliver(solved)
             if solved.left is not None:
                 left.append(solved.left)
 
@@ -133,7 +133,7 @@ def work_in_processes(plan: Cells, batches: Iterable[Batch], pool: StandingPool,
     pool : StandingPool
         The processes; they stand afterwards, idle.
     deliver : callable
-        Takes each `Solved`, in any sequence.
+        Takes each `Solved`, in any sequence, and may give more batches.
 
     Raises
     ------
@@ -214,7 +214,7 @@ class _Run:
 
     def _take(self, batch: Batch, solved: Solved) -> None:
         """Deliver what was solved, and put what is left of the batch at the head of its queue."""
-        self._deliver(solved)
+        self._waiting.extend(self._deliver(solved))
         left = after(batch, len(solved.points), solved.section)
         if left is not None:
             suspected = time.monotonic() < self._suspicion_ends
