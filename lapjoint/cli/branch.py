@@ -49,7 +49,7 @@ from lapjoint.cli.options import campaign_options, problem_options, solver_optio
 @click.option(
     "--effort",
     type=int,
-    default=20_000,
+    default=100_000,
     show_default=True,
     help="Follow no further branch once all have so many points, each counted by its period multiple.",
 )

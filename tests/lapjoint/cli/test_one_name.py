@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
+
 import click
 import pytest
 
+import lapjoint
 from lapjoint.cli.main import main
 
 CONTEXT = click.Context(main)
@@ -28,3 +31,17 @@ def test_where_an_answer_goes_is_said_by_o_or_out(name: str) -> None:
 @pytest.mark.parametrize("name", sorted(COMMANDS))
 def test_every_option_has_a_help_text(name: str) -> None:
     assert [text for text, option in options(name).items() if not option.help] == []
+
+
+@pytest.mark.parametrize("name", ["branch", "sweep", "basins", "statistics"])
+def test_options_have_the_defaults_of_the_function_of_their_name(name: str) -> None:
+    given = inspect.signature(getattr(lapjoint, name)).parameters
+    numbers = {option: it.default for option, it in given.items() if isinstance(it.default, int | float)}
+    stated = {
+        str(option.name): option.default
+        for option in options(name).values()
+        if isinstance(option.default, int | float)  # what has none leaves it to the function
+    }
+    assert numbers.keys() & stated.keys()
+    for option in numbers.keys() & stated.keys():
+        assert stated[option] == numbers[option], option
