@@ -6,6 +6,7 @@ perturbation of which each finer solver has a quarter: what is true is known wit
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from lapjoint import Problem
 from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.orbits.refinement import Refinement
 
@@ -64,11 +66,14 @@ class Perturbed:
         return Refinement(other.name, RATIO, 2.0), other
 
 
-def found_by(solver: Perturbed, errors: bool = True) -> tuple[Bifurcation, ...]:
+def found_by(
+    solver: Perturbed, errors: bool = True, progress: Callable[[float], None] | None = None
+) -> tuple[Bifurcation, ...]:
     """The bifurcations of its branch."""
     grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
     family = Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
-    found = trace(family, Seed(LOW, family.at(LOW).map.initial(), 2), most_multiple=1, errors=errors)
+    seed, limits = Seed(LOW, family.at(LOW).map.initial(), 2), Limits(progress=progress)
+    found = trace(family, seed, most_multiple=1, errors=errors, limits=limits)
     assert found is not None
     assert found.branch.ends == ("boundary", "boundary")
     values = [point.value for point in found.branch.points]
@@ -84,6 +89,14 @@ def test_two_flips_that_only_a_coarse_solver_has_are_not_listed() -> None:
     solver = Perturbed((-1.4, 0.0), 0.5, ((-0.2, 1.4, 0.15),))
     assert [one.kind for one in found_by(solver, errors=False)] == ["flip", "flip"]
     assert found_by(solver) == ()
+
+
+def test_progress_goes_on_while_parts_are_followed_by_finer_solvers() -> None:
+    solver, shares = Perturbed((-1.4, 0.0), 0.5, ((-0.2, 1.4, 0.15),)), list[float]()
+    found_by(solver, progress=shares.append)
+    assert shares == sorted(shares)
+    assert 0 < shares[0]
+    assert shares[-2] <= 0.4 < shares[-1] < 1  # once it is followed, one part is left
 
 
 def test_what_a_finer_solver_has_far_off_is_not_taken_for_the_same() -> None:

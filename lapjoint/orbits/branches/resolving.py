@@ -8,7 +8,7 @@ motions and bifurcations take the place of the others, if less of them is in dou
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -22,6 +22,8 @@ from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.listing import Listed, listed
 from lapjoint.orbits.branches.run import Limits, Run
 
+_LISTED = 0.3
+"""Share of the work that is behind once the bifurcations are listed, about, where some parts are in doubt."""
 _LEVELS = 2
 """Most finer solvers by which a part is followed: each leaves about a third of what the one before left in doubt."""
 _TOGETHER = 8
@@ -68,7 +70,9 @@ def unrefined(family: Family, run: Run) -> Resolved:
     return Resolved(run.places, listed(family, run, errors=False), [family] * len(run.places))
 
 
-def resolved(family: Family, run: Run, levels: int = _LEVELS) -> Resolved:
+def resolved(
+    family: Family, run: Run, levels: int = _LEVELS, progress: Callable[[float], None] | None = None
+) -> Resolved:
     """A curve with its bifurcations and their errors, in which parts in doubt are followed by finer solvers.
 
     Parameters
@@ -79,6 +83,8 @@ def resolved(family: Family, run: Run, levels: int = _LEVELS) -> Resolved:
         The curve.
     levels : int
         Most finer solvers.
+    progress : callable, optional
+        Called with the share of this work that is behind.
 
     Returns
     -------
@@ -86,8 +92,10 @@ def resolved(family: Family, run: Run, levels: int = _LEVELS) -> Resolved:
         The curve.
     """
     own, last = listed(family, run, errors=True), len(run.places)
-    now = Resolved(run.places, own, [family] * last)
-    for part in reversed(list(_parts(own)) if levels else []):  # the indices of those before stay as they are
+    now, parts = Resolved(run.places, own, [family] * last), list(_parts(own)) if levels else []
+    for done, part in enumerate(reversed(parts)):  # the indices of those before stay as they are
+        if progress is not None:
+            progress(_LISTED + (1 - _LISTED) * done / len(parts))
         try:
             finer = _followed(family, run, own, part, last, levels)
         except SolverError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +18,9 @@ from lapjoint.orbits.branches.resolving import resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.branches.switching import sprung_from, switched
 from lapjoint.orbits.steady_state import periodic_state
+
+_FOLLOWED = 0.4
+"""Share of the work that is behind once a branch is followed, about, where errors are estimated."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +84,12 @@ def trace(
     start = _start(family, seed)
     if start is None:
         return None
-    ahead, back = _both_ways(family, start, seed, limits)
+    followed_at = _FOLLOWED if errors else 1.0
+    own = replace(limits, progress=_part_of(limits.progress, 0.0, followed_at))
+    ahead, back = _both_ways(family, start, seed, own)
     run = _joined(back, ahead)
-    found = resolved(family, run) if errors else unrefined(family, run)
+    later = _part_of(limits.progress, followed_at, 1.0)
+    found = resolved(family, run, progress=later) if errors else unrefined(family, run)
     points = tuple(_point(*one) for one in zip(found.families, found.places, strict=True))
     seeds = []
     for one in found.bifurcations:
@@ -97,6 +104,11 @@ def trace(
     ends = [sprung_from(family, one.places[-1]) for one in runs if one.end == "bifurcation"]
     springs = (seed.away_from, *((one.value, one.point) for one in ends if one is not None))
     return Traced(branch, tuple(seeds), tuple(found.bifurcations), tuple(one for one in springs if one is not None))
+
+
+def _part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:
+    """What takes the share that is behind of a part of the work, from one share of the whole to another."""
+    return None if progress is None else lambda share: progress(first + (last - first) * share)
 
 
 def _start(family: Family, seed: Seed) -> Place | None:
