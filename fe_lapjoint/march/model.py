@@ -10,6 +10,7 @@ from fe_lapjoint.march.ramp_interval import Knots, knots_of
 from fe_lapjoint.march.ramp_tables import RampTables, ramp_tables
 from fe_lapjoint.march.system import System, build_system
 from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.ramps import Ramps
@@ -29,7 +30,6 @@ class Model:
     """Absolute tolerance of that method, kg^1/2 m and kg^1/2 m/s."""
     _systems: dict[ContactState, System] = field(default_factory=dict)
     _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
-    _weighted: dict[ContactState, FloatArray] = field(default_factory=dict)
     _tables: dict[ContactState, RampTables] = field(default_factory=dict)
     _block: tuple[Ramps, Knots] | None = None
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
@@ -111,9 +111,7 @@ class Model:
         FloatArray, shape (n, n)
             kg^1/2; one column for each mode.
         """
-        if state not in self._weighted:
-            self._weighted[state] = self.assembly.mass @ self.system(state).vectors
-        return self._weighted[state]
+        return weighted(self.assembly, state)
 
     def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
         """The orthogonal matrix Phi_new^T M Phi_old, which takes modal coordinates of one state to those of another.
@@ -130,7 +128,7 @@ class Model:
         """
         matrix = self._maps.get((old, new))
         if matrix is None:
-            matrix = self._maps[old, new] = self.system(new).vectors.T @ self.weighted(old)
+            matrix = self._maps[old, new] = transfer(self.assembly, old, new)
         return matrix
 
     def orientation(self, state: ContactState) -> FloatArray:

@@ -37,14 +37,80 @@ def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, Flo
     FloatArray, shape (n, n)
         Mass-normalised vectors over the free degrees of freedom as columns, kg^-1/2; not to be written to.
     """
-    problem = assembly.problem
-    springs = sorted((problem.stops[k].x, problem.stops[k].stiffness) for k in state.closed)
-    return _eigenmodes(problem.beam, problem.supports, tuple(springs), tuple(assembly.nodes.tolist()))
+    return _eigenmodes(*_mesh(assembly), _springs(assembly, state))
+
+
+def weighted(assembly: Assembly, state: ContactState) -> FloatArray:
+    """M Phi of a contact state, kept as the modes are.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The problem on a mesh.
+    state : ContactState
+        The stops that are closed.
+
+    Returns
+    -------
+    FloatArray, shape (n, n)
+        kg^1/2; one column for each mode; not to be written to.
+    """
+    return _weighted(*_mesh(assembly), _springs(assembly, state))
+
+
+def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatArray:
+    """The orthogonal matrix Phi_new^T M Phi_old, kept as the modes are.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The problem on a mesh.
+    old, new : ContactState
+        From which state to which.
+
+    Returns
+    -------
+    FloatArray, shape (n, n)
+        Without unit; not to be written to.
+    """
+    return _transfer(*_mesh(assembly), _springs(assembly, old), _springs(assembly, new))
+
+
+Springs = tuple[tuple[float, float], ...]
+"""Closed stops: the position, m, and the stiffness, N/m, of each, ascending."""
+Mesh = tuple[Beam, tuple[Support, ...], tuple[float, ...]]
+"""A beam, its supports, and the nodes, m."""
+
+
+def _mesh(assembly: Assembly) -> Mesh:
+    return assembly.problem.beam, assembly.problem.supports, tuple(assembly.nodes.tolist())
+
+
+def _springs(assembly: Assembly, state: ContactState) -> Springs:
+    stops = assembly.problem.stops
+    return tuple(sorted((stops[k].x, stops[k].stiffness) for k in state.closed))
+
+
+@lru_cache(maxsize=64)
+def _weighted(beam: Beam, supports: tuple[Support, ...], nodes: tuple[float, ...], springs: Springs) -> FloatArray:
+    mass = Assembly(Problem(beam=beam, supports=supports), np.array(nodes)).mass
+    found = np.asarray(mass @ _eigenmodes(beam, supports, nodes, springs)[1])
+    found.flags.writeable = False
+    return found
+
+
+@lru_cache(maxsize=128)
+def _transfer(
+    beam: Beam, supports: tuple[Support, ...], nodes: tuple[float, ...], old: Springs, new: Springs
+) -> FloatArray:
+    found = _eigenmodes(beam, supports, nodes, new)[1].T @ _weighted(beam, supports, nodes, old)
+    found.flags.writeable = False
+    return found
 
 
 @lru_cache(maxsize=64)
 def _eigenmodes(
-    beam: Beam, supports: tuple[Support, ...], springs: tuple[tuple[float, float], ...], nodes: tuple[float, ...]
+    beam: Beam, supports: tuple[Support, ...], nodes: tuple[float, ...], springs: Springs
 ) -> tuple[FloatArray, FloatArray]:
     """The modes of a beam with springs (x, k) besides its supports.
 
