@@ -19,6 +19,7 @@ from analytic.march.loads import harmonics_of, load_sizes
 from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
 from analytic.march.tables import (
     Tables,
+    Unscaled,
     connect,
     copied,
     count_in,
@@ -274,7 +275,7 @@ class Joint:
         self._slots = {state: slot for slot, state in enumerate(known.states)}
         self.tables = copied(unit, self.harmonics)
         self._borrows = True
-        self._scale(0, unit.natural, unit.damping_rate, unit.residual)
+        self._scale(unit.borrowed, 0, unit.unscaled)
 
     def _grow(self, slots: int) -> None:
         self._borrows = False
@@ -287,10 +288,11 @@ class Joint:
         state, size = self._states[slot], max(self.counts)
         flat = flat_state(self.family, state, self.count(state))
         fill(self.tables, slot, flat)
-        natural, damping_rate = np.zeros((1, size)), np.zeros((1, size))
-        natural[0, : flat.omega.size], damping_rate[0, : flat.damping_rate.size] = flat.omega, flat.damping_rate
-        self._scale(slot, natural, damping_rate, flat.residual[None])
+        unscaled = Unscaled(np.zeros((1, size)), np.zeros((1, size)), flat.residual[None].copy())
+        n = flat.omega.size
+        unscaled.natural[0, :n], unscaled.damping_rate[0, :n] = flat.omega, flat.damping_rate
+        self._scale(self.tables, slot, unscaled)
 
-    def _scale(self, first: int, natural: FloatArray, damping_rate: FloatArray, residual: FloatArray) -> None:
+    def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
-        scale(self.tables, slice(first, first + natural.shape[0]), natural, damping_rate, residual, self.sizes)
+        scale(unit, self.tables, first, unscaled, self.sizes)
