@@ -160,7 +160,7 @@ class PeriodMap:
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
         """The point moved, in its modes, stops as its gaps have them. See `lapjoint.orbits.PeriodMap.moved`."""
-        return self.adopted(SectionPoint(origin.state, origin.coordinates + deviation.reshape(2, -1)))
+        return resumed(self.joint, origin.state, origin.coordinates + deviation.reshape(2, -1))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
         """The mirror image; its state has the same modes. See `lapjoint.orbits.PeriodMap.mirrored`."""
@@ -179,9 +179,7 @@ class PeriodMap:
                 f"start: has coordinates of type {coordinates.dtype} and shape {coordinates.shape}; the analytic "
                 "solver takes two rows of real numbers, displacements and velocities of one mode or more"
             )
-        if not np.isfinite(coordinates).all():
-            raise InputError("start: has coordinates that are not finite")
-        return _section_point(resumed(self.joint, point))
+        return resumed(self.joint, point.state, coordinates)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""

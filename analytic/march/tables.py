@@ -239,8 +239,8 @@ def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
         turn=np.exp(np.outer(tabulated_steps(problem), root)),
         static=static_answer(modal.force[0], omega, damping_rate),
         force=modal.force,
-        weight=modal.at_stops[first][:, mode_of],
-        residual=modal.residual_at_stops.T[first],
+        weight=np.ascontiguousarray(modal.at_stops[first][:, mode_of]),
+        residual=np.ascontiguousarray(modal.residual_at_stops.T[first]),
         closed=np.array([k in state for k in range(len(problem.stops))], dtype=np.bool_),
     )
 
