@@ -20,6 +20,7 @@ from analytic.march import (
     march_periods,
     measure_growth,
 )
+from analytic.march.carried import size_of
 from analytic.march.change import Change
 from analytic.march.compiled import Log
 from analytic.march.field import history_of
@@ -144,9 +145,7 @@ class PeriodMap:
 
     def norm(self, deviation: FloatArray) -> float:
         """|q| + |v| / omega, kg^1/2 m. See `lapjoint.orbits.PeriodMap.norm`."""
-        n = deviation.size // 2
-        q, v = deviation[:n], deviation[n:]
-        return math.sqrt(q @ q) + math.sqrt(v @ v) * self.period / (2 * math.pi)
+        return size_of(np.ascontiguousarray(deviation).reshape(-1, 1), self.period)
 
     def unit_norms(self, n: int) -> FloatArray:
         """Norms of units of the coordinates. See `lapjoint.orbits.period_map.UnitNorms`."""
