@@ -184,9 +184,10 @@ def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray
     for i in range(n):
         kind, root = tables.kind[slot, i], tables.root[slot, i]
         if kind == OSCILLATING:
+            inverse = 1 / root.imag  # a division takes as long as all the rest
             for j in range(now.shape[1]):
                 x, y = now[i, j], now[n + i, j]
-                A[i, j] = complex(x, -(y - root.real * x) / root.imag)
+                A[i, j] = complex(x, (root.real * x - y) * inverse)
         elif kind == SPLIT:
             first, second = root.real, tables.root[slot, extra].real
             for j in range(now.shape[1]):
