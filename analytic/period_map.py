@@ -20,6 +20,7 @@ from analytic.march import (
     march_periods,
     measure_growth,
 )
+from analytic.march.carried import size_of
 from analytic.march.change import Change
 from analytic.march.compiled import Log
 from analytic.march.field import history_of
@@ -144,9 +145,7 @@ class PeriodMap:
 
     def norm(self, deviation: FloatArray) -> float:
         """|q| + |v| / omega, kg^1/2 m. See `lapjoint.orbits.PeriodMap.norm`."""
-        n = deviation.size // 2
-        q, v = deviation[:n], deviation[n:]
-        return math.sqrt(q @ q) + math.sqrt(v @ v) * self.period / (2 * math.pi)
+        return size_of(np.ascontiguousarray(deviation).reshape(-1, 1), self.period)
 
     def unit_norms(self, n: int) -> FloatArray:
         """Norms of units of the coordinates. See `lapjoint.orbits.period_map.UnitNorms`."""
@@ -160,7 +159,7 @@ class PeriodMap:
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
         """The point moved, in its modes, stops as its gaps have them. See `lapjoint.orbits.PeriodMap.moved`."""
-        return self.adopted(SectionPoint(origin.state, origin.coordinates + deviation.reshape(2, -1)))
+        return resumed(self.joint, origin.state, origin.coordinates + deviation.reshape(2, -1))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
         """The mirror image; its state has the same modes. See `lapjoint.orbits.PeriodMap.mirrored`."""
@@ -179,9 +178,7 @@ class PeriodMap:
                 f"start: has coordinates of type {coordinates.dtype} and shape {coordinates.shape}; the analytic "
                 "solver takes two rows of real numbers, displacements and velocities of one mode or more"
             )
-        if not np.isfinite(coordinates).all():
-            raise InputError("start: has coordinates that are not finite")
-        return _section_point(resumed(self.joint, point))
+        return resumed(self.joint, point.state, coordinates)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""

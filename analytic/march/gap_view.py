@@ -62,7 +62,7 @@ def gap_view_of(carried: Carried) -> Segments:
     rates, amplitudes = np.zeros((2, M, T + harmonics), dtype=complex)
     weights, waves, secular = np.zeros((3, M, stops, T + harmonics), dtype=complex)
     polynomial, slope = np.zeros((2, M, stops, 3))
-    A, drift = np.zeros((M, T, count), dtype=complex), np.zeros((M, stops, 2, count))
+    A, drift = np.empty((M, T, count), dtype=complex), np.zeros((M, stops, 2, count))
     _view(tables, change, log, starts, rates, weights, amplitudes, polynomial, A, drift, waves, secular)
     n = count if change is None else count - 1
     if change is not None:
@@ -113,7 +113,7 @@ def _view(
     polynomial : FloatArray, shape (M, P, 3)
         Takes the coefficients of 1, tau, tau^2.
     A : ComplexArray, shape (M, T, m)
-        Takes what the deviations do to the free terms.
+        Takes what the deviations do to the free terms, and zeros for terms that a state does not have.
     drift : FloatArray, shape (M, P, 2, m)
         Takes what the deviations do to the rigid-body modes.
     waves, secular : ComplexArray, shape (M, P, T + H)
@@ -184,9 +184,10 @@ def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray
     for i in range(n):
         kind, root = tables.kind[slot, i], tables.root[slot, i]
         if kind == OSCILLATING:
+            inverse = 1 / root.imag  # a division takes as long as all the rest
             for j in range(now.shape[1]):
                 x, y = now[i, j], now[n + i, j]
-                A[i, j] = complex(x, -(y - root.real * x) / root.imag)
+                A[i, j] = complex(x, (root.real * x - y) * inverse)
         elif kind == SPLIT:
             first, second = root.real, tables.root[slot, extra].real
             for j in range(now.shape[1]):
@@ -195,8 +196,13 @@ def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray
                 A[extra, j] = (first * x - y) / (first - second)
             extra += 1
         else:
+            for j in range(now.shape[1]):
+                A[i, j] = 0.0
             for k in range(tables.sign.size):
                 weight = tables.weight[slot, tables.position[k], i]
                 for j in range(now.shape[1]):
                     drift[k, 0, j] += weight * now[i, j]
                     drift[k, 1, j] += weight * now[n + i, j]
+    for t in range(extra, A.shape[0]):
+        for j in range(now.shape[1]):
+            A[t, j] = 0.0

@@ -7,18 +7,24 @@ alone are taken by Gauss-Legendre quadrature, on panels short enough for every m
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
+from analytic.march.tables import BoolArray, IntArray
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.compiling import njit_called
+from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
 
 TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed; rounding is 1e-13 of it
 _POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
+_AS_IT_WAS, _ANOTHER, _NOT_FINITE = 0, 1, 2
+"""What the gaps make of a section point's contact state: the same; another; nothing, as coordinates are not finite."""
 
 
 def initial_state(problem: Problem) -> ContactState:
@@ -102,8 +108,8 @@ def started(joint: Joint) -> Coordinates:
     return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes))
 
 
-def resumed(joint: Joint, point: SectionPoint) -> Coordinates:
-    """The coordinates of a section point found before, whose numbers of modes and gaps may be others than this joint's.
+def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
+    """A section point found before, whose numbers of modes and gaps may be others than this joint's.
 
     Modes that the point lacks are at rest; those that it has too many are left out.
 
@@ -111,21 +117,101 @@ def resumed(joint: Joint, point: SectionPoint) -> Coordinates:
     ----------
     joint : Joint
         The problem and its modes.
-    point : SectionPoint
-        A section point of the analytic solver for a joint with the same stops, but for their gaps.
+    state : ContactState
+        That of the point, of stops that the joint has.
+    values : FloatArray, shape (2, n)
+        Its modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s.
 
     Returns
     -------
-    Coordinates
-        In the contact state that the gaps of this joint imply.
+    SectionPoint
+        In the contact state that the gaps of this joint imply, with coordinates of its own.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite.
     """
-    state, (modes, left_out) = point.state, joint.at_stops(point.state)
-    q, v = _fitted(point.coordinates, modes.shape[1])
-    z = (modes @ q + left_out).tolist()
-    kept, closed = 1 - TOUCHING, state.closed
-    pressed = [k for k, (sign, gap) in enumerate(joint.gaps) if sign * z[k] > (gap * kept if k in closed else gap)]
-    found = Coordinates(state, q, v)
-    return found if pressed == list(closed) else translated(joint, found, ContactState(tuple(pressed)))
+    flat, tables = joint.flat(state), joint.tables
+    begin, pressed = np.empty((2, flat.kind.size)), np.empty(flat.closed.size, dtype=np.bool_)
+    status = _settle(
+        flat.weight,
+        flat.residual,
+        flat.closed,
+        joint.sizes,
+        tables.phase,
+        tables.position,
+        tables.sign,
+        tables.gap,
+        np.ascontiguousarray(values, dtype=float),
+        begin,
+        pressed,
+    )
+    if status == _NOT_FINITE:
+        raise InputError("start: has coordinates that are not finite")
+    if status == _AS_IT_WAS:
+        return SectionPoint(state, begin)
+    there = ContactState(tuple(np.flatnonzero(pressed).tolist()))
+    now = translated(joint, Coordinates(state, begin[0], begin[1]), there)
+    return SectionPoint(there, np.array((now.q, now.v)))
+
+
+@njit_called()
+def _settle(
+    weight: FloatArray,
+    residual: FloatArray,
+    closed: BoolArray,
+    sizes: FloatArray,
+    phase: FloatArray,
+    position: IntArray,
+    sign: FloatArray,
+    gap: FloatArray,
+    values: FloatArray,
+    begin: FloatArray,
+    pressed: BoolArray,
+) -> int:
+    """Write the coordinates of a state and the stops that are pressed in them, and say what has become of the state.
+
+    Parameters
+    ----------
+    weight, residual, closed : FloatArray, FloatArray, BoolArray
+        Of the state, as in `analytic.march.tables.FlatState`.
+    sizes : FloatArray, shape (1 + H,)
+        Factors of the unit loads.
+    phase : FloatArray, shape (H,)
+        Phases of the harmonics, rad.
+    position, sign, gap : ndarray, shape (P,)
+        Of the stops, as in `analytic.march.tables.Tables`.
+    values : FloatArray, shape (2, n)
+        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, of as many modes as there are.
+    begin : FloatArray, shape (2, N)
+        Takes those of the state's modes.
+    pressed : BoolArray, shape (P,)
+        Takes whether each stop is pressed.
+
+    Returns
+    -------
+    int
+        `_AS_IT_WAS`, `_ANOTHER` or `_NOT_FINITE`.
+    """
+    for row in range(2):
+        for i in range(values.shape[1]):
+            if not math.isfinite(values[row, i]):
+                return _NOT_FINITE
+        for i in range(begin.shape[1]):
+            begin[row, i] = values[row, i] if i < values.shape[1] else 0.0
+    status = _AS_IT_WAS
+    for k in range(sign.size):
+        u = position[k]
+        z = residual[u, 0] * sizes[0]
+        for h in range(phase.size):
+            z += residual[u, 1 + h] * sizes[1 + h] * math.sin(phase[h])
+        for i in range(begin.shape[1]):
+            z += weight[u, i] * begin[0, i]
+        pressed[k] = sign[k] * z > (gap[k] * (1 - TOUCHING) if closed[k] else gap[k])
+        if pressed[k] != closed[k]:
+            status = _ANOTHER
+    return status
 
 
 def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordinates:
@@ -175,13 +261,3 @@ def carried_over(
     if q.ndim == 1:  # a product of a matrix and a vector, to the bits that it has always had
         return passage.S @ q + left_out, passage.S @ v + moving
     return q @ passage.S.T + left_out, v @ passage.S.T + moving
-
-
-def _fitted(values: FloatArray, size: int) -> FloatArray:
-    """A copy of `values`, cut or padded with 0 to the shape ``(2, size)``."""
-    if values.shape[1] == size:
-        return np.array(values, dtype=float)
-    result = np.zeros((2, size))
-    common = min(size, values.shape[1])
-    result[:, :common] = values[:, :common]
-    return result

@@ -9,7 +9,6 @@ not.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,9 @@ from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import harmonics_of, load_sizes
 from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
 from analytic.march.tables import (
+    FlatState,
     Tables,
+    Unscaled,
     connect,
     copied,
     count_in,
@@ -60,7 +61,7 @@ class Joint:
         """Factors of the unit loads, shape ``(1 + H + R,)``."""
         self.counts = (free_modes, contact_modes)
         self._memory = memory_of(self.family, self.counts)
-        self._at_stops: dict[ContactState, tuple[FloatArray, FloatArray]] = {}
+        self._flat: dict[ContactState, FlatState] = {}
         self._places: dict[tuple[Any, ...], FloatArray] = {}
         self.tables: Tables
         self._borrows: bool
@@ -177,31 +178,23 @@ class Joint:
         unit = passage(self.family, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
-    def at_stops(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
-        """What the displacement at the ``P`` stops is made of, at a multiple of the period.
+    def flat(self, state: ContactState) -> FlatState:
+        """One contact state as flat arrays, for unit loads.
 
         Parameters
         ----------
         state : ContactState
-            The stops that are closed, with ``N`` modes.
+            The stops that are closed.
 
         Returns
         -------
-        FloatArray, shape (P, N)
-            The modes at the stops, kg^-1/2.
-        FloatArray, shape (P,)
-            The answer of the modes that are left out, m.
+        FlatState
+            With as many modes as the joint has in this state; not to be written to.
         """
-        if state not in self._at_stops:
-            modal = self.modal(state)
-            loads = np.concatenate([[1.0], np.sin(self.harmonics.theta(0.0))])
-            self._at_stops[state] = modal.at_stops, loads @ (modal.residual_at_stops * self.sizes[:, None])
-        return self._at_stops[state]
-
-    @cached_property
-    def gaps(self) -> tuple[tuple[int, float], ...]:
-        """Sign and gap, m, of each stop."""
-        return tuple((stop.sign, stop.gap) for stop in self.problem.stops)
+        found = self._flat.get(state)
+        if found is None:
+            found = self._flat[state] = flat_state(self.family, state, self.count(state))
+        return found
 
     @property
     def states(self) -> tuple[ContactState, ...]:
@@ -274,7 +267,7 @@ class Joint:
         self._slots = {state: slot for slot, state in enumerate(known.states)}
         self.tables = copied(unit, self.harmonics)
         self._borrows = True
-        self._scale(0, unit.natural, unit.damping_rate, unit.residual)
+        self._scale(unit.borrowed, 0, unit.unscaled)
 
     def _grow(self, slots: int) -> None:
         self._borrows = False
@@ -285,12 +278,13 @@ class Joint:
         """Fill in a state that is met for the first time."""
         self._own()
         state, size = self._states[slot], max(self.counts)
-        flat = flat_state(self.family, state, self.count(state))
+        flat = self.flat(state)
         fill(self.tables, slot, flat)
-        natural, damping_rate = np.zeros((1, size)), np.zeros((1, size))
-        natural[0, : flat.omega.size], damping_rate[0, : flat.damping_rate.size] = flat.omega, flat.damping_rate
-        self._scale(slot, natural, damping_rate, flat.residual[None])
+        unscaled = Unscaled(np.zeros((1, size)), np.zeros((1, size)), flat.residual[None].copy())
+        n = flat.omega.size
+        unscaled.natural[0, :n], unscaled.damping_rate[0, :n] = flat.omega, flat.damping_rate
+        self._scale(self.tables, slot, unscaled)
 
-    def _scale(self, first: int, natural: FloatArray, damping_rate: FloatArray, residual: FloatArray) -> None:
+    def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
-        scale(self.tables, slice(first, first + natural.shape[0]), natural, damping_rate, residual, self.sizes)
+        scale(unit, self.tables, first, unscaled, self.sizes)

@@ -25,7 +25,7 @@ class Carried:
     """How the joint's tables change with the number; None without one."""
     starts: FloatArray
     """The deviations at the start of each segment, kg^1/2 m and kg^1/2 m/s, shape ``(M, 2 N, n + 1)``, or, without a
-    number, ``(M, 2 N, n)``."""
+    number, ``(M, 2 N, n)``; of a state with fewer modes than ``N`` the first rows, and anything in the others."""
     end: FloatArray
     """The deviations at the end of the march, shape ``(2 N_end, n + 1)`` or ``(2 N_end, n)``."""
 
@@ -50,7 +50,7 @@ def carried_along(motion: March, change: Change | None = None, later: float = 0.
     tables, log = motion.joint.tables, motion.log
     n = 2 * int(tables.modes[log.slot[0]])
     count = n if change is None else n + 1
-    starts = np.zeros((log.slot.size, 2 * tables.kind.shape[1], count))
+    starts = np.empty((log.slot.size, 2 * tables.kind.shape[1], count))
     end = _carry(tables, change, log, later, np.eye(n, count), starts)
     return Carried(motion, change, starts, end)
 

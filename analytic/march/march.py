@@ -299,7 +299,7 @@ def copied(log: Log, logged: int) -> Log:
     Log
         A copy of them.
     """
-    return Log._make(part[:logged].copy() for part in log)
+    return Log._make([part[:logged].copy() for part in log])
 
 
 def joined(logs: list[Log]) -> Log:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 
 OSCILLATING, SPLIT, DRIFTING = 0, 1, 2
@@ -42,27 +43,28 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
     return np.full(omega.size, rate)
 
 
-def forced_answer(force: FloatArray, omega: FloatArray, damping_rate: FloatArray, driven: FloatArray) -> ComplexArray:
-    """Complex amplitudes of the answer to the harmonics (28), (29), with the off-diagonal entries C* omega of (29).
+@njit_inner()
+def forced_answer(force: float, omega: float, damping_rate: float, driven: float) -> complex:
+    """Complex amplitude of the answer to a harmonic (28), (29), with the off-diagonal entries C* omega of (29).
 
     Parameters
     ----------
-    force : FloatArray, shape (S, H, N)
-        Modal forces of ``H`` harmonics in ``S`` states, kg^1/2 m/s2.
-    omega : FloatArray, shape (S, N)
-        Angular frequencies of the modes, rad/s.
-    damping_rate : FloatArray, shape (S, N)
-        Their damping rates, 1/s.
-    driven : FloatArray, shape (H,)
-        Angular frequencies of the harmonics, rad/s.
+    force : float
+        Modal force of the harmonic, kg^1/2 m/s2.
+    omega : float
+        Angular frequency of the mode, rad/s.
+    damping_rate : float
+        Its damping rate, 1/s.
+    driven : float
+        Angular frequency of the harmonic, rad/s.
 
     Returns
     -------
-    ComplexArray, shape (S, H, N)
+    complex
         kg^1/2 m, such that q_i = Im(answer exp(i theta)).
     """
-    Omega = driven[:, None]
-    return np.asarray(force / (omega[:, None, :] ** 2 - Omega**2 + 2j * damping_rate[:, None, :] * Omega))
+    answer: complex = force / complex(omega * omega - driven * driven, 2 * damping_rate * driven)
+    return answer
 
 
 def may_resonate(omega: FloatArray, damping_rate: FloatArray) -> bool:
@@ -78,28 +80,30 @@ def may_resonate(omega: FloatArray, damping_rate: FloatArray) -> bool:
     return bool((damping_rate < _SEPARATE * omega).any())
 
 
-def away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: FloatArray) -> FloatArray:
+@njit_inner()
+def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray) -> float:
     """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays.
 
     Parameters
     ----------
-    omega : FloatArray
-        Angular frequencies of modes, rad/s, of any shape ``(...)``.
-    damping_rate : FloatArray
-        Their damping rates, 1/s, of the same shape ``(...)``.
+    omega : float
+        Angular frequency of a mode, rad/s.
+    damping_rate : float
+        Its damping rate, 1/s.
     driven : FloatArray, shape (H,)
         Angular frequencies of the harmonics, rad/s.
 
     Returns
     -------
-    FloatArray
-        Angular frequencies of the modes, rad/s, of the same shape ``(...)``.
+    float
+        Angular frequency of the mode, rad/s.
     """
-    least = _SEPARATE * omega
-    undamped, result = damping_rate < least, omega
-    for value in driven if undamped.any() else ():
-        result = np.where(undamped & (np.abs(omega - value) < least), value * (1 + _SEPARATE), result)
-    return result
+    least, away = _SEPARATE * omega, omega
+    if damping_rate < least:
+        for h in range(driven.size):
+            if abs(omega - driven[h]) < least:
+                away = driven[h] * (1 + _SEPARATE)
+    return away
 
 
 def roots_of(omega: FloatArray, damping_rate: FloatArray) -> ComplexArray:

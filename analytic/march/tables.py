@@ -32,6 +32,8 @@ from analytic.march.oscillator import (
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.by_reference import by_reference
+from lapjoint.compiled_arrays import complex_zeros
+from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray, Problem
 
 IntArray = npt.NDArray[np.int64]
@@ -176,6 +178,30 @@ def unit_of_time(step: FloatArray, harmonics: Harmonics) -> float:
     return float(1 / max([1 / step[0], *harmonics.omega]))
 
 
+@njit_called()
+def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
+    """How far harmonics turn in each of the tabulated steps.
+
+    Parameters
+    ----------
+    step : FloatArray, shape (J,)
+        The tabulated steps, s.
+    omega : FloatArray, shape (H,)
+        Angular frequencies, rad/s.
+
+    Returns
+    -------
+    ComplexArray, shape (J, H)
+        exp(i Omega tau).
+    """
+    turned = complex_zeros((step.size, omega.size))
+    for j in range(step.size):
+        for h in range(omega.size):
+            angle = step[j] * omega[h]
+            turned[j, h] = complex(math.cos(angle), math.sin(angle))
+    return turned
+
+
 @lru_cache(maxsize=_FLAT_STATES)
 def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
     """The flat view of a contact state, for unit loads.
@@ -213,8 +239,8 @@ def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
         turn=np.exp(np.outer(tabulated_steps(problem), root)),
         static=static_answer(modal.force[0], omega, damping_rate),
         force=modal.force,
-        weight=modal.at_stops[first][:, mode_of],
-        residual=modal.residual_at_stops.T[first],
+        weight=np.ascontiguousarray(modal.at_stops[first][:, mode_of]),
+        residual=np.ascontiguousarray(modal.residual_at_stops.T[first]),
         closed=np.array([k in state for k in range(len(problem.stops))], dtype=np.bool_),
     )
 
@@ -236,16 +262,24 @@ def stop_positions(problem: Problem) -> IntArray:
     return np.array([x.index(stop.x) for stop in problem.stops], dtype=np.int64)
 
 
-class UnitTables(NamedTuple):
-    """Known states of a family with unit loads: ``S`` slots, at most ``N`` modes each."""
+@by_reference
+class Unscaled(NamedTuple):
+    """What beside the tables of ``S`` states with unit loads decides how they answer to an excitation."""
 
-    tables: Tables
     natural: FloatArray
     """Natural angular frequencies, rad/s, shape ``(S, N)``."""
     damping_rate: FloatArray
     """Damping rates zeta omega, 1/s, shape ``(S, N)``."""
     residual: FloatArray
     """Residual shapes at the stops' positions, constant one first, m for each unit of load, ``(S, U, 1 + H + R)``."""
+
+
+class UnitTables(NamedTuple):
+    """Known states of a family with unit loads: ``S`` slots, at most ``N`` modes each."""
+
+    tables: Tables
+    unscaled: Unscaled
+    """As `borrowed`."""
     resonant: bool
     """Whether `scale` may move a mode."""
     borrowed: Tables
@@ -275,20 +309,20 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
     tables = empty_tables(problem, Harmonics.of_unit_frequency(len(family.places)), size, S)
     U, loads = tables.constant.shape[1], tables.force.shape[1]
     borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
-    unit = UnitTables(tables, np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)), False, borrowed)
+    unscaled = Unscaled(np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
     for slot, state in enumerate(known.states):
         flat = flat_state(family, state, count_in(state, counts))
         fill(tables, slot, flat)
         n = flat.kind.size
-        unit.natural[slot, :n], unit.damping_rate[slot, :n] = flat.omega, flat.damping_rate
-        unit.residual[slot] = flat.residual
+        unscaled.natural[slot, :n], unscaled.damping_rate[slot, :n] = flat.omega, flat.damping_rate
+        unscaled.residual[slot] = flat.residual
     for state, stop in known.switches:
         other = state.toggled(stop)
         connect(tables, family, counts, stop, (known.states.index(state), state), (known.states.index(other), other))
-    for array in (*tables, *unit[1:4]):
+    for array in tables:
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
-    return unit._replace(resonant=may_resonate(unit.natural, unit.damping_rate))
+    return UnitTables(tables, unscaled, may_resonate(unscaled.natural, unscaled.damping_rate), borrowed)
 
 
 def connect(
@@ -385,7 +419,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         carry_residual=np.zeros((S, P, 1 + H + R, N)),
         omega=harmonics.omega,
         phase=harmonics.phase,
-        harmonic_turn=np.exp(1j * np.outer(steps, harmonics.omega)),
+        harmonic_turn=turns(steps, harmonics.omega),
         position=position,
         sign=np.array([stop.sign for stop in problem.stops], dtype=float),
         gap=np.array([stop.gap for stop in problem.stops], dtype=float),
@@ -441,34 +475,56 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.closed[slot] = flat.closed
 
 
-def scale(
-    tables: Tables, slots: slice, natural: FloatArray, damping_rate: FloatArray, residual: FloatArray, sizes: FloatArray
-) -> None:
+def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: FloatArray) -> None:
     """Scale slots from unit loads to an excitation, and write the answer to its harmonics.
 
     Parameters
     ----------
+    unit : Tables
+        The states, for unit loads, in the same slots; they may be `tables`.
     tables : Tables
         With the frequencies and phases of the harmonics; changed in place.
-    slots : slice
-        Of ``S`` slots, without switches unless they are of unit loads too.
-    natural, damping_rate : ndarray, shape (S, N)
-        Natural angular frequencies, rad/s, and damping rates zeta omega, 1/s.
-    residual : ndarray, shape (S, U, 1 + H + R)
-        Residual shapes at the positions of the stops, m for each unit of load.
+    first : int
+        First of ``S`` slots, without switches unless they are of unit loads too.
+    unscaled : Unscaled
+        Of these states.
     sizes : ndarray, shape (1 + H + R,)
         Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
     """
-    omega, N = away_from_resonance(natural, damping_rate, tables.omega), natural.shape[1]
-    waves, force = slice(1, 1 + tables.omega.size), tables.force[slots]
-    for unit in (force, tables.carry_residual[slots]):
-        unit *= sizes[:, None]
-    answer = forced_answer(force[:, waves], omega, damping_rate, tables.omega)
-    moved = tables.weight[slots, :, :N] @ answer.transpose(0, 2, 1)
-    tables.harmonic[slots], tables.forced[slots] = answer, moved + residual[:, :, waves] * sizes[waves]
-    if omega is not natural:
-        for row, i in np.argwhere(omega != natural):
-            _move(tables, slots.start + int(row), int(i), omega[row, i : i + 1], damping_rate[row, i : i + 1])
+    omega = unscaled.natural.copy()
+    if _scale(unit, tables, first, unscaled, omega, sizes):
+        for row, i in np.argwhere(omega != unscaled.natural):
+            _move(tables, first + int(row), int(i), omega[row, i : i + 1], unscaled.damping_rate[row, i : i + 1])
+
+
+@njit_called()
+def _scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, omega: FloatArray, sizes: FloatArray) -> bool:
+    """`scale`, but for the free motion of modes that are moved; whether there are any.  `omega` takes their frequency.
+
+    Sums are formed mode by mode, so that a state has the same bits in whichever slot it is.
+    """
+    moved = False
+    for row in range(omega.shape[0]):
+        slot = first + row
+        for i in range(omega.shape[1]):
+            away = away_from_resonance(omega[row, i], unscaled.damping_rate[row, i], tables.omega)
+            moved |= away != omega[row, i]
+            omega[row, i] = away
+        for load in range(sizes.size):
+            for i in range(omega.shape[1]):
+                tables.force[slot, load, i] = unit.force[slot, load, i] * sizes[load]
+                for k in range(tables.sign.size):
+                    tables.carry_residual[slot, k, load, i] = unit.carry_residual[slot, k, load, i] * sizes[load]
+        for h in range(tables.omega.size):
+            for u in range(tables.forced.shape[1]):
+                tables.forced[slot, u, h] = unscaled.residual[row, u, 1 + h] * sizes[1 + h]
+            for i in range(omega.shape[1]):
+                force = tables.force[slot, 1 + h, i]
+                answer = forced_answer(force, omega[row, i], unscaled.damping_rate[row, i], tables.omega[h])
+                tables.harmonic[slot, h, i] = answer
+                for u in range(tables.forced.shape[1]):
+                    tables.forced[slot, u, h] += tables.weight[slot, u, i] * answer
+    return moved
 
 
 def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: FloatArray) -> None:
@@ -496,7 +552,7 @@ def owned(tables: Tables) -> Tables:
 
 
 def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
-    """The known states with a joint's harmonics, for unit loads still; see `scale`.
+    """The known states with a joint's harmonics, but for what `scale` writes.
 
     Parameters
     ----------
@@ -508,20 +564,20 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
     Returns
     -------
     Tables
-        Of what `scale` writes to, arrays of the joint's own; the rest is borrowed, and `owned` makes it the joint's own
-        before it is written to.
+        Of what `scale` writes to, arrays of the joint's own, with anything in them; the rest is borrowed, and `owned`
+        makes it the joint's own before it is written to.
     """
     borrowed, H = unit.borrowed, harmonics.omega.size
     (S, _, N), U = borrowed.harmonic.shape, borrowed.forced.shape[1]
     own = borrowed._replace(
         omega=harmonics.omega,
         phase=harmonics.phase,
-        harmonic_turn=np.exp(1j * np.outer(borrowed.step, harmonics.omega)),
+        harmonic_turn=turns(borrowed.step, harmonics.omega),
         unit=unit_of_time(borrowed.step, harmonics),
-        harmonic=np.zeros((S, H, N), dtype=complex),
-        forced=np.zeros((S, U, H), dtype=complex),
-        force=borrowed.force.copy(),
+        harmonic=np.empty((S, H, N), dtype=complex),
+        forced=np.empty((S, U, H), dtype=complex),
+        force=np.empty(borrowed.force.shape),
         constant=borrowed.constant.copy(),
-        carry_residual=borrowed.carry_residual.copy(),
+        carry_residual=np.empty(borrowed.carry_residual.shape),
     )
     return owned(own) if unit.resonant else own

@@ -12,7 +12,7 @@ from analytic.march.joint import Joint
 from analytic.march.known_states import KnownStates
 from analytic.march.modal_state import Family, passage
 from analytic.march.switching import Frozen
-from analytic.march.tables import count_in
+from analytic.march.tables import Tables, Unscaled, count_in
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
@@ -94,8 +94,8 @@ class PublishedJoint(Joint):
         _fill_products(self.cross, self.family, self.counts, self.states, slot)
         self.order = np.array(sorted(range(slot + 1), key=lambda at: self.states[at].closed), dtype=np.int64)
 
-    def _scale(self, first: int, natural: FloatArray, damping_rate: FloatArray, residual: FloatArray) -> None:
-        super()._scale(first, natural, damping_rate, np.zeros_like(residual))
+    def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
+        super()._scale(unit, first, unscaled._replace(residual=np.zeros_like(unscaled.residual)))
         self.tables.constant[first:] = 0.0
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem, StepLoad
+from lapjoint.problem.excitation import Excitation
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.forces import multiple_of
 from lapjoint.problem.override import assign, path_keys
@@ -230,7 +231,10 @@ class Grid:
             for path, number in self._numbers(axis, value)
         ]
         with suppress(InputError):  # its message would be of parts, and not of tables
-            return problem_from_tables(_assigned(self._parts, numbers))
+            parts = _assigned(self._touched, numbers)
+            if parts.keys() <= Excitation.model_fields.keys():
+                return self.problem.with_excitation(**parts)
+            return problem_from_tables(self._untouched | parts)
         return problem_from_tables(_assigned(self._tables, numbers), _described(self.axes, values))
 
     @cached_property
@@ -238,31 +242,37 @@ class Grid:
         return problem_tables(self.problem)
 
     @cached_property
-    def _parts(self) -> dict[str, Any]:
-        """The tables in which an axis lies, and the parts of the problem in which none does."""
+    def _touched(self) -> dict[str, Any]:
+        """The tables in which an axis lies."""
         touched = {path_keys(path)[0] for axis in self.axes for path, _ in self._numbers(axis, axis.values[0])}
-        return {key: table if key in touched else getattr(self.problem, key) for key, table in self._tables.items()}
+        return {key: table for key, table in self._tables.items() if key in touched}
+
+    @cached_property
+    def _untouched(self) -> dict[str, Any]:
+        """The parts of the problem in which no axis lies."""
+        return {key: getattr(self.problem, key) for key in self._tables.keys() - self._touched.keys()}
 
     def _numbers(self, axis: Axis, value: float) -> list[tuple[str, float]]:
         """The paths that a value of an axis sets, and the number at each."""
         if axis.path != FREQUENCY:
             return [(axis.path, value)]
-        if not self._frequencies:
+        if not self._ratios:
             if self.problem.records or self.problem.random:
                 self.problem.require_excitation_frequency(f"axis {FREQUENCY}")
             message = "nothing excites this problem; give it a base_motion or a periodic load"
             raise InputError(f"axis {FREQUENCY}: {message}")
-        own = self._frequencies.get(FREQUENCY, self.problem.excitation_frequency)
-        return [(path, value * _ratio(omega, own)) for path, omega in self._frequencies.items()]
+        return [(path, value * ratio) for path, ratio in self._ratios.items()]
 
     @cached_property
-    def _frequencies(self) -> dict[str, float]:
-        """The angular frequencies of all periodic parts, rad/s, by their paths."""
+    def _ratios(self) -> dict[str, float]:
+        """The angular frequencies of all periodic parts over the one that an axis sets, by their paths."""
         base, loads = self.problem.base_motion, self.problem.point_loads
         found = {} if base is None or isinstance(base, Record | Random) else {FREQUENCY: base.angular_frequency}
         others = StepLoad | Record | Random
         periodic = {i: load.angular_frequency for i, load in enumerate(loads) if not isinstance(load, others)}
-        return found | {f"point_loads.{i}.angular_frequency": omega for i, omega in periodic.items()}
+        found |= {f"point_loads.{i}.angular_frequency": omega for i, omega in periodic.items()}
+        own = found.get(FREQUENCY, self.problem.excitation_frequency)
+        return {path: _ratio(omega, own) for path, omega in found.items()}
 
     def check(self) -> None:
         """Validate the problems of the grid, or those at its corners where it is large.

@@ -219,3 +219,12 @@ PointLoad = Annotated[
     StepLoad | SineLoad | HarmonicsLoad | RecordLoad | RandomLoad, _Kinds, BeforeValidator(_sine_by_default)
 ]
 """A point load of any kind."""
+
+
+class Excitation(Part):
+    """All that drives a beam: a motion of its base, loads at points, or both."""
+
+    base_motion: AnyBaseMotion | None = None
+    """The motion of the base."""
+    point_loads: tuple[PointLoad, ...] = ()
+    """The loads."""

@@ -14,7 +14,7 @@ from pydantic import model_validator
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
-from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad, Wave
+from lapjoint.problem.excitation import AnyBaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.messages import shown
@@ -64,10 +64,7 @@ class Problem(Part):
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
             raise ValueError("\n".join(faults))
-        for line in _too_slow(self):
-            warnings.warn(line, RecordWarning, stacklevel=2)
-        for line in _too_low(self):
-            warnings.warn(line, ExcitationWarning, stacklevel=2)
+        _warn_of_excitation(self)
         return self
 
     @property
@@ -287,6 +284,33 @@ class Problem(Part):
         """
         return Problem(**{name: getattr(self, name) for name in Problem.model_fields} | changes)
 
+    def with_excitation(self, **changes: Any) -> Problem:
+        """A copy with another base motion, or other point loads; what else this problem has is not validated again.
+
+        Parameters
+        ----------
+        **changes : object
+            New values, as parts or as the tables of a file, by the names ``base_motion`` and ``point_loads``.
+
+        Returns
+        -------
+        Problem
+            The same as from `replace`; this problem stays as it is.
+
+        Raises
+        ------
+        InputError
+            If a part is not valid, or does not fit this beam.
+        """
+        kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
+        parts = Excitation(**kept | changes)
+        made = self.model_copy(update={name: getattr(parts, name) for name in changes})
+        vars(made).pop("forces", None)  # those of this problem
+        if any(_outside_the_beam(made, ("point_loads",))) or any(_driven_too_fast(made)):
+            return self.replace(**changes)  # it is refused there, with all that is wrong
+        _warn_of_excitation(made)
+        return made
+
 
 def _angular_frequencies(problem: Problem) -> dict[str, float]:
     """Angular frequencies, rad/s, of base motion and periodic loads that are not zero, by their paths."""
@@ -305,9 +329,11 @@ def _moves(waves: tuple[Wave, ...]) -> bool:
     return any(wave.amplitude for wave in waves)
 
 
-def _outside_the_beam(problem: Problem) -> Iterator[str]:
+def _outside_the_beam(
+    problem: Problem, groups: tuple[str, ...] = ("supports", "stops", "point_loads")
+) -> Iterator[str]:
     L = problem.beam.length
-    for group in ("supports", "stops", "point_loads"):
+    for group in groups:
         for i, part in enumerate(getattr(problem, group)):
             if part.x > L:
                 yield f"{group}[{i}].x = {part.x:g}: lies outside the beam; allowed are 0 to {L:g} m"
@@ -320,10 +346,18 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
             yield f"stops[{i}].name = {shown(name)}: is the name of stops[{first[name]}] too"
 
 
+def _warn_of_excitation(problem: Problem) -> None:
+    """Warn of what is possible, and seldom meant."""
+    for line in _too_slow(problem):
+        warnings.warn(line, RecordWarning, stacklevel=3)
+    for line in _too_low(problem):
+        warnings.warn(line, ExcitationWarning, stacklevel=3)
+
+
 def _too_slow(problem: Problem) -> Iterator[str]:
     """Records with few samples in a period of the slowest bending, that of a cantilever."""
-    slowest = problem.beam.slowest_bending / (2 * math.pi)
     for path, record in problem.records.items():
+        slowest = problem.beam.slowest_bending / (2 * math.pi)
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
             yield (
@@ -334,8 +368,8 @@ def _too_slow(problem: Problem) -> Iterator[str]:
 
 def _too_low(problem: Problem) -> Iterator[str]:
     """Random excitation that ends below the slowest bending."""
-    slowest = problem.beam.slowest_bending / (2 * math.pi)
     for path, part in problem.random.items():
+        slowest = problem.beam.slowest_bending / (2 * math.pi)
         if part.density.top < slowest:
             yield (
                 f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "
@@ -345,10 +379,7 @@ def _too_low(problem: Problem) -> Iterator[str]:
 
 def _too_large(problem: Problem) -> Iterator[str]:
     """What is not finite of the numbers that follow from several fields."""
-    if problem.base_motion is not None:
-        yield from _too_fast("base_motion", problem.base_motion)
-    for i, load in enumerate(problem.point_loads):
-        yield from _too_fast(f"point_loads[{i}]", load)
+    yield from _driven_too_fast(problem)
     for i, stop in enumerate(problem.stops):
         if not math.isfinite(stop.stiffness * stop.gap):
             yield (
@@ -376,6 +407,14 @@ def _beyond_digits(problem: Problem) -> Iterator[str]:
                 f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
                 f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
             )
+
+
+def _driven_too_fast(problem: Problem) -> Iterator[str]:
+    """The same of all excitation."""
+    if problem.base_motion is not None:
+        yield from _too_fast("base_motion", problem.base_motion)
+    for i, load in enumerate(problem.point_loads):
+        yield from _too_fast(f"point_loads[{i}]", load)
 
 
 def _too_fast(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:

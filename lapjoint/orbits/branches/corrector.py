@@ -283,8 +283,12 @@ def jacobian(found: Return, column: FloatArray, weights: FloatArray) -> FloatArr
     FloatArray, shape (n, n + 1)
         Dimensionless.
     """
-    matrix = weights[:, None] * (found.matrix - np.eye(weights.size)) / weights
-    return np.concatenate([matrix, (weights * column)[:, None]], axis=1)
+    n = weights.size
+    J = np.empty((n, n + 1))
+    np.multiply(found.matrix, weights[:, None] / weights, out=J[:, :n])
+    J.ravel()[:: n + 2] -= 1.0  # on the diagonal
+    J[:, n] = weights * column
+    return J
 
 
 def scaling(half: HalfPeriods, point: SectionPoint, n: int) -> FloatArray:

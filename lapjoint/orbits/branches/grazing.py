@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -179,7 +180,7 @@ class _Try:
         """The map there."""
         return self.found.half_periods
 
-    @property
+    @cached_property
     def weights(self) -> FloatArray:
         """`scaling` there, shape ``(n,)``."""
         return scaling(self.half_periods, self.point, self.r.size)
@@ -277,7 +278,9 @@ class _Search:
         self._miss = miss
         J = jacobian(found, self._column * scale, now.weights)
         row = gradient_of(now.half_periods, segments, now.extremum) / now.weights
-        return J, np.vstack([J, np.append(row, self._slope * scale) / self._scale])
+        bordered = np.empty((row.size + 1, row.size + 1))
+        bordered[:-1], bordered[-1, :-1], bordered[-1, -1] = J, row / self._scale, self._slope * scale / self._scale
+        return J, bordered
 
     def _found(self, now: _Try, J: FloatArray, bordered: FloatArray) -> OnExtremum:
         """The motion of a guess that closes."""

@@ -36,6 +36,16 @@ _REACH = 3.0
 threefold in a step, and an extremum that changes by more is another one."""
 _TIMES = np.linspace(0.0, 1.0, 17)[1:-1]
 """Where, between two motions, the cubic of an extremum is looked at."""
+_CUBICS = np.stack(
+    [
+        (1 + 2 * _TIMES) * (1 - _TIMES) ** 2,
+        _TIMES * (1 - _TIMES) ** 2,
+        _TIMES**2 * (3 - 2 * _TIMES),
+        -(_TIMES**2) * (1 - _TIMES),
+    ],
+    axis=1,
+)
+"""The cubics there that have value 1 or rate 1 at the first or second end, and else 0: Hermite's."""
 
 
 @dataclass(frozen=True)
@@ -268,8 +278,7 @@ def _passes_alone(extrema: Extrema, change: FloatArray, paired: IndexArray) -> b
 
 def _comes_back(h0: FloatArray, v0: FloatArray, h1: FloatArray, v1: FloatArray) -> npt.NDArray[np.bool_]:
     """Whether cubics with values of one sign, and rates, at both ends of a step have another sign between them."""
-    t = _TIMES[:, None]
-    cubic = (1 + 2 * t) * (1 - t) ** 2 * h0 + t * (1 - t) ** 2 * v0 + t**2 * (3 - 2 * t) * h1 - t**2 * (1 - t) * v1
+    cubic = _CUBICS @ np.array((h0, v0, h1, v1))
     return np.asarray(((cubic > 0) != (h0 > 0)).any(axis=0))
 
 

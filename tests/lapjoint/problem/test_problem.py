@@ -236,6 +236,26 @@ def test_replace_validates_again() -> None:
         paper_joint().replace(supports=(Support(x=9.0),))
 
 
+def test_other_excitation_is_validated_and_the_rest_stays_as_it_is() -> None:
+    own = paper_joint(angular_frequency=515.0)
+    load = SineLoad(x=0.2, force=1.0, angular_frequency=900.0)
+    assert own.forces.fundamental == 515.0
+    other = own.with_excitation(base_motion={"amplitude": 0.01, "angular_frequency": 300.0}, point_loads=(load,))
+    assert other == own.replace(base_motion=BaseMotion(amplitude=0.01, angular_frequency=300.0), point_loads=(load,))
+    assert (other.forces.fundamental, own.forces.fundamental) == (300.0, 515.0)
+    assert other.with_excitation(base_motion=own.base_motion).point_loads == (load,)
+    for wrong, message in (
+        ({"base_motion": {"amplitude": -1.0, "angular_frequency": 300.0}}, "amplitude = -1.0: must be at least 0"),
+        (
+            {"base_motion": {"amplitude": 1.0, "angular_frequency": 1e200}},
+            "Problem: base_motion: the acceleration comes to inf",
+        ),
+        ({"point_loads": (StepLoad(x=9.0, force=1.0),)}, "Problem: .* lies outside the beam"),
+    ):
+        with pytest.raises(InputError, match=message):
+            own.with_excitation(**wrong)
+
+
 def test_a_section_that_underflows_is_refused() -> None:
     with pytest.raises(InputError, match="EI comes to 0"):
         Beam(length=1.0, material=Material(youngs_modulus=1.0, density=1.0), section=Circle(diameter=1e-100))

@@ -223,3 +223,5 @@ def test_a_record_that_no_shaker_makes_is_a_warning() -> None:
 def test_a_rate_too_low_for_the_beam_is_a_warning() -> None:
     with pytest.warns(RecordWarning, match="base_motion: has 10 samples a second, and the beam bends at"):
         _joint(rate=10.0)
+    with pytest.warns(RecordWarning, match="base_motion: has 10 samples a second, and the beam bends at"):
+        paper_joint().with_excitation(base_motion=_joint(rate=1e4).base_motion.model_copy(update={"rate": 10.0}))
