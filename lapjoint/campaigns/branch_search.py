@@ -84,6 +84,8 @@ class Search:
         self._plan, self._value, self._ahead = plan.at(value), value, ahead
         self._waiting = deque[dict[str, Any]]()
         self._open = deque[Part]()
+        self._held = set[str]()
+        """Names of open parts that wait for those before them, as they seem to be known."""
         self._seen = 0
         self._begun = False
         self._branches: list[dict[str, Any]] = []
@@ -114,24 +116,42 @@ class Search:
             while self._open and self._open[0].name in found:
                 part = self._open.popleft()
                 self._take(part, found[part.name])
-            opened = self._next()
-            if not opened:
+            opened = self._released() or self._next(found)
+            if not opened and not (self._open and self._open[0].name in found):
                 return [part for part in new if part.name not in found]
             new += opened
-            self._open += opened
 
-    def _next(self) -> list[Part]:
+    def _released(self) -> list[Part]:
+        """The first open part, if it was held: all before it is taken now, which tells whether it is known."""
+        while self._open and self._open[0].name in self._held:
+            part = self._open[0]
+            assert part.seed is not None
+            self._held.remove(part.name)
+            if not self._spent and not self._is_known(part.seed):
+                return [part]
+            self._open.popleft()
+            self._over += [part.seed] if self._spent else []
+        return []
+
+    def _next(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Parts to be opened: all starts; or branches, as many as may be ahead, once all starts are taken."""
         if not self._begun:
             self._begun = True
-            return [Part(self._value, i) for i in range(self._plan.size)]
+            self._open += (starts := [Part(self._value, i) for i in range(self._plan.size)])
+            return starts
         if self._open and self._open[0].seed is None:
             return []
         parts: list[Part] = []
-        while self._waiting and len(self._open) + len(parts) < self._ahead and not self._spent:
+        while self._waiting and len(self._open) - len(self._held) < self._ahead and not self._spent:
             seed = self._waiting.popleft()
             if not self._is_known(seed):
-                parts.append(Part(self._value, self._seen, seed))
+                part = Part(self._value, self._seen, seed)
+                ended = (found[one.name] for one in self._open if one.name in found)
+                if any(is_known(self._plan, seed, one) for one in ended):
+                    self._held.add(part.name)
+                else:
+                    parts.append(part)
+                self._open.append(part)
             self._seen += 1
         return parts
 

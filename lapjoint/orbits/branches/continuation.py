@@ -127,7 +127,7 @@ class _Follower:
         self._start, self._looked, self._missed = Start(family, start), 0, 0.0
         self._marks, self._next_mark = {0: self._start}, _MARK
         self._until = None if limits.until is None else Start(family, limits.until, itself=True)
-        self._step, self._length, self._measured = min(_FIRST, _SHARE * limits.length), 0.0, 0
+        self._step, self._length, self._measured = min(_FIRST, _SHARE * limits.length, limits.first), 0.0, 0
 
     def run(self) -> Run:
         """Follow it to its end."""

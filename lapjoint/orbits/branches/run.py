@@ -18,6 +18,8 @@ class Limits:
     """Largest number of its points."""
     length: float = math.inf
     """Arc length from its start after which it ends, as if its points were spent."""
+    first: float = math.inf
+    """Arc length of its first step at most."""
     until: Place | None = None
     """A motion at which it ends."""
     progress: Callable[[float], None] | None = None

@@ -8,6 +8,8 @@ not repeat.  Both signs of eps give one motion, or a motion and its mirror image
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
 from lapjoint.errors import InputError, SolverError
@@ -17,8 +19,9 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.newton import RESIDUAL
 
-_LENGTHS = (1e-2, 3e-2, 3e-3, 1e-3)
-"""Arc lengths eps, tried in turn: short ones are nearest to the eigenvector, long ones farthest from the old branch."""
+_LENGTHS = (1e-2, 3e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5)
+"""Arc lengths eps, tried in turn: short ones are nearest to the eigenvector, long ones farthest from the old branch.
+With light damping one bifurcation in four is so near to a graze that only motions within 3e-4 of it are smooth."""
 _STEPS = 10
 """Most steps of Newton's method."""
 
@@ -41,9 +44,9 @@ def switched(family: Family, bifurcation: Place) -> Place | None:
     _, vector = crosses_minus_one(bifurcation)
     direction = vector * bifurcation.weights
     direction = direction / np.linalg.norm(direction)
-    for length in _LENGTHS:
+    for length, sign in product(_LENGTHS, (1.0, -1.0)):
         try:
-            found = _beside(family, bifurcation, direction, length)
+            found = _beside(family, bifurcation, sign * direction, length)
         except (SolverError, InputError, np.linalg.LinAlgError):
             continue
         if found is None:

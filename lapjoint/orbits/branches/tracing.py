@@ -127,6 +127,7 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
     if seed.away_from is not None:
         value, point = seed.away_from
         up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
+        limits = replace(limits, first=float(np.linalg.norm(up)))  # beside it lies the branch that it springs from
     start, behind = start.along(up), start.along(-up)
     ahead = followed(family, start, limits)
     if seed.away_from is not None:
