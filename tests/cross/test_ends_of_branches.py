@@ -124,6 +124,26 @@ def test_a_branch_goes_on_behind_a_fold_at_which_truncated_modes_make_the_map_ju
     assert {found.branch.points[i].value for i in (0, -1)} == {low, high}
 
 
+def test_branches_that_spring_close_to_grazes_are_found() -> None:
+    # At two of three broken symmetries a graze is so near that no motion 1e-3 away belongs to the branch that springs.
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    family = family_of(analytic.Solver(), joint, FREQUENCY, 153.0, 156.3)
+    seed = seed_from(family, 153.0, family.at(153.0).map.initial(), 1)
+    assert seed is not None
+    found = trace(family, seed, most_multiple=1, errors=False)
+    assert found is not None
+    broken = [one.value for one in found.branch.bifurcations if one.kind == "symmetry breaking"]
+    assert len(broken) == 3
+    for value, one in zip(broken, found.seeds, strict=True):
+        away = one.away_from
+        assert away is not None
+        assert away[0] == pytest.approx(value, rel=1e-9)
+        half = family.at(one.value)
+        assert half.apart(half.marched(one.point, one.count), one.point) < 1e-9
+        assert half.apart(half.marched(one.point, one.count // 2), one.point) > 1e-5
+
+
 @pytest.mark.thorough
 def test_a_branch_that_few_modes_lose_goes_on_to_the_other_end_of_it() -> None:
     # From the flip at 183.163 rad/s to that at 183.266; with 16 modes there is no motion beyond 183.1735.

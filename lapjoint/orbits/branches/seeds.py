@@ -94,13 +94,12 @@ def springs_where(family: Family, seed: Seed, springs: Sequence[tuple[float, Sec
         return False
     value, point = seed.away_from
     near, same = _LOCATED
+    there = [its for other, its in springs if abs(other - value) <= near * family.scale(value)]
+    if not there:
+        return False
     half = family.at(value)
     images = images_of(half, half.map.adopted(point), count // 2)
-    return any(
-        abs(other - value) <= near * family.scale(value)
-        and any(half.apart(half.map.adopted(its), image) <= same for image in images)
-        for other, its in springs
-    )
+    return any(half.apart(half.map.adopted(its), image) <= same for its in there for image in images)
 
 
 @in_one_thread
@@ -127,11 +126,14 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
     """
     if count != seed.count:
         return False
-    half, all_values = family.at(seed.value), np.array(values)
-    images = images_of(half, seed.point, seed.count)
-    tiny = 1e-9 * family.scale(seed.value)
+    all_values, tiny = np.array(values), 1e-9 * family.scale(seed.value)
     low, high = np.minimum(all_values[:-1], all_values[1:]), np.maximum(all_values[:-1], all_values[1:])
-    for i in np.flatnonzero((low - tiny <= seed.value) & (seed.value <= high + tiny)).tolist():
+    beside = np.flatnonzero((low - tiny <= seed.value) & (seed.value <= high + tiny)).tolist()
+    if not beside:
+        return False
+    half = family.at(seed.value)
+    images = images_of(half, seed.point, seed.count)
+    for i in beside:
         ends = [half.map.adopted(points[i + k]) for k in (0, 1)]
         width = max(half.apart(ends[1], ends[0]), 1e-3)
         for image in images:

@@ -19,9 +19,9 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.newton import RESIDUAL
 
-_LENGTHS = (1e-2, 3e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5)
-"""Arc lengths eps, tried in turn: short ones are nearest to the eigenvector, long ones farthest from the old branch.
-With light damping one bifurcation in four is so near to a graze that only motions within 3e-4 of it are smooth."""
+_LENGTHS = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-2)
+"""Arc lengths eps, tried in turn: from long ones Newton's method leads back to the old branch.  With light damping one
+bifurcation in four is so near to a graze that only motions within 3e-4 of it are smooth."""
 _STEPS = 10
 """Most steps of Newton's method."""
 
@@ -44,7 +44,7 @@ def switched(family: Family, bifurcation: Place) -> Place | None:
     _, vector = crosses_minus_one(bifurcation)
     direction = vector * bifurcation.weights
     direction = direction / np.linalg.norm(direction)
-    for length, sign in product(_LENGTHS, (1.0, -1.0)):
+    for sign, length in product((1.0, -1.0), _LENGTHS):
         try:
             found = _beside(family, bifurcation, sign * direction, length)
         except (SolverError, InputError, np.linalg.LinAlgError):
