@@ -62,7 +62,8 @@ def test_contacts_that_are_lost_one_after_the_other_are_grazes_and_not_gaps() ->
     kinds = [one.kind for one in branch.bifurcations]
     assert branch.ends == ("boundary", "boundary")
     assert kinds.count("grazing") >= 18
-    assert kinds.count("unresolved") <= 2
+    left_out = sum(2 * one.error for one in branch.bifurcations if one.kind == "unresolved")
+    assert left_out <= 2e-5  # rad/s
 
 
 @pytest.mark.slow
