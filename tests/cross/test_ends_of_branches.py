@@ -124,15 +124,21 @@ def test_a_branch_goes_on_behind_a_fold_at_which_truncated_modes_make_the_map_ju
     assert {found.branch.points[i].value for i in (0, -1)} == {low, high}
 
 
-def test_branches_that_spring_close_to_grazes_are_found() -> None:
-    # At two of three broken symmetries a graze is so near that no motion 1e-3 away belongs to the branch that springs.
+def lightly_damped(low: float, high: float, start: float) -> tuple[Family, Traced]:
+    """The joint with a damping ratio of 0.02, and the branch of the motion from rest at a frequency, rad/s."""
     joint = paper_joint()
     joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
-    family = family_of(analytic.Solver(), joint, FREQUENCY, 153.0, 156.3)
-    seed = seed_from(family, 153.0, family.at(153.0).map.initial(), 1)
+    family = family_of(analytic.Solver(), joint, FREQUENCY, low, high)
+    seed = seed_from(family, start, family.at(start).map.initial(), 1)
     assert seed is not None
     found = trace(family, seed, most_multiple=1, errors=False)
     assert found is not None
+    return family, found
+
+
+def test_branches_that_spring_close_to_grazes_are_found() -> None:
+    # At two of three broken symmetries a graze is so near that no motion 1e-3 away belongs to the branch that springs.
+    family, found = lightly_damped(153.0, 156.3, 153.0)
     broken = [one.value for one in found.branch.bifurcations if one.kind == "symmetry breaking"]
     assert len(broken) == 3
     for value, one in zip(broken, found.seeds, strict=True):
@@ -148,13 +154,7 @@ def test_branches_that_spring_close_to_grazes_are_found() -> None:
 def test_a_branch_that_few_modes_lose_goes_on_to_the_other_end_of_it() -> None:
     # From the flip at 183.163 rad/s to that at 183.266; with 16 modes there is no motion beyond 183.1735.  From rest,
     # rounding decides which of several motions is reached there; at 240 rad/s there is one.
-    joint = paper_joint()
-    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
-    family = family_of(analytic.Solver(), joint, FREQUENCY, 183.0, 240.0)
-    seed = seed_from(family, 240.0, family.at(240.0).map.initial(), 1)
-    assert seed is not None
-    symmetric = trace(family, seed, most_multiple=1, errors=False)
-    assert symmetric is not None
+    family, symmetric = lightly_damped(183.0, 240.0, 240.0)
     broken = trace(family, sprung(symmetric, 183.149), most_multiple=2, errors=False, limits=Limits(60))
     assert broken is not None
     doubled = trace(family, sprung(broken, 183.163), most_multiple=2, errors=False)
