@@ -100,6 +100,12 @@ class System:
         return np.flatnonzero(self.oscillating)
 
     @cached_property
+    def slowest_decay(self) -> FloatArray:
+        """Rate at which each mode's free motion falls in the long run, 1/s, shape ``(n,)``."""
+        a, omega = self.damping_rate, self.omega
+        return np.where(self.oscillating, a, a - np.sqrt(np.maximum(a**2 - omega**2, 0.0)))
+
+    @cached_property
     def roots(self) -> ComplexArray:
         """-a + i sqrt(omega^2 - a^2) of the oscillating modes, a = zeta omega, 1/s, shape ``(oscillating,)``."""
         a, omega = self.damping_rate[self.oscillating], self.omega[self.oscillating]

@@ -13,6 +13,9 @@ beyond the change of the forced motion Im sum_h A_h exp(i (w_h t + phase_h)),
     Im sum_h (dA_h + i t dw_h A_h) exp(i (w_h t + phase_h)),
 
 and at the end, whose time may depend on the number, the march goes on by its rates.  Gaps and S do not depend on it.
+
+The fast modes of a mesh die out within one state.  Once most coordinates are zero, all deviations are D = E R, with E
+the columns of the identity that belong to the others, and only what becomes of E is carried on.
 """
 
 from __future__ import annotations
@@ -22,10 +25,16 @@ import numpy as np
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import free_response
-from fe_lapjoint.march.system import System
+from fe_lapjoint.march.system import IndexArray, System
 from lapjoint.orbits.parameters import ExcitationChange
 from lapjoint.orbits.period_map import Segment, SegmentChange
 from lapjoint.problem import FloatArray
+
+_DEAD = 60.0
+"""Decay time constants after which a mode is zero: exp(-60) is below the rounding of all else, 1e-16, even after a
+change of unit by the ratio of the highest and the lowest frequency of a mesh, some 1e8."""
+_FEW = 0.5
+"""Share of the deviations from which on it saves time to carry the coordinates that are not zero instead of them."""
 
 
 def monodromy(model: Model, motion: March) -> FloatArray:
@@ -65,15 +74,33 @@ def carried(model: Model, motion: March, deviations: FloatArray, change: Excitat
     FloatArray, shape (2 n, m)
         The same at the end, in the modes of the last state.
     """
+    by_number, since, rest = int(change is not None), motion.pieces[0].start, None
     for piece, following in zip(motion.pieces, (*motion.pieces[1:], None), strict=True):
-        deviations = _along(model.system(piece.state), piece, deviations, change)
+        system = model.system(piece.state)
+        deviations = _along(system, piece, deviations, change)
+        if rest is None:
+            alive = np.tile(system.slowest_decay * (piece.end - since) < _DEAD, 2)
+            if 0 < np.count_nonzero(alive) <= _FEW * (deviations.shape[1] - by_number):
+                deviations, rest = _fewer(deviations, np.flatnonzero(alive), by_number)
         if piece.switched >= 0:
-            y = motion.y if following is None else following.y
+            y, since = motion.y if following is None else following.y, piece.end
             deviations = _jump(model, piece, y, deviations)
     if change is not None:
         end = motion.pieces[-1].end
         deviations[:, -1] -= change.frequency * end * model.system(motion.state).rates(end, motion.y)
-    return deviations
+    if rest is None:
+        return deviations
+    count = rest.shape[0]
+    return np.concatenate([deviations[:, :count] @ rest, deviations[:, count:]], axis=1)
+
+
+def _fewer(deviations: FloatArray, alive: IndexArray, by_number: int) -> tuple[FloatArray, FloatArray]:
+    """Units of the coordinates that are not zero, beside the last `by_number` deviations; and the others in them."""
+    units = np.zeros((deviations.shape[0], alive.size + by_number))
+    units[alive, np.arange(alive.size)] = 1.0
+    count = deviations.shape[1] - by_number
+    units[:, alive.size :] = deviations[:, count:]
+    return units, deviations[alive, :count]
 
 
 def _along(system: System, piece: Piece, deviations: FloatArray, change: ExcitationChange | None) -> FloatArray:

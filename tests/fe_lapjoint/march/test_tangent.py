@@ -9,7 +9,7 @@ import pytest
 
 import fe_lapjoint
 from fe_lapjoint.march.march import march
-from fe_lapjoint.march.tangent import monodromy
+from fe_lapjoint.march.tangent import carried, monodromy
 from fe_lapjoint.period_map import PeriodMap
 from lapjoint import ModalDamping, ViscousDamping, paper_joint
 from lapjoint.orbits.exponent import exponent_of
@@ -28,6 +28,20 @@ def test_volume_shrinks_as_the_damping_says(damping: ModalDamping | ViscousDampi
     assert steady.history.contacts
     trace = sum(2 * float(np.sum(model.system(p.state).damping_rate)) * (p.end - p.start) for p in motion.pieces)
     assert np.linalg.slogdet(monodromy(model, motion))[1] == pytest.approx(-trace, rel=1e-6)
+
+
+def test_what_fast_modes_leave_out_of_the_monodromy_is_below_rounding() -> None:
+    """One deviation alone is carried with all its coordinates; all together, without those that die out."""
+    solver, problem = fe_lapjoint.Solver(elements=16), paper_joint(angular_frequency=100.0)
+    steady, period_map = solver.steady_state(problem), solver.period_map(problem)
+    model, point = period_map.model, steady.section_point
+    motion = march(model, point.state, period_map.modal(point), 0.0, 2 * math.pi / 100.0)
+    together, n = monodromy(model, motion), motion.y.size // 2
+    assert np.linalg.matrix_rank(together) <= n / 2
+    alone = np.concatenate([carried(model, motion, unit[:, None]) for unit in np.eye(2 * n)], axis=1)
+    size = np.repeat([100.0, 1.0], n)  # a velocity is compared with a displacement times the excitation's frequency
+    apart, whole = ((one * size[:, None]) / size for one in (together - alone, alone))
+    assert np.abs(apart).max() <= 1e-13 * np.abs(whole).max()
 
 
 def moved_along(period_map: PeriodMap, steps: np.ndarray) -> np.ndarray:
