@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from lapjoint.answers.steady_state import SteadyState
+from lapjoint.answers.steady_state import SectionPoint, SteadyState
 
 BifurcationKind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking", "grazing", "unresolved"]
 """What a bifurcation is called.  ``unresolved`` is a part of the curve, narrow as its error says, that is not known."""
+
+
+class MotionThere(NamedTuple):
+    """The motion at a bifurcation."""
+
+    value: float
+    """The number of the problem, in its SI unit."""
+    point: SectionPoint
+    """Where it begins."""
+    half_periods: int
+    """Number of half periods after which it repeats; mirrored, if it is odd."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +40,8 @@ class Bifurcation:
     """What the branch does at a graze: it ``persists``, ``folds`` or ``ends``; empty for any other kind."""
     impulses: tuple[float, ...] = ()
     """Impulse of each stop there, N s a period of the excitation."""
+    motion: MotionThere | None = field(default=None, repr=False, compare=False)
+    """The motion there, or just before a graze; None if it is not known."""
 
 
 @dataclass(frozen=True)

@@ -200,7 +200,17 @@ def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[
             _table([row["impulses"] or (np.nan,) * stops for row in rows], stops),
             _with_units("N s", "impulse of the stop over one excitation period"),
         ),
+        "bifurcation_motion": (
+            ("bifurcation",),
+            np.array([_text_of(row.get("motion")) for row in rows], dtype=object),
+            {"long_name": "the motion there as JSON: the number, the section point, and half periods; or empty"},
+        ),
     }
+
+
+def _text_of(motion: Any) -> str:
+    """A motion as text that gives it back exactly."""
+    return "" if motion is None else json.dumps(motion, separators=(",", ":"))
 
 
 def _is_first(branch: Mapping[str, Any], row: Mapping[str, Any]) -> bool:

@@ -8,7 +8,7 @@ from contextlib import suppress
 from functools import lru_cache
 from typing import Any, overload
 
-from lapjoint.answers.branches import Branch
+from lapjoint.answers.branches import Branch, MotionThere
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.point import plain_section, point_of, section_from
@@ -210,6 +210,38 @@ def plain_seed(seed: Seed) -> dict[str, Any]:
     return plain
 
 
+def plain_motion(motion: MotionThere) -> list[Any]:
+    """The motion at a bifurcation as values that JSON can hold.
+
+    Parameters
+    ----------
+    motion : MotionThere
+        The motion.
+
+    Returns
+    -------
+    list
+        The number, the section point, and the half periods.
+    """
+    return [float(motion.value), plain_section(motion.point), int(motion.half_periods)]
+
+
+def motion_from(plain: Sequence[Any]) -> MotionThere:
+    """The motion that `plain_motion` made values of.
+
+    Parameters
+    ----------
+    plain : sequence
+        The values.
+
+    Returns
+    -------
+    MotionThere
+        The motion, with the same bits.
+    """
+    return MotionThere(plain[0], section_from(plain[1]), plain[2])
+
+
 def seed_of(plain: Mapping[str, Any]) -> Seed:
     """The motion that `plain_seed` made values of.
 
@@ -238,6 +270,7 @@ def _plain(branch: Branch) -> dict[str, Any]:
                 **vars(one),
                 "value": float(one.value),
                 "error": float(one.error) if math.isfinite(one.error) else math.inf,
+                "motion": None if one.motion is None else plain_motion(one.motion),
             }
             for one in branch.bifurcations
         ],

@@ -10,13 +10,13 @@ from collections import deque
 from collections.abc import Iterator
 
 import pytest
-from by_another_solver import by_another
 
 import analytic
 import fe_lapjoint
 from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.seeds import seed_from

@@ -16,10 +16,10 @@ BRANCHES = (
     Fault(
         "branch-graze-other-side",
         "a sign",
-        "lapjoint.orbits.branches.found_again",
+        "lapjoint.orbits.branches.grazing",
         "From the motion just before a graze its number is taken off the wrong way along the tangent.",
-        old="graze.place.value - graze.rate * graze.extremum.value",
-        new="graze.place.value + graze.rate * graze.extremum.value",
+        old="self.place.value - self.rate * self.extremum.value",
+        new="self.place.value + self.rate * self.extremum.value",
     ),
     Fault(
         "branch-graze-folds",
@@ -34,8 +34,8 @@ BRANCHES = (
         "an error estimate too small",
         "lapjoint.orbits.branches.value_errors",
         "The error of a bifurcation is that of rounding, whatever a finer solver says.",
-        old="error = float(finer[0].bounds(",
-        new="error = 0.0 * float(finer[0].bounds(",
+        old="bound = apart_by(",
+        new="bound = 0.0 * apart_by(",
     ),
     Fault(
         "branch-flip-early",

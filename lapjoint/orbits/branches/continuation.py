@@ -12,7 +12,7 @@ from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.closing import Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import beyond_graze, located_graze
+from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
 from lapjoint.problem import FloatArray
@@ -457,14 +457,18 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     graze = located_graze(family, here, extremum, coming.rate)
     if graze is None:
         return None
-    value = float(graze.place.value - graze.rate * graze.extremum.value)
     beyond = beyond_graze(family, graze, coming.rate)
+    best = sharper(family, graze, beyond, coming.rate)
+
+    def named(kind: str) -> Graze:
+        return Graze(extremum.stop, best.value, kind, graze, coming.rate, index, best.left)
+
     if beyond is None:
-        return Graze(extremum.stop, value, "ends", graze, coming.rate, index), None
+        return named("ends"), None
     before, after = graze.place.going_on_from(here), beyond.place.going_on_from(here)
     came, goes = before.tangent[-1], after.tangent[-1]
     kind = "persists" if came * goes > 0 else "folds"
-    return Graze(extremum.stop, value, kind, graze, coming.rate, index), after
+    return named(kind), after
 
 
 def _jumped(family: Family, here: Place, least: int, back: bool) -> tuple[Place, int] | None:

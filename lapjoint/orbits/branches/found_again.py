@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, si
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
-from lapjoint.orbits.branches.grazing import located_graze
+from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
 
 _REACHES = (1e-3, 1e-2, 5e-2)
 """Arc lengths, to both sides of where the coarser solver has it, within which a bifurcation is looked for."""
@@ -28,8 +29,19 @@ _SAME_MULTIPLIER = 0.05
 """Distance between the critical multipliers of two solvers up to which a bifurcation is the same one."""
 
 
-Finder = Callable[[Family, Place], tuple[Place, float] | None]
-"""Finds a bifurcation by another solver from where one has it: the motion just at it, and the number."""
+class Again(NamedTuple):
+    """A bifurcation as another solver has it."""
+
+    place: Place
+    """The motion just at it."""
+    value: float
+    """The number, in its SI unit."""
+    left: float = 0.0
+    """What the motion's distance from it may leave of the number, in the same unit."""
+
+
+Finder = Callable[[Family, Place], Again | None]
+"""Finds a bifurcation by another solver from where one has it."""
 
 
 def alike(family: Family, place: Place) -> Place | None:
@@ -70,7 +82,7 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
         The function.
     """
 
-    def find(family: Family, place: Place) -> tuple[Place, float] | None:
+    def find(family: Family, place: Place) -> Again | None:
         near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
         if near is None:
             return None
@@ -78,7 +90,7 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
         found = _root(family, near, vanishes) or _between_ends(family, near, kind)
         if found is None or not is_same(kind, found, like or place):
             return None
-        return found, found.value
+        return Again(found, found.value)
 
     return find
 
@@ -214,14 +226,16 @@ def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
         The function.
     """
 
-    def find(family: Family, place: Place) -> tuple[Place, float] | None:
+    def find(family: Family, place: Place) -> Again | None:
         for back in _BACK:
             value, guess = place.moved(family, -back * place.tangent)
             near = corrected(family, value, guess, place.count)
             mine = None if near is None else near.extrema.matching(extremum, duration)
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
             if graze is not None:
-                return graze.place, graze.place.value - graze.rate * graze.extremum.value
+                beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
+                best = sharper(family, graze, beyond, rate)
+                return Again(graze.place, best.value, best.left)
         return None
 
     return find

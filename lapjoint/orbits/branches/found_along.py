@@ -7,7 +7,7 @@ too, with the same contacts, its own branch is followed, across grazes, until it
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -19,7 +19,7 @@ from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import Finder, graze_finder, is_same, smooth_finder
+from lapjoint.orbits.branches.found_again import Again, Finder, graze_finder, is_same, smooth_finder
 from lapjoint.orbits.branches.run import Graze, Limits, Run
 
 _FROM = (1e-4, 1e-3, 1e-2)
@@ -79,7 +79,7 @@ class Starts(Protocol):
     """Where a branch leads to a bifurcation."""
 
     @property
-    def starts(self) -> Sequence[Approach]:
+    def starts(self) -> Iterable[Approach]:
         """Places from which it does, in the sequence in which they are tried."""
 
 
@@ -100,8 +100,8 @@ class Way:
     def starts(self) -> tuple[Approach, ...]:
         """Places from which the branch leads to it: those before it, the nearest first, then those behind it."""
         places = self.run.places
-        ahead = self._one_way([places[i] for i in self._connected(self.before, -1)])
-        return ahead + self._one_way([places[i].turned() for i in self._connected(self.after, 1)])
+        ahead = approaches(self.family, [places[i] for i in self._connected(self.before, -1)])
+        return ahead + approaches(self.family, [places[i].turned() for i in self._connected(self.after, 1)])
 
     def _connected(self, here: int, step: int) -> list[int]:
         """Indices from one on, one way, up to where the curve is not resolved."""
@@ -113,15 +113,29 @@ class Way:
             here += step
         return found
 
-    def _one_way(self, places: list[Place]) -> tuple[Approach, ...]:
-        """Those of some places, which lead away from it, at which another solver may begin."""
-        found, length = list[Approach](), 0.0
-        for i, place in enumerate(places):
-            if i:
-                length += float(np.linalg.norm(places[i - 1].chord(self.family, place)))
-            if len(found) < len(_FROM) and length >= _FROM[len(found)]:
-                found.append(Approach(place, length))
-        return tuple(found)
+
+def approaches(family: Family, places: Sequence[Place]) -> tuple[Approach, ...]:
+    """Those of some places of a branch at which another solver may begin.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of the branch.
+    places : sequence of Place
+        In their sequence away from a bifurcation, with their tangents towards it.
+
+    Returns
+    -------
+    tuple of Approach
+        The nearest first.
+    """
+    found, length = list[Approach](), 0.0
+    for i, place in enumerate(places):
+        if i:
+            length += float(np.linalg.norm(places[i - 1].chord(family, place)))
+        if len(found) < len(_FROM) and length >= _FROM[len(found)]:
+            found.append(Approach(place, length))
+    return tuple(found)
 
 
 def motion_at(one: Located | Graze) -> Place:
@@ -174,11 +188,11 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
         The function.
     """
 
-    def find(family: Family, place: Place) -> tuple[Place, float] | None:
+    def find(family: Family, place: Place) -> Again | None:
         for start in starts.starts:
             run = _followed(family, start)
             there = [] if run is None else list(_like(one, family, run))
-            apart = [float(np.linalg.norm(motion.chord(family, place))) for motion, _ in there]
+            apart = [float(np.linalg.norm(other.place.chord(family, place))) for other in there]
             if there and min(apart) <= _NEAR:
                 return there[int(np.argmin(apart))]
         return None
@@ -186,14 +200,16 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
     return find
 
 
-def _like(one: Located | Graze, family: Family, run: Run) -> Iterator[tuple[Place, float]]:
+def _like(one: Located | Graze, family: Family, run: Run) -> Iterator[Again]:
     """Those bifurcations of a curve that may be a given one."""
     if isinstance(one, Graze):
-        yield from ((other.before.place, other.value) for other in run.grazes if _same_graze(one, other))
+        yield from (
+            Again(other.before.place, other.value, other.left) for other in run.grazes if _same_graze(one, other)
+        )
         return
     for _, other in smooth_bifurcations(family, run):
         if isinstance(other, Located) and other.kind == one.kind and is_same(one.kind, other.place, one.place):
-            yield other.place, other.place.value
+            yield Again(other.place, other.place.value)
 
 
 def _same_graze(one: Graze, other: Graze) -> bool:

@@ -8,6 +8,10 @@ state).  So the curve is not stepped across: with the section point x and the nu
 
 is solved for targets ever nearer to zero, from the side where the curve comes from, and then for one beyond.  As the
 target holds the penetration fixed, the derivative hardly changes in a step of Newton's method, on either side.
+
+The number at the graze is p - (dp/dh*) h* from the nearest motion.  On the smooth side that leaves the square of the
+arc length.  On the other p - p* goes as a power q < 1 of h*, and (1/q - 1) times what is taken off is left, as much
+again where q = 1/2; every solver leaves about the same, so that no refinement shows it.
 """
 
 from __future__ import annotations
@@ -25,6 +29,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum, slope_of
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import RESIDUAL
+from lapjoint.orbits.refinement import SAFETY
 from lapjoint.problem import FloatArray
 
 _STEPS = 12
@@ -76,6 +81,42 @@ class OnExtremum:
     """Derivative of the number along the curve by the extremum's value, SI unit over m."""
     close: bool = True
     """Whether it is as near to its target as is aimed at."""
+
+    @property
+    def value(self) -> float:
+        """The number at the graze, along the tangent, in its SI unit."""
+        return float(self.place.value - self.rate * self.extremum.value)
+
+    @property
+    def left(self) -> float:
+        """What may be left of the way to there, in the same unit: nothing on the smooth side of the graze."""
+        touched = (self.extremum.value > 0) == self.extremum.highest
+        return SAFETY * abs(self.rate * self.extremum.value) if touched else 0.0
+
+
+def sharper(family: Family, graze: OnExtremum, beyond: OnExtremum | None, rate: float) -> OnExtremum:
+    """The motion from which the number at a graze is best known: on its other side, if that is the smooth one.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    graze : OnExtremum
+        The motion just before it.
+    beyond : OnExtremum or None
+        A motion beyond it, if there is one.
+    rate : float
+        Change of the extremum's value with the arc length before it, m.
+
+    Returns
+    -------
+    OnExtremum
+        The motion before it, unless that leaves something, and there is one that leaves less.
+    """
+    if beyond is None or graze.left == 0.0:
+        return graze
+    other = located_graze(family, beyond.place, beyond.extremum, rate)
+    return other if other is not None and other.left < graze.left else graze
 
 
 def located_graze(family: Family, place: Place, extremum: Extremum, rate: float) -> OnExtremum | None:

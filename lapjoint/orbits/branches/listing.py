@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lapjoint.answers.branches import Bifurcation, BifurcationKind
+from lapjoint.answers.branches import Bifurcation, BifurcationKind, MotionThere
 from lapjoint.orbits.branches.bifurcations import Located, NotLocated
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_along import Way, along, directly, motion_at, smooth_bifurcations
+from lapjoint.orbits.branches.found_along import Starts, Way, along, directly, motion_at, smooth_bifurcations
 from lapjoint.orbits.branches.run import Graze, Jump, Run
 from lapjoint.orbits.branches.value_errors import Stated, stated
 
@@ -29,7 +29,7 @@ class Listed:
     """The bifurcation, with the index of the place that follows it or lies at it."""
     found: Located | Graze | None = field(default=None, repr=False)
     """What was found; None if it is not resolved."""
-    way: Way | None = field(default=None, repr=False)
+    way: Starts | None = field(default=None, repr=False)
     """The branch about it; None if it is not resolved."""
 
     @property
@@ -106,7 +106,8 @@ def _named(family: Family, run: Run, one: Located | Graze, beside: tuple[int, in
     known = stated(family, place, value, directly(one)) if errors else Stated(value, np.inf)
     stop, after = (one.stop, one.kind) if isinstance(one, Graze) else (-1, "")
     kind: BifurcationKind = "grazing" if isinstance(one, Graze) else one.kind
-    found = Bifurcation(kind, known.value, known.error, index, stop, after, _impulses(place))
+    motion = MotionThere(place.value, place.point, place.count)
+    found = Bifurcation(kind, known.value, known.error, index, stop, after, _impulses(place), motion)
     return Listed(family, found, one, Way(family, run, *beside))
 
 

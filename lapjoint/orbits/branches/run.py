@@ -42,6 +42,8 @@ class Graze:
     """Change of the extremum's value with the arc length before it, m."""
     index: int
     """Number of places of the run before it."""
+    left: float = 0.0
+    """What the distance of the nearest motion may leave of `value`, in the same unit."""
 
 
 @dataclass(frozen=True)

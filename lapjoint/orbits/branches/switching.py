@@ -78,7 +78,7 @@ def sprung_from(family: Family, near: Place) -> Place | None:
     later = half.map.difference(half.marched(near.point, count), near.point)
     middle = corrected(family, near.value, half.map.moved(near.point, later / 2), count)
     found = None if middle is None else smooth_finder(flip_of(middle))(family, middle)
-    return None if found is None else found[0]
+    return None if found is None else found.place
 
 
 def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: float) -> Place | None:

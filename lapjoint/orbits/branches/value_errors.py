@@ -10,7 +10,7 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import Finder
-from lapjoint.orbits.refinement import ROUNDING
+from lapjoint.orbits.refinement import ROUNDING, Refinement
 
 AIM = 1e-5
 """Error of a bifurcation over the scale of its number that is aimed at."""
@@ -26,6 +26,25 @@ class Stated:
     """The number, in its SI unit."""
     error: float
     """Its error, in the same unit; infinite where none can be stated."""
+
+
+def apart_by(refinement: Refinement, difference: float) -> float:
+    """The error of a number that a finer solver has elsewhere.
+
+    Parameters
+    ----------
+    refinement : Refinement
+        What is known of the finer solver.
+    difference : float
+        How far apart both have it.
+
+    Returns
+    -------
+    float
+        In the same unit.
+    """
+    apart = np.array([difference])
+    return float(refinement.bounds(apart, np.abs(apart))[0])
 
 
 def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated:
@@ -45,8 +64,8 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     Returns
     -------
     Stated
-        By the finest solver that was asked; its error is that of the one before it, and infinite where one of them does
-        not find it.
+        By the finest solver that was asked; its error is that of the one before it, with what its motion leaves of the
+        way to a graze, and infinite where one of them does not find it.
     """
     error, scale = np.inf, family.scale(value)
     try:
@@ -57,10 +76,10 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
             found = finder(finer[1], place)
             if found is None:
                 return Stated(value, np.inf)
-            apart = np.array([found[1] - value])
-            error = float(finer[0].bounds(apart, np.abs(apart))[0]) + ROUNDING * scale
-            family, (place, value) = finer[1], found
-            if error <= AIM * scale:
+            bound = apart_by(finer[0], found.value - value)
+            family, place, value = finer[1], found.place, found.value
+            error = bound + found.left + ROUNDING * scale
+            if bound <= AIM * scale:
                 break
     except (InputError, SolverError):
         error = np.inf

@@ -1,0 +1,258 @@
+"""A bifurcation that one solver has, looked for by another, from the first one's motions as sampled shapes.
+
+The other solver finds it by its own marches, derivatives and multipliers.  Of its selves, each finer than the one
+before, a finer one begins, as its motion is nearer to that of the first solver; the next coarser one begins from the
+finer one's motion, and how far apart both are gives the error.  The first solver's number decides only which two are
+asked first.  Where none comes from the motion at the bifurcation, they follow the curve from motions beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import Again
+from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at
+from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
+from lapjoint.orbits.refinement import ROUNDING, Refinement
+from lapjoint.problem import SampledShape
+
+_SAMPLES = 401
+"""Number of places at which a motion is sampled: Newton's method does the rest."""
+_BACK = (0.0, 1e-5, 1e-4, 1e-3)
+"""Arc lengths before a bifurcation from which it is looked for, in turn: a graze may come before for another solver."""
+_ALONG = 2
+"""Number of the first self that follows the curve, the coarsest being 0: of coarser ones it often leads elsewhere."""
+_FINER = 3
+"""Most finer selves that are asked: for the paper's joint, 40, 61, 91 and 137 elements."""
+
+
+def by_another(one: Listed, family: Family) -> Stated | None:
+    """A bifurcation's value, with its error, by another solver.
+
+    Parameters
+    ----------
+    one : Listed
+        The bifurcation, and what was found, by the first solver.
+    family : Family
+        The period maps of the other solver.
+
+    Returns
+    -------
+    Stated or None
+        The value of the finer of two selves that agree; with an infinite error where only one finds it; None if none
+        does.
+    """
+    try:
+        return _Search(one, family).run()
+    except (InputError, SolverError):
+        return None
+
+
+@dataclass
+class _Search:
+    """The search for one bifurcation."""
+
+    one: Listed
+    family: Family
+    shapes: dict[float, tuple[Place, SampledShape]] = field(default_factory=dict)
+    """Motions of the first solver before the bifurcation, and their shapes, by the arc length to it."""
+    found: dict[int, Again] = field(default_factory=dict)
+    """What each self has found, by its number, the coarsest first."""
+    missed: set[int] = field(default_factory=set)
+    """Which selves have looked for it from the motions of the first solver, and not found it so."""
+
+    def __post_init__(self) -> None:
+        assert self.one.found is not None
+        self.motion, self.direct = motion_at(self.one.found), directly(self.one.found)
+        self.selves, self.known = [self.family], list[Refinement]()
+        while len(self.known) < _FINER and (finer := self.selves[-1].finer(self.motion.value)) is not None:
+            self.known.append(finer[0])
+            self.selves.append(finer[1])
+
+    def run(self) -> Stated | None:
+        """From the motion at the bifurcation, or else along the curve of the other solver."""
+        best = self._direct()
+        if best is None or not np.isfinite(best.error):
+            best = self._along() or best
+        return best
+
+    def _direct(self) -> Stated | None:
+        """From the motion at the bifurcation: by a self and the next finer one, up to the finest."""
+        best, last = None, len(self.known)
+        for i in range(1, last + 1):
+            here = self._at_motion(i)
+            if here is None or (i < last and (i - 1 in self.missed or self._will_not_do(i, here))):
+                continue
+            best = self._stated(i, here, self._again(i - 1, here)) or best
+            if best is not None and best.error <= AIM * self.family.scale(best.value):
+                return best
+        if best is None and self.found:
+            i = max(self.found)
+            best = self._stated(i, self.found[i], self._again(i - 1, self.found[i]))
+        return best if last else self._stated(0, self._at_motion(0), None)
+
+    def _will_not_do(self, i: int, here: Again) -> bool:
+        """Whether the next coarser self will differ by too much, as the first solver's number has it."""
+        refinement, error = self.known[i - 1], abs(here.value - self.one.bifurcation.value)
+        difference = error * (refinement.ratio**refinement.order - 1)
+        return apart_by(refinement, difference) > AIM * self.family.scale(here.value)
+
+    def _stated(self, i: int, here: Again | None, coarser: Again | None) -> Stated | None:
+        """What a self has found, with the error of the next coarser one."""
+        if here is None:
+            return None
+        if coarser is None:
+            return Stated(here.value, np.inf)
+        bound = apart_by(self.known[i - 1], here.value - coarser.value)
+        return Stated(here.value, bound + here.left + ROUNDING * self.family.scale(here.value))
+
+    def _at_motion(self, i: int) -> Again | None:
+        """What a self finds from the motion of the first solver at the bifurcation, or a little before it."""
+        if i in self.found or i in self.missed:
+            return self.found.get(i)
+        self.missed.add(i)
+        for back in _BACK:
+            before = self._shape(back)
+            near = None if before is None else carried(*before, self.selves[i])
+            if near is not None:
+                found = self.direct(self.selves[i], near)
+                same = found is not None and found.place.extrema.closings == self.motion.extrema.closings
+                return self._kept(i, found if same else None)
+        return None
+
+    def _again(self, i: int, finer: Again) -> Again | None:
+        """What a self finds from the motion of the next finer one."""
+        if i not in self.found:
+            self._kept(i, self.direct(self.selves[i], finer.place))
+        return self._at_motion(i)
+
+    def _along(self) -> Stated | None:
+        """Along the curve of a self, from motions beside the bifurcation; the coarser one from there, or likewise."""
+        best, last = None, len(self.known)
+        for i in range(min(_ALONG, last), last + 1):
+            here = self._found_along(i)
+            if here is None:
+                continue
+            coarser = None if i == 0 else self._again(i - 1, here) or self._found_along(i - 1)
+            best = self._stated(i, here, coarser)
+            if coarser is not None and best is not None and best.error <= AIM * self.family.scale(best.value):
+                return best
+        return best
+
+    def _found_along(self, i: int) -> Again | None:
+        """What a self finds along its own curve."""
+        here = self._shape(0.0)
+        if self.one.way is None or self.one.found is None or here is None:
+            return None
+        family = self.selves[i]
+        point = started(family, self.motion.value, here[1])
+        at = replace(self.motion, orbit=replace(self.motion.orbit, point=point))
+        return along(self.one.found, CarriedWay(self.one.way, family))(family, at)
+
+    def _kept(self, i: int, found: Again | None) -> Again | None:
+        if found is not None:
+            self.found[i] = found
+            self.missed.discard(i)
+        return found
+
+    def _shape(self, back: float) -> tuple[Place, SampledShape] | None:
+        """The motion of the first solver some arc length before the bifurcation, and its shape."""
+        if back not in self.shapes:
+            own = self.one.family
+            value, guess = self.motion.moved(own, -back * self.motion.tangent)
+            place = self.motion if back == 0.0 else corrected(own, value, guess, self.motion.count)
+            if place is None:
+                return None
+            self.shapes[back] = place, shape_of(place)
+        return self.shapes[back]
+
+
+@dataclass(frozen=True)
+class CarriedWay:
+    """The part of a branch about a bifurcation, as another solver has it."""
+
+    way: Starts
+    """The same by the first solver."""
+    family: Family
+    """The period maps of the other."""
+
+    @property
+    def starts(self) -> Iterator[Approach]:
+        """Places from which the branch leads to the bifurcation."""
+        for start in self.way.starts:
+            place = carried(start.place, shape_of(start.place), self.family)
+            if place is not None:
+                yield Approach(place, start.length)
+
+
+def carried(place: Place, shape: SampledShape, family: Family) -> Place | None:
+    """A motion by another solver, with its tangent the same way along the curve.
+
+    Parameters
+    ----------
+    place : Place
+        The motion.
+    shape : SampledShape
+        Its shape.
+    family : Family
+        The period maps of the other solver.
+
+    Returns
+    -------
+    Place or None
+        None if that solver has no motion like it.
+    """
+    near = corrected(family, place.value, started(family, place.value, shape), place.count)
+    if near is None or near.extrema.closings != place.extrema.closings:
+        return None
+    return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()
+
+
+def shape_of(place: Place) -> SampledShape:
+    """The displacement and the velocity with which a motion begins.
+
+    Parameters
+    ----------
+    place : Place
+        The motion, by any solver.
+
+    Returns
+    -------
+    SampledShape
+        m and m/s, along the beam.
+    """
+    map_ = place.half_periods.map
+    history, length = map_.history(place.point, 1), map_.problem.beam.length
+    x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # close at the ends, for their slopes
+    x[0], x[-1] = 0.0, length
+    z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
+    return SampledShape(x=tuple(x.tolist()), displacement=tuple(z.tolist()), velocity=tuple(v.tolist()))
+
+
+def started(family: Family, value: float, shape: SampledShape) -> SectionPoint:
+    """The section point with which a motion of a given shape begins.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of any solver.
+    value : float
+        The number, in its SI unit.
+    shape : SampledShape
+        The shape.
+
+    Returns
+    -------
+    SectionPoint
+        On the map at `value`.
+    """
+    problem = family.problem_at(value).replace(initial=shape)
+    return family.adopted(value, family.solver_at(value).period_map(problem).initial())

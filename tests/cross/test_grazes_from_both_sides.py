@@ -1,0 +1,47 @@
+"""A graze lies where it lies, whichever side it is come to from.
+
+Under modal damping with several modes the touched side is not smooth: the number runs as a power of the penetration
+there, and a straight line from the nearest motion misses the graze by as much as that motion is away.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+import analytic
+from lapjoint import paper_joint
+from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.continuation import follow
+from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.run import Graze, Limits
+from lapjoint.orbits.branches.seeds import seed_from
+
+LOW, HIGH = 327.9, 328.05  # rad/s: the first stop's second contact arises at 327.979
+
+
+@in_one_thread
+def grazes(n_modes: int) -> list[Graze]:
+    """The one graze of the motion from rest, come to from above and from below."""
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    grid = Grid(joint, (Axis(FREQUENCY, (LOW, HIGH)),))
+    family = Family(analytic.Solver(n_modes=n_modes), lambda v: grid.with_values((v,)), FREQUENCY, LOW, HIGH)
+    seed = seed_from(family, 328.03, family.at(328.03).map.initial(), 1)
+    assert seed is not None
+    start = corrected(family, seed.value, seed.point, seed.count, fixed=True)
+    assert start is not None
+    down = follow(family, start if start.tangent[-1] < 0 else start.turned(), Limits(most=50))
+    up = follow(family, down.places[-1].turned(), Limits(most=50))
+    assert len(down.grazes) == len(up.grazes) == 1
+    return [down.grazes[0], up.grazes[0]]
+
+
+@pytest.mark.parametrize("n_modes", [16, 24])
+def test_a_graze_has_one_value_from_both_sides(n_modes: int) -> None:
+    smooth, touched = grazes(n_modes)
+    assert smooth.before.left == 0.0 < touched.before.left
+    assert smooth.left == touched.left == 0.0
+    assert abs(touched.before.value - smooth.value) > 1e-6 * smooth.value  # what the straight line misses it by
+    assert touched.value == pytest.approx(smooth.value, rel=1e-10)
