@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         time_series,
         write_series,
     )
-    from lapjoint.campaigns import FREQUENCY, Axis, basins, branch, statistics, sweep
+    from lapjoint.campaigns import FREQUENCY, Axis, basins, branch, confirm, statistics, sweep
     from lapjoint.errors import InputError, SolverError
     from lapjoint.problem import (
         BaseMotion,
@@ -88,6 +88,7 @@ __all__ = [
     "ViscousDamping",
     "basins",
     "branch",
+    "confirm",
     "contact_states",
     "initial_from_functions",
     "make_solver",

@@ -9,6 +9,7 @@ many starts end, and statistics of long motions.
 from lapjoint.campaigns.basin_plan import BasinPlan
 from lapjoint.campaigns.basin_running import basins, solve_basins
 from lapjoint.campaigns.branching import branch
+from lapjoint.campaigns.confirming import confirm
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.realisations import statistics
@@ -22,6 +23,7 @@ __all__ = [
     "Plan",
     "basins",
     "branch",
+    "confirm",
     "run",
     "solve",
     "solve_basins",

@@ -26,6 +26,7 @@ import click
 from lapjoint.cli.basins import basins
 from lapjoint.cli.branch import branch
 from lapjoint.cli.completing import FILE
+from lapjoint.cli.confirm import confirm
 from lapjoint.cli.echo import echo
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
@@ -155,7 +156,7 @@ def main() -> None:
     """
 
 
-for command in (modes, simulate, steady, statistics, sweep, basins, branch, plot, export, show):
+for command in (modes, simulate, steady, statistics, sweep, basins, branch, confirm, plot, export, show):
     main.add_command(command)
 
 

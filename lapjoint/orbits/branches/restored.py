@@ -1,0 +1,115 @@
+"""A bifurcation restored from the motion at it, without following its branch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from lapjoint.answers.branches import Bifurcation
+from lapjoint.errors import SolverError
+from lapjoint.orbits.branches.bifurcations import Located
+from lapjoint.orbits.branches.continuation import follow
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import smooth_finder
+from lapjoint.orbits.branches.found_along import Approach, approaches
+from lapjoint.orbits.branches.grazing import located_graze
+from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.passings import rates_of
+from lapjoint.orbits.branches.run import Graze, Limits
+
+_FINER = 2
+"""Most finer selves of the solver that are asked: its branches are resolved by so many."""
+_ABOUT = Limits(most=60, length=0.03)
+"""How far the branch about it is followed, either way, if it is asked for: a little more than another solver needs."""
+
+
+def restored(family: Family, one: Bifurcation) -> Listed | None:
+    """A bifurcation with what was found, by the solver that found it.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of the solver.
+    one : Bifurcation
+        The bifurcation, with the motion there.
+
+    Returns
+    -------
+    Listed or None
+        By this solver, or a finer self of it; None if none finds it from that motion.
+    """
+    if one.motion is None:
+        return None
+    own: Family | None = family
+    value, point, count = one.motion
+    for _ in range(_FINER + 1):
+        if own is None:
+            break
+        place = corrected(own, value, own.adopted(value, point), count)
+        found = None if place is None else _found(own, one, place)
+        if found is not None:
+            return found
+        finer = own.finer(value)
+        own = None if finer is None else finer[1]
+    return None
+
+
+def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
+    """The bifurcation from a place near it."""
+    if one.kind == "grazing":
+        graze = _graze(family, one, place)
+        return None if graze is None else Listed(family, one, graze, Surroundings(family, graze.before.place))
+    assert one.kind != "unresolved"
+    there = smooth_finder(one.kind)(family, place)
+    if there is None:
+        return None
+    return Listed(family, one, Located(one.kind, there.place), Surroundings(family, there.place))
+
+
+def _graze(family: Family, one: Bifurcation, place: Place) -> Graze | None:
+    """The graze of the stop that comes the nearest to it, with the tangent towards the graze."""
+    mine = np.flatnonzero(place.extrema.stop == one.stop)
+    if not mine.size:
+        return None
+    i = int(mine[np.argmin(np.abs(place.extrema.value[mine]))])
+    extremum = place.extrema[i]
+    try:
+        rate = float(rates_of(family, place).value[i])
+    except SolverError:
+        return None
+    if rate == 0.0:
+        return None
+    if rate * extremum.value > 0:
+        place, rate = place.turned(), -rate
+    found = located_graze(family, place, extremum, rate)
+    if found is None:
+        return None
+    found = replace(found, place=found.place.going_on_from(place))
+    return Graze(one.stop, found.value, one.after, found, rate, 0, found.left)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The branch about a bifurcation, followed when it is asked for."""
+
+    family: Family
+    """The period maps."""
+    place: Place
+    """The motion at the bifurcation."""
+
+    @cached_property
+    def starts(self) -> tuple[Approach, ...]:
+        """Places from which the branch leads to it: those before it, the nearest first, then those behind it."""
+        return tuple(start for place in (self.place.turned(), self.place) for start in self._one_way(place))
+
+    def _one_way(self, place: Place) -> Iterator[Approach]:
+        try:
+            run = follow(self.family, place, _ABOUT)
+        except SolverError:
+            return
+        apart = min((jump.index for jump in run.jumps), default=len(run.places))
+        yield from approaches(self.family, [one.turned() for one in run.places[:apart]])

@@ -1,0 +1,146 @@
+"""``lapjoint confirm``: what it prints and writes, that it resumes, what it refuses, and that it is not taken in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner, Result
+
+import lapjoint
+from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
+from lapjoint.campaigns.branch_dataset import read_branches
+from lapjoint.campaigns.confirm_dataset import VERDICTS
+from lapjoint.campaigns.dataset import read_result
+from lapjoint.cli.main import main
+from lapjoint.errors import Interrupted
+from lapjoint.netcdf_files import write_netcdf
+
+ELEMENTS = ("--elements", "4")
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def branches(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Branches of a cantilever with one stop: a graze and two folds."""
+    joint = Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
+        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
+        damping=ViscousDamping(coefficient=0.8),
+        base_motion=BaseMotion(amplitude=3e-4, angular_frequency=5.0),
+    )
+    path = tmp_path_factory.mktemp("confirm") / "branch.nc"
+    lapjoint.branch(joint, "base_motion.amplitude", 3e-4, 4e-4, options={"n_modes": 8}, out=path)
+    return path
+
+
+def shifted(branches: Path, by: float, path: Path) -> Path:
+    """The same branches, with all bifurcations moved by some share of their number."""
+    found = read_branches(branches)
+    found.bifurcation_value.values[:] *= 1 + by
+    write_netcdf(found, path)
+    return path
+
+
+def test_both_solvers_agree_and_the_table_says_so_once(branches: Path, tmp_path: Path) -> None:
+    command = ("confirm", branches, *ELEMENTS, "--out", tmp_path / "c.nc")
+    result = run(*command)
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith(f"Wrote {tmp_path / 'c.nc'}\nanalytic (modes 8), and FE (4 elements, exact):\n")
+    rows = {line.split("  ")[0]: line.split()[-7:] for line in result.stdout.splitlines()[3:]}
+    assert {name: row[1:4] for name, row in rows.items()} == dict.fromkeys(("fold", "grazing", "all"), ["0"] * 3)
+    assert run(*command).stdout.startswith(f"{tmp_path / 'c.nc'}: holds this confirmation already, finished")
+    found = read_result(tmp_path / "c.nc", "confirmation")
+    assert (found.ratio.values <= 1).all()
+    assert (found.other_value.values != found.value.values).all()
+
+
+def test_bifurcations_that_were_shifted_are_apart(branches: Path, tmp_path: Path) -> None:
+    by = 1e-3  # four elements state errors below 1e-4
+    result = run("confirm", shifted(branches, by, tmp_path / "s.nc"), *ELEMENTS, "--out", tmp_path / "c.nc")
+    assert result.exit_code == 1
+    found = read_result(tmp_path / "c.nc", "confirmation")
+    assert [VERDICTS[code] for code in found.verdict.values] == ["apart"] * 3
+    assert result.stdout.count(": apart\n") == 3
+
+
+def test_interrupted_it_resumes_to_the_same_bytes(branches: Path, tmp_path: Path) -> None:
+    def stop(done: float, whole: float) -> None:
+        if done >= 1:
+            raise KeyboardInterrupt
+
+    options = {"elements": 4}
+    with pytest.raises(Interrupted, match=r"1 of 3 bifurcations are kept in .*; the same command resumes"):
+        lapjoint.confirm(branches, options=options, out=tmp_path / "a.nc", progress=stop)
+    said: list[float] = []
+    again = lapjoint.confirm(
+        branches, options=options, out=tmp_path / "a.nc", progress=lambda done, _: said.append(done)
+    )
+    assert said[0] == 1
+    whole = lapjoint.confirm(branches, options=options, workers=2, out=tmp_path / "b.nc")
+    xr.testing.assert_identical(again, whole)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_share_is_drawn_at_random_and_by_its_seed(branches: Path) -> None:
+    options = {"elements": 4}
+    drawn = [lapjoint.confirm(branches, options=options, share=0.4, seed=seed) for seed in (0, 0, 1, 2, 3)]
+    numbers = [one.number.values.tolist() for one in drawn]
+    assert all(len(one) == 1 for one in numbers)
+    assert numbers[0] == numbers[1]
+    assert len({one[0] for one in numbers}) > 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--share", "0"), "share = 0.0: must be above 0, and at most 1"),
+        (("--share", "nan"), "share = nan: must be above 0, and at most 1"),
+        (("--seed", "-1"), "seed = -1: must be"),
+        (("--elements", "0"), "elements = 0: must be"),
+        (("--solver", "analytic-published"), "gives no period map"),
+        (("--solver", "none"), "none"),
+        (("--option", "colour=red"), "colour"),
+    ],
+)
+def test_wrong_options_are_refused_in_a_line(
+    branches: Path, tmp_path: Path, arguments: tuple[str, ...], said: str
+) -> None:
+    result = run("confirm", branches, *arguments, "--out", tmp_path / "c.nc")
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert result.stderr.startswith("lapjoint: ")
+    assert result.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_files_that_cannot_be_confirmed_are_refused_in_a_line(branches: Path, tmp_path: Path) -> None:
+    found = read_branches(branches)
+    write_netcdf(found.drop_vars("bifurcation_motion"), tmp_path / "older.nc")
+    write_netcdf(found.assign_attrs(errors=0), tmp_path / "without.nc")
+    write_netcdf(found.isel(bifurcation=slice(0, 0)), tmp_path / "none.nc")
+    (tmp_path / "text.nc").write_text("no NetCDF")
+    reasons = {
+        "older.nc": "hold no motions at their bifurcations",
+        "without.nc": "state no errors of their bifurcations",
+        "none.nc": "there is nothing to confirm",
+        "text.nc": "cannot be read",
+        "missing.nc": "missing.nc",
+    }
+    for name, reason in reasons.items():
+        result = run("confirm", tmp_path / name, *ELEMENTS, "--out", tmp_path / "c.nc")
+        assert (result.exit_code, result.stderr.count("\n")) == (2, 1), name
+        assert reason in result.stderr, name
+
+
+def test_another_confirmation_in_the_file_is_not_thrown_away(branches: Path, tmp_path: Path) -> None:
+    assert run("confirm", branches, *ELEMENTS, "--share", "0.3", "--out", tmp_path / "c.nc").exit_code == 0
+    result = run("confirm", branches, *ELEMENTS, "--share", "0.3", "--seed", "1", "--out", tmp_path / "c.nc")
+    assert result.exit_code == 2
+    assert "is the result of another confirmation" in result.stderr
