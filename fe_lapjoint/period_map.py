@@ -233,7 +233,13 @@ class PeriodMap:
         end = self._section_point(motion.state, motion.y)
         by_number = None if change is None else matrix[:, -1].copy()
         matrix = matrix if change is None else matrix[:, :-1]
-        return Linearised(end, matrix, lambda: traced(model, motion, into, change), by_number)
+        return Linearised(
+            end,
+            matrix,
+            lambda: traced(model, motion, into, change),
+            by_number,
+            lambda: traced(model, motion, into[:, :0]),
+        )
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:

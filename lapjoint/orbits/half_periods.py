@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
@@ -11,7 +12,7 @@ import numpy as np
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.parameters import FieldDerivatives
-from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent, UnitNorms
+from lapjoint.orbits.period_map import Linearised, PeriodMap, Segment, Tangent, UnitNorms
 from lapjoint.orbits.watch import SegmentWatch, Watch
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
@@ -70,7 +71,11 @@ class Return:
             It takes far less memory.
         """
         half_periods, start, count = self.half_periods, self.start, self.count
-        light = replace(self.linearised, trace=lambda: half_periods.linearised(start, count).linearised.segments)
+
+        def again() -> Sequence[Segment]:
+            return half_periods.linearised(start, count).linearised.segments
+
+        light = replace(self.linearised, trace=again, outline=None)
         return replace(self, linearised=light)
 
     @cached_property

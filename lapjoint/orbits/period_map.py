@@ -417,6 +417,8 @@ class Linearised:
     by_number: FloatArray | None = None
     """Derivative of the end by a number of the problem, while the start stays where it is, in the coordinates that
     belong to the start, over the number's unit, shape ``(n,)``; None if it was not asked for."""
+    outline: Callable[[], Sequence[Segment]] | None = field(default=None, repr=False)
+    """Gives the same as `trace` without deviations, for e of no coordinates, where that is less work."""
 
     @cached_property
     def segments(self) -> Sequence[Segment]:
@@ -427,6 +429,11 @@ class Linearised:
     def arrays(self) -> Segments:
         """The same in arrays, if there are stops."""
         return Segments.of(self.segments)
+
+    @cached_property
+    def motion(self) -> Segments:
+        """The same in arrays, if there are stops, for those who ask for the orbit's own motion alone."""
+        return self.arrays if self.outline is None else Segments.of(self.outline())
 
 
 @runtime_checkable

@@ -139,7 +139,7 @@ def extrema_of(found: Return) -> Extrema:
         none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
         never = none.astype(bool)
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
-    segments, (stops, _) = found.linearised.arrays, stops_of(problem.stops)
+    segments, (stops, _) = found.linearised.motion, stops_of(problem.stops)
     width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
     at, time, value, highest = gap_extrema(motion_of(found), stops, width)
     ends = np.flatnonzero(segments.switched >= 0)
@@ -195,7 +195,7 @@ def motion_of(found: Return) -> Motion:
     """
     kept: dict[str, Any] = found.__dict__
     if "_motion" not in kept:
-        kept["_motion"] = motion_at(found.linearised.arrays, stops_of(found.half_periods.map.problem.stops)[1])
+        kept["_motion"] = motion_at(found.linearised.motion, stops_of(found.half_periods.map.problem.stops)[1])
     motion: Motion = kept["_motion"]
     return motion
 
@@ -219,7 +219,7 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     """
     if gives(found.half_periods.map, Tangent):
         t = extremum.time / duration * found.count * found.half_periods.map.period / 2
-        near = _polished_between_switches(found.linearised.arrays, extremum, t)
+        near = _polished_between_switches(found.linearised.motion, extremum, t)
         if near is not None:
             sign, gap = (getattr(found.half_periods.map.problem.stops[extremum.at], name) for name in ("sign", "gap"))
             return replace(extremum, time=near[0], value=sign * near[1] - gap)
@@ -265,6 +265,13 @@ def _polished(found: Return, extremum: Extremum) -> Extremum:
     return replace(extremum, time=t, value=value)
 
 
+def _segment_at(segments: Sequence[Segment], t: float) -> Segment:
+    """`Segments.at`, without the arrays where there are none."""
+    if isinstance(segments, Segments):
+        return segments.at(t)
+    return next((one for one in segments if one.start <= t <= one.end), segments[-1])
+
+
 def slope_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum) -> float:
     """Derivative of an extremum's value by the number of which the motion's segments know the change.
 
@@ -282,7 +289,7 @@ def slope_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: E
     float
         m over the number's unit, while the start of the motion stays where it is.
     """
-    one = Segments.of(segments).at(extremum.time)
+    one = _segment_at(segments, extremum.time)
     tau, k, change = extremum.time - one.start, extremum.at, one.change
     assert change is not None
     waves = (change.waves[k] + tau * change.secular[k]) @ np.exp(one.rates * tau)
@@ -307,7 +314,7 @@ def gradient_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum
     FloatArray, shape (n,)
         m over the unit of each coordinate of the section point.
     """
-    one = Segments.of(segments).at(extremum.time)
+    one = _segment_at(segments, extremum.time)
     tau, k = extremum.time - one.start, extremum.at
     count = one.deviations.shape[0]
     terms = one.weights[k, :count] * np.exp(one.rates[:count] * tau)
