@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lapjoint.answers.branches import Bifurcation
+from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.errors import SolverError
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.continuation import follow
@@ -16,7 +16,8 @@ from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.found_along import Approach, approaches
-from lapjoint.orbits.branches.grazing import located_graze
+from lapjoint.orbits.branches.gap_extrema import Extremum
+from lapjoint.orbits.branches.grazing import OnExtremum, located_graze
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze, Limits
@@ -44,18 +45,40 @@ def restored(family: Family, one: Bifurcation) -> Listed | None:
     """
     if one.motion is None:
         return None
+    places = list(_places(family, one.motion))
+    for own, place in places:
+        if place.value == one.motion.value:  # it closes as it is: this is the self that found it
+            found = _as_it_is(own, one, place)
+            if found is not None:
+                return found
+    return next((found for own, place in places if (found := _found(own, one, place)) is not None), None)
+
+
+def _places(family: Family, motion: MotionThere) -> Iterator[tuple[Family, Place]]:
+    """The motion by the solver, and by finer selves of it."""
     own: Family | None = family
-    value, point, count = one.motion
     for _ in range(_FINER + 1):
         if own is None:
-            break
-        place = corrected(own, value, own.adopted(value, point), count)
-        found = None if place is None else _found(own, one, place)
-        if found is not None:
-            return found
-        finer = own.finer(value)
+            return
+        place = corrected(own, motion.value, own.adopted(motion.value, motion.point), motion.half_periods)
+        if place is not None:
+            yield own, place
+        finer = own.finer(motion.value)
         own = None if finer is None else finer[1]
-    return None
+
+
+def _as_it_is(family: Family, one: Bifurcation, place: Place) -> Listed | None:
+    """The bifurcation with the motion at which it was found."""
+    assert one.kind != "unresolved"
+    if one.kind != "grazing":
+        return Listed(family, one, Located(one.kind, place), Surroundings(family, place))
+    near = _towards(family, one, place)
+    if near is None:
+        return None
+    place, extremum, rate = near
+    at = OnExtremum(place, extremum, float(place.tangent[-1]) * family.scale(place.value) / rate)
+    graze = Graze(one.stop, at.value, one.after, at, rate, 0, at.left)
+    return Listed(family, one, graze, Surroundings(family, place))
 
 
 def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
@@ -71,7 +94,20 @@ def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
 
 
 def _graze(family: Family, one: Bifurcation, place: Place) -> Graze | None:
-    """The graze of the stop that comes the nearest to it, with the tangent towards the graze."""
+    """The graze near a place, with the tangent of its motion towards it."""
+    near = _towards(family, one, place)
+    if near is None:
+        return None
+    place, extremum, rate = near
+    found = located_graze(family, place, extremum, rate)
+    if found is None:
+        return None
+    found = replace(found, place=found.place.going_on_from(place))
+    return Graze(one.stop, found.value, one.after, found, rate, 0, found.left)
+
+
+def _towards(family: Family, one: Bifurcation, place: Place) -> tuple[Place, Extremum, float] | None:
+    """A place with its tangent towards a graze, its extremum of that stop nearest to it, and the rate of its value."""
     mine = np.flatnonzero(place.extrema.stop == one.stop)
     if not mine.size:
         return None
@@ -83,13 +119,7 @@ def _graze(family: Family, one: Bifurcation, place: Place) -> Graze | None:
         return None
     if rate == 0.0:
         return None
-    if rate * extremum.value > 0:
-        place, rate = place.turned(), -rate
-    found = located_graze(family, place, extremum, rate)
-    if found is None:
-        return None
-    found = replace(found, place=found.place.going_on_from(place))
-    return Graze(one.stop, found.value, one.after, found, rate, 0, found.left)
+    return (place.turned(), extremum, -rate) if rate * extremum.value > 0 else (place, extremum, rate)
 
 
 @dataclass(frozen=True)
