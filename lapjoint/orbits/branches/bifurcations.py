@@ -47,6 +47,9 @@ _STEPS = 40
 """Most steps of the search for the root of a test function."""
 _ROUNDING = 1e-6
 """Distance outside the circle up to which a multiplier may lie on it: without damping all of them do."""
+_STILL_ON = 2.0
+"""The same over the distance by which the multipliers that pass the circle miss it: some pass it so fast that a change
+of the number by `_LOCATED` is too much for them."""
 _LOCATED = 1e-9
 """Change of the number over its scale, and of the motion over its size, at which a bifurcation is located; and the
 value of a test function there."""
@@ -171,7 +174,13 @@ def _accounts(found: list[Located], first: Place, last: Place) -> bool:
     changes = [2 if kind == "neimark-sacker" else 1 for kind in kinds]
     if abs(b[2] - a[2]) not in {abs(sum(one)) for one in product(*((-change, change) for change in changes))}:
         return False
-    return len(found) != 1 or _outside(found[0].place, _ROUNDING) == min(a[2], b[2])
+    return len(found) != 1 or _others_outside(found[0]) == min(a[2], b[2])
+
+
+def _others_outside(one: Located) -> int:
+    """Number of multipliers outside the circle besides those that pass it at a bifurcation, where they lie near it."""
+    left = _from_one(one.place) if one.kind == "fold" else criteria_of(one.place)[one.kind].left(one.place)
+    return _outside(one.place, max(_ROUNDING, _STILL_ON * left))
 
 
 def signature(place: Place) -> tuple[int, int, int]:
@@ -239,11 +248,10 @@ def _middle(family: Family, first: Place, last: Place) -> Place | None:
     length = float(np.linalg.norm(last.chord(family, first)))
     if length <= _LOCATED:
         return None
-
-    def alike(place: Place) -> bool:
-        return place.extrema.closings == first.extrema.closings
-
-    return between_two(family, first, last, 0.5, length, alike)
+    found = between_two(
+        family, first, last, 0.5, length, lambda place: place.extrema.closings == first.extrema.closings
+    )
+    return None if found is None or found.orientation != first.orientation else found  # it may be of another curve
 
 
 def flip_of(place: Place) -> Kind:
@@ -319,7 +327,7 @@ def located(family: Family, first: Place, last: Place, criterion: Criterion) -> 
         if length * min(at_a, at_b) <= _SURE * _LOCATED * (at_a + at_b):
             return a if at_a <= at_b else b
         if length <= _LOCATED:
-            return a
+            return a if at_a <= at_b else b
         slow, before, least = slow + 1 if length > _MOST * before else 0, length, 0.5 * _LOCATED / length
         share = 0.5 if slow >= _STUCK else min(max(fa / (fa + fb), least), 1 - least)
         here = between_two(family, a, b, share, length) or between_two(family, a, b, 0.5, length)
@@ -428,6 +436,11 @@ def _above_minus_one(place: Place) -> int:
     """Whether det(1 + M) is positive: it changes its sign where a real multiplier passes -1, and nowhere else."""
     real = _real(place)
     return int(np.count_nonzero(real < -1) % 2 == 0)
+
+
+def _from_one(place: Place) -> float:
+    """Distance from 1 of the multiplier that is nearest to it."""
+    return float(np.min(np.abs(place.orbit.values - 1), initial=1.0))
 
 
 def _from_minus_one(place: Place) -> float:
