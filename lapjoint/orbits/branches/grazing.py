@@ -34,8 +34,9 @@ from lapjoint.problem import FloatArray
 
 _STEPS = 12
 """Most steps of Newton's method, and of halves of them."""
-_HALVINGS = 2
-"""How often a step is halved that leads past the graze, or away."""
+_HALVINGS = 1
+"""How often a step is made shorter that leads past the graze, or away: what is not found so is looked for again from
+the next place of the curve."""
 _STEP = 1e-8
 """Step of the differences over the scale of the number: nearer than any graze that is looked for."""
 _FAR = 0.5
@@ -56,10 +57,11 @@ _ON_TARGET = 0.5
 """Distance from the target over the target within which Newton's method ends."""
 _LEFT = 0.1
 """Share of the way to a graze that is left by the first step of Newton's method towards it."""
-_LEFT_AT_MOST = 0.3
-"""Largest share of the way that is left by any."""
 _AMISS = 3.0
 """Way that a step leaves, over the way by which it is expected to miss: by the last step's miss, with its square."""
+_SMOOTH = 3.0
+"""Largest ratio of what a step misses by and its length, from which the next one's miss can be expected: beyond it, the
+extremum is another one."""
 _HELD = 0.5
 """Residual over the way to a graze from which on the extremum is held until the motion closes: where damping forces
 jump with the state, the map changes as the root of the penetration, and a step towards the graze leaves a residual."""
@@ -239,7 +241,8 @@ class _Search:
         self._family, self._place, self._target, self._scale = family, place, target, scale
         self._towards = towards
         self._column, self._slope = np.zeros(0), 0.0
-        self._tries, self._miss, self._left = 0, np.inf, _LEFT
+        self._tries, self._miss = 0, np.inf
+        self._bend: float | None = None
 
     def run(self, extremum: Extremum) -> OnExtremum | None:
         """Find it from the extremum of the place where it begins."""
@@ -260,18 +263,10 @@ class _Search:
                 return self._found(good, J, bordered)
             if self._tries and good.residual <= RESIDUAL and self._way(good) <= _CLOSE_ENOUGH and self._towards:
                 near = replace(self._found(good, J, bordered), close=False)
-            aim = self._aim(good)
-            misses = (aim - good.extremum.value) / self._scale
-            step = np.linalg.solve(bordered, np.append(-good.weights * good.r, misses))
-            better = self._stepped(good, step)
+            better = self._stepped(good, bordered)
             if better is None:
                 return near
-            now, share = better
-            expected = good.extremum.value + share * (aim - good.extremum.value)
-            gone = abs(expected - good.extremum.value) / self._scale
-            if gone > 0:
-                self._left = _AMISS * abs(now.extremum.value - expected) / self._scale / gone**2
-            good = now
+            good = better
 
     def _way(self, one: _Try) -> float:
         """Arc length to the graze, as the extremum's rate has it."""
@@ -284,23 +279,37 @@ class _Search:
             return self._target
         if good.residual > _HELD * way:
             return good.extremum.value
-        left = self._left * (way if self._tries == 0 else way**2)
-        return math.copysign(max(min(left, _LEFT_AT_MOST * way), end) * self._scale, self._target)
+        left = _LEFT * way
+        if self._bend is not None:  # the root of left = bend (way - left)^2
+            left = way - 2 * way / (1 + math.sqrt(1 + 4 * self._bend * way))
+        return math.copysign(max(left, end) * self._scale, self._target)
 
-    def _stepped(self, good: _Try, step: FloatArray) -> tuple[_Try, float] | None:
-        """The guess after a step, or after as large a share of it as makes it better, and that share."""
+    def _stepped(self, good: _Try, bordered: FloatArray) -> _Try | None:
+        """The guess after a step; after a shorter one where that leads too far, or is not better."""
         share = 1.0
         for _ in range(_HALVINGS + 1):
+            misses = (self._aim(good) - good.extremum.value) / self._scale
+            step = share * np.linalg.solve(bordered, np.append(-good.weights * good.r, misses))
             self._tries += 1
-            if self._tries > _STEPS or not float(np.linalg.norm(share * step)) < 1.0:
+            if self._tries > _STEPS or not float(np.linalg.norm(step)) < 1.0:
                 return None
-            point = good.half_periods.map.moved(good.point, share * step[:-1] / good.weights)
-            value = good.value + share * float(step[-1]) * self._family.scale(good.value)
+            point = good.half_periods.map.moved(good.point, step[:-1] / good.weights)
+            value = good.value + float(step[-1]) * self._family.scale(good.value)
             now = _tried(self._family, value, self._family.adopted(value, point), self._place.count, good)
+            learned = now is not None and self._learns(share * misses, (now.extremum.value - good.extremum.value))
             if now is not None and self._is_better(now, good):
-                return now, share
-            share *= 0.5
+                return now
+            if not (learned and self._towards):  # else the aim is another one
+                share *= 0.5
         return None
+
+    def _learns(self, meant: float, gone: float) -> bool:
+        """Learn how the extremum's way bends from a step towards it and the change of its value; whether that tells."""
+        amiss = abs(gone / self._scale - meant)
+        if not 0 < amiss <= _SMOOTH * abs(meant):
+            return False
+        self._bend = _AMISS * amiss / meant**2
+        return True
 
     def _is_better(self, now: _Try, good: _Try) -> bool:
         """Whether a guess is as near to a motion as Newton's method must come, and has not crossed the graze back."""
