@@ -114,6 +114,18 @@ def test_two_flips_that_undo_each_other_within_a_step_are_found() -> None:
     assert check([(lambda p: -1.53 + 10 * (p - 1.5) ** 2, lambda p: 0.5)]) == 2
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_flip_that_a_multiplier_passes_very_fast_leaves_nothing_unresolved(seed: int) -> None:
+    # It is off by up to 1e-5 where the number is exact to 1e-9, and must not count as another one outside the circle.
+    rng = np.random.default_rng((17, seed))
+    where, slope = rng.uniform(LOW, HIGH), np.exp(rng.uniform(*np.log([3e5, 3e6]))) * rng.choice([-1, 1])
+
+    def fast(p: float) -> float:
+        return -1 + 0.5 * float(np.tanh(slope * (p - where)))
+
+    assert check([(lambda p: fast(p) + 0.3, lambda p: 0.3 * fast(p))]) == 1
+
+
 def test_a_pair_that_leaves_the_circle_and_comes_back_within_a_step_is_found() -> None:
     assert check([(lambda p: 0.3, lambda p: 0.9 + 0.13 * float(np.cos(8 * (p - 1.4))))]) == 2
 
