@@ -161,10 +161,6 @@ def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[
     owner = [i for i, branch in enumerate(branches) for _ in branch["bifurcations"]]
     starts = np.cumsum([0, *(len(branch["points"]) for branch in branches)])
     stops = len(plan.problem.stops)
-    kinds = {
-        "flag_values": np.arange(len(KINDS), dtype="i1"),
-        "flag_meanings": " ".join(kind.replace(" ", "_") for kind in KINDS),
-    }
 
     def column(name: str, kind: Any, text: str, **attributes: Any) -> Variable:
         return ("bifurcation",), np.array([row[name] for row in rows], dtype=kind), {"long_name": text, **attributes}
@@ -174,7 +170,7 @@ def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[
         "bifurcation_kind": (
             ("bifurcation",),
             np.array([KINDS.index(row["kind"]) for row in rows], dtype="i1"),
-            {"long_name": "what the bifurcation is", **kinds},
+            {"long_name": "what the bifurcation is", **meanings_of(KINDS)},
         ),
         "bifurcation_value": column("value", "f8", f"{plan.axis.path} at the bifurcation", units=plan.axis.units),
         "bifurcation_error": column("error", "f8", error, units=plan.axis.units),
@@ -202,10 +198,27 @@ def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[
         ),
         "bifurcation_motion": (
             ("bifurcation",),
-            np.array([_text_of(row.get("motion")) for row in rows], dtype=object),
+            np.array([_text_of(row["motion"]) for row in rows], dtype=object),
             {"long_name": "the motion there as JSON: the number, the section point, and half periods; or empty"},
         ),
     }
+
+
+def meanings_of(names: Sequence[str]) -> dict[str, Any]:
+    """What the codes of a variable mean, as its attributes say it.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The names, in the sequence of their codes from 0.
+
+    Returns
+    -------
+    dict
+        ``flag_values`` and ``flag_meanings``.
+    """
+    values = np.arange(len(names), dtype="i1")
+    return {"flag_values": values, "flag_meanings": " ".join(name.replace(" ", "_") for name in names)}
 
 
 def _text_of(motion: Any) -> str:

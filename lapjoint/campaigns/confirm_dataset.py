@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.campaigns.branch_dataset import KINDS
+from lapjoint.campaigns.branch_dataset import KINDS, meanings_of
 from lapjoint.campaigns.format_version import FORMAT_VERSION
-from lapjoint.solver import make_solver
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,21 +74,16 @@ def confirm_dataset(plan: ConfirmPlan, answers: Sequence[Confirmed]) -> xr.Datas
     ratio = np.abs(other - value) / (error + other_error)
     variables = {
         "number": column([row.number for row in rows], "i4", "number of the bifurcation in its file", units="1"),
-        "kind": column(kinds, "i1", "what the bifurcation is", **_meanings(KINDS)),
+        "kind": column(kinds, "i1", "what the bifurcation is", **meanings_of(KINDS)),
         "value": column(value, "f8", f"{path} by the first solver", units=units),
         "error": column(error, "f8", "its error", units=units),
         "other_value": column(other, "f8", f"{path} by the other solver; NaN where not found", units=units),
         "other_error": column(other_error, "f8", "its error; infinite where none can be stated", units=units),
         "ratio": column(ratio, "f8", "distance of both values over the sum of their errors", units="1"),
-        "verdict": column(verdicts, "i1", "whether both agree within their errors", **_meanings(VERDICTS)),
+        "verdict": column(verdicts, "i1", "whether both agree within their errors", **meanings_of(VERDICTS)),
         "message": column([one.message for one in answers], object, "why it was not found; empty where it was"),
     }
     return xr.Dataset(variables, attrs=_attributes(plan))
-
-
-def _meanings(names: Sequence[str]) -> dict[str, Any]:
-    values = np.arange(len(names), dtype="i1")
-    return {"flag_values": values, "flag_meanings": " ".join(name.replace(" ", "_") for name in names)}
 
 
 def _attributes(plan: ConfirmPlan) -> dict[str, Any]:
@@ -102,7 +96,7 @@ def _attributes(plan: ConfirmPlan) -> dict[str, Any]:
         "path": plan.branches.axis.path,
         "first_solver": plan.branches.check().name,
         "solver": plan.solver,
-        "solver_name": make_solver(plan.solver, **plan.options).name,
+        "solver_name": plan.other.check().name,
         "options": json.dumps(identity["options"]),
         "share": plan.share,
         "seed": plan.seed,

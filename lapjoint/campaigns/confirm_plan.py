@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -13,21 +13,16 @@ import numpy as np
 
 from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns.branch_dataset import KINDS
-from lapjoint.campaigns.branch_parts import motion_from
+from lapjoint.campaigns.branch_parts import family_of, motion_from
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.plan import check_integer, digest_of, versions
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem.files import from_toml
-from lapjoint.solver import Progress, Solver, make_solver
+from lapjoint.solver import Progress, Solver
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from lapjoint.orbits.branches.family import Family
-
-_KEPT = 4
-"""Number of problems of which the period maps are kept, in each process."""
 
 
 @dataclass(frozen=True)
@@ -102,6 +97,11 @@ class ConfirmPlan:
     share: float = 1.0
     seed: int = 0
 
+    @cached_property
+    def other(self) -> BranchPlan:
+        """What the file would be the result of, had the other solver followed the branches."""
+        return replace(self.branches, solver=self.solver, options=self.options)
+
     @property
     def size(self) -> int:
         """Number of bifurcations that are looked for."""
@@ -113,9 +113,9 @@ class ConfirmPlan:
 
     def check(self) -> Solver:
         """Check all, and make the solver. See `lapjoint.campaigns.campaign.Campaign.check`."""
-        solver = make_solver(self.solver, **self.options)
+        solver = self.other.check()
         self.branches.check()
-        _family(_Known(self, 0, own=False))
+        family_of(self.other.at(0))
         return solver
 
     def answer(
@@ -127,10 +127,10 @@ class ConfirmPlan:
 
         row = self.rows[cell]
         try:
-            one = restored(_family(_Known(self, row.also, own=True)), row.bifurcation)
+            one = restored(family_of(self.branches.at(row.also)), row.bifurcation)
             if one is None:
                 return Confirmed(message="the first solver does not find it again from the motion in the file"), None
-            found = by_another(one, _family(_Known(self, row.also, own=False)))
+            found = by_another(one, family_of(self.other.at(row.also)))
         except SolverError as error:
             return Confirmed(message=str(error)), None
         if found is None:
@@ -166,31 +166,6 @@ class ConfirmPlan:
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
         return digest_of(self.identity, self.options)
-
-
-@dataclass(frozen=True)
-class _Known:
-    """The period maps of a solver as a key: plans with the same fingerprint have the same."""
-
-    plan: ConfirmPlan
-    also: int
-    own: bool
-    """Whether the solver is that of the branches."""
-
-    def __hash__(self) -> int:
-        return hash((self.plan.fingerprint, self.also, self.own))
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Known) and hash(other) == hash(self)
-
-
-@lru_cache(maxsize=2 * _KEPT)
-def _family(key: _Known) -> Family:
-    from lapjoint.orbits.branches.family import Family
-
-    plan, one = key.plan, key.plan.branches.at(key.also)
-    solver = one.check() if key.own else make_solver(plan.solver, **plan.options)
-    return Family(solver, one.problem_at, one.path, *one.axis.values)
 
 
 def confirm_plan(

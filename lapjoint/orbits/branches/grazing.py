@@ -296,7 +296,7 @@ class _Search:
             point = good.half_periods.map.moved(good.point, step[:-1] / good.weights)
             value = good.value + float(step[-1]) * self._family.scale(good.value)
             now = _tried(self._family, value, self._family.adopted(value, point), self._place.count, good)
-            learned = now is not None and self._learns(share * misses, (now.extremum.value - good.extremum.value))
+            learned = now is not None and self._learns(share * misses, now.extremum.value - good.extremum.value)
             if now is not None and self._is_better(now, good):
                 return now
             if not (learned and self._towards):  # else the aim is another one

@@ -15,7 +15,7 @@ from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
-from lapjoint.orbits.branches.found_along import Approach, approaches
+from lapjoint.orbits.branches.found_along import Approach, approaches, motion_at
 from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import OnExtremum, located_graze
 from lapjoint.orbits.branches.listing import Listed
@@ -71,39 +71,35 @@ def _as_it_is(family: Family, one: Bifurcation, place: Place) -> Listed | None:
     """The bifurcation with the motion at which it was found."""
     assert one.kind != "unresolved"
     if one.kind != "grazing":
-        return Listed(family, one, Located(one.kind, place), Surroundings(family, place))
+        return _listed(family, one, Located(one.kind, place))
     near = _towards(family, one, place)
     if near is None:
         return None
     place, extremum, rate = near
     at = OnExtremum(place, extremum, float(place.tangent[-1]) * family.scale(place.value) / rate)
-    graze = Graze(one.stop, at.value, one.after, at, rate, 0, at.left)
-    return Listed(family, one, graze, Surroundings(family, place))
+    return _listed(family, one, _graze(one, at, rate))
 
 
 def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
-    """The bifurcation from a place near it."""
-    if one.kind == "grazing":
-        graze = _graze(family, one, place)
-        return None if graze is None else Listed(family, one, graze, Surroundings(family, graze.before.place))
+    """The bifurcation from a place near it; the tangent of a graze's motion leads towards it."""
     assert one.kind != "unresolved"
-    there = smooth_finder(one.kind)(family, place)
-    if there is None:
-        return None
-    return Listed(family, one, Located(one.kind, there.place), Surroundings(family, there.place))
-
-
-def _graze(family: Family, one: Bifurcation, place: Place) -> Graze | None:
-    """The graze near a place, with the tangent of its motion towards it."""
+    if one.kind != "grazing":
+        there = smooth_finder(one.kind)(family, place)
+        return None if there is None else _listed(family, one, Located(one.kind, there.place))
     near = _towards(family, one, place)
-    if near is None:
+    found = None if near is None else located_graze(family, *near)
+    if near is None or found is None:
         return None
-    place, extremum, rate = near
-    found = located_graze(family, place, extremum, rate)
-    if found is None:
-        return None
-    found = replace(found, place=found.place.going_on_from(place))
-    return Graze(one.stop, found.value, one.after, found, rate, 0, found.left)
+    found = replace(found, place=found.place.going_on_from(near[0]))
+    return _listed(family, one, _graze(one, found, near[2]))
+
+
+def _listed(family: Family, one: Bifurcation, found: Located | Graze) -> Listed:
+    return Listed(family, one, found, Surroundings(family, motion_at(found)))
+
+
+def _graze(one: Bifurcation, at: OnExtremum, rate: float) -> Graze:
+    return Graze(one.stop, at.value, one.after, at, rate, 0, at.left)
 
 
 def _towards(family: Family, one: Bifurcation, place: Place) -> tuple[Place, Extremum, float] | None:
