@@ -18,6 +18,8 @@ from lapjoint.figures import plot_branches, plot_loci
 VALUES = (1.0, 2.0, 3.0, 2.5, 2.0, 3.0, 4.0)
 IMPULSES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 STABLE = (True, True, True, False, False, True, True)
+BARE: dict[str, Any] = {"error": 1e-9, "stop": 0, "after": "", "impulses": (), "motion": None}
+"""What a bifurcation has besides its kind, its value and its place."""
 
 
 def cantilever() -> Problem:
@@ -36,10 +38,7 @@ def diagram(*folds: tuple[float, int]) -> Diagram:
         vars(Point("PERIODIC", 1, False, 0.0, 0.5 if stable else 1.5, 0.0, impulses=(impulse,)))
         for impulse, stable in zip(IMPULSES, STABLE, strict=True)
     ]
-    found: list[dict[str, Any]] = [
-        {"kind": "fold", "value": value, "error": 1e-9, "index": i, "stop": -1, "after": "", "impulses": (0.2,)}
-        for value, i in folds
-    ]
+    found = [BARE | {"kind": "fold", "value": value, "index": i, "stop": -1, "impulses": (0.2,)} for value, i in folds]
     branch = {"values": VALUES, "points": points, "bifurcations": found, "ends": ("boundary", "boundary")}
     return Diagram([branch])
 
@@ -70,7 +69,7 @@ def test_stable_parts_are_solid_and_unstable_ones_dashed(dataset: xr.Dataset) ->
 def lines_of(*found: dict[str, Any], stable: tuple[bool, ...] = STABLE, ordinate: str = "impulse") -> list[Any]:
     """What is drawn of a branch with some bifurcations: corners, and whether they are joined by dashes."""
     one = diagram()
-    one.branches[0]["bifurcations"] = [{"error": 1e-9, "stop": 0, "after": "", "impulses": ()} | each for each in found]
+    one.branches[0]["bifurcations"] = [BARE | each for each in found]
     for point, holds in zip(one.branches[0]["points"], stable, strict=True):
         point["multiplier_real"] = 0.5 if holds else 1.5
     plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
