@@ -22,8 +22,6 @@ from lapjoint.orbits.period_map import Segment, Segments, Tangent
 from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
 
-_PER_HALF_PERIOD = 64
-"""Least number of points in half a period of the fastest excitation between which an extremum is looked for."""
 _STEPS = 12
 """Most steps of Newton's method from the phase of an extremum of a neighbouring motion."""
 _EXACT = 1e-10
@@ -140,8 +138,7 @@ def extrema_of(found: Return) -> Extrema:
         never = none.astype(bool)
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
     segments, (stops, _) = found.linearised.motion, stops_of(problem.stops)
-    width = np.pi / problem.forces.fastest / _PER_HALF_PERIOD
-    at, time, value, highest = gap_extrema(motion_of(found), stops, width)
+    at, time, value, highest = gap_extrema(motion_of(found), stops)
     ends = np.flatnonzero(segments.switched >= 0)
     switched = segments.switched[ends]
     closes = ~segments.closed[ends, switched]
