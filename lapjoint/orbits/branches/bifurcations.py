@@ -17,10 +17,10 @@ the distance of one of them from the circle, or would pass it on the way if they
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 from itertools import product
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -114,11 +114,11 @@ def _within(
 ) -> Iterator[Located | NotLocated]:
     """The bifurcations between two places, the way between which has been halved so often; one may be known."""
     a, b = signature(first), signature(last)
-    change = tuple(int(x != y) for x, y in zip(a[:2], b[:2], strict=True)), abs(b[2] - a[2])
+    change = (int(a[0] != b[0]), int(a[1] != b[1])), abs(b[2] - a[2])
     single = _kind_of(change, first)
     if known is not None and (known.kind != single or not _lies_between(family, first, last, known.place)):
         known = None
-    found = [] if single is None else [known] if known is not None else list(_at_changes(family, first, last, single))
+    found = [known] if known is not None else [] if single is None else _at_changes(family, first, last, {single})
     if found and _accounts(found, first, last):
         yield from found
         return
@@ -130,8 +130,7 @@ def _within(
             yield from _within(family, first, middle, (around[0], last), halvings + 1, known)
             yield from _within(family, middle, last, (first, around[1]), halvings + 1, known)
             return
-    if change != _NONE:
-        found = list(_at_changes(family, first, last, None))
+    found += _at_changes(family, first, last, _kinds_in(change, first) - {single})
     yield from found
     if not _accounts(found, first, last):
         yield NotLocated(first.value, last.value)
@@ -142,28 +141,42 @@ def _lies_between(family: Family, first: Place, last: Place, place: Place) -> bo
     return float(place.chord(family, first) @ place.chord(family, last)) < 0
 
 
-def _at_changes(family: Family, first: Place, last: Place, only: Kind | None) -> Iterator[Located]:
-    """The bifurcations of one kind between two places, or of any, one of each at most."""
-    for kind, criterion in criteria_of(first).items():
-        if criterion.count(first) != criterion.count(last) and only in (None, kind):
-            found = located(family, first, last, criterion)
-            if found is not None and criterion.left(found) <= _VANISHES:
-                yield Located(kind, found)
+def _at_changes(family: Family, first: Place, last: Place, kinds: Set[Kind]) -> list[Located]:
+    """The bifurcations of some kinds between two places, one of each at most."""
+    criteria = {kind: criterion for kind, criterion in criteria_of(first).items() if kind in kinds}
+    found = {kind: located(family, first, last, criterion) for kind, criterion in criteria.items()}
+    return [
+        Located(kind, place)
+        for kind, place in found.items()
+        if place is not None and criteria[kind].left(place) <= _VANISHES
+    ]
 
 
-_NONE = ((0, 0), 0)
-"""What changes where there is no bifurcation: signs of w and of det(1 + M), and the number of mu outside the circle."""
-_FOLD, _FLIP, _NEIMARK_SACKER = ((1, 0), 1), ((0, 1), 1), ((0, 0), 2)
+Change: TypeAlias = tuple[tuple[int, int], int]
+"""Whether the signs of w and of det(1 + M) differ, 0 or 1, and by how much the number of mu outside the circle does."""
+_NONE: Change = ((0, 0), 0)
+_FOLD: Change = ((1, 0), 1)
+_FLIP: Change = ((0, 1), 1)
+_NEIMARK_SACKER: Change = ((0, 0), 2)
 
 
-def _kind_of(change: tuple[tuple[int, ...], int], place: Place) -> Kind | None:
+def _kind_of(change: Change, place: Place) -> Kind | None:
     """What changes that alone."""
-    kinds: dict[tuple[tuple[int, ...], int], Kind] = {
-        _FOLD: "fold",
-        _FLIP: flip_of(place),
-        _NEIMARK_SACKER: "neimark-sacker",
-    }
+    kinds: dict[Change, Kind] = {_FOLD: "fold", _FLIP: flip_of(place), _NEIMARK_SACKER: "neimark-sacker"}
     return kinds.get(change)
+
+
+def _kinds_in(change: Change, place: Place) -> set[Kind]:
+    """The kinds of as few bifurcations as change that; pairs pass the circle where real multipliers do not suffice."""
+    (fold, flip), outside = change
+    kinds: set[Kind] = set()
+    if fold:
+        kinds.add("fold")
+    if flip:
+        kinds.add(flip_of(place))
+    if outside not in {0, abs(fold - flip), fold + flip}:
+        kinds.add("neimark-sacker")
+    return kinds
 
 
 def _accounts(found: list[Located], first: Place, last: Place) -> bool:
