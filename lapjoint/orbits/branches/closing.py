@@ -1,4 +1,4 @@
-"""Whether a curve has come back to its start, or to an image of it: the same motion, some half periods later.
+"""Whether a curve has come back to where it was, or to an image of that: the same motion, some half periods later.
 
 A motion of ``count`` half periods has as many section points, or half as many where the problem is not its own mirror
 image.  A closed curve may lead from one of them to another, and only after several rounds to the first again.  So each
@@ -7,6 +7,7 @@ of them is looked for between two neighbouring places: near the chord, and then 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,6 +25,10 @@ _BESIDE = 0.3
 """Distance from a chord over its length within which the curve may pass: it turns by half of this between places."""
 _SLIDES = 4
 """Most steps along the curve to where it is nearest: each leaves the square of the way."""
+_ROUND = 2
+"""Number of places after one from which on a curve may have come back to it."""
+_MARK, _FARTHER = 100, 2
+"""Number of the first place, besides the start, to which a curve may come back, and the ratio of each next to it."""
 
 
 def images_of(half: HalfPeriods, point: SectionPoint, count: int) -> list[SectionPoint]:
@@ -114,3 +119,58 @@ class Start:
             found = corrected(self.family, value, guess, here.count)
             here = None if found is None else found.along(here.tangent)
         return None
+
+
+class Marks:
+    """Where a curve under way may come back to: its start, and a place of it that is chosen anew ever farther along.
+
+    Beyond a graze that cannot be resolved it may come to a ring on which its start does not lie.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    start : Place
+        Where the curve begins.
+    """
+
+    def __init__(self, family: Family, start: Place) -> None:
+        self._family = family
+        self._marks, self._next = {0: Start(family, start)}, _MARK
+
+    def come_back(self, places: Sequence[Place], i: int) -> tuple[int, Place] | None:
+        """Whether a curve has been before where it is between two neighbouring places.
+
+        Parameters
+        ----------
+        places : sequence of Place
+            The curve so far.
+        i : int
+            Index of the first of the two; to be asked for each in turn.
+
+        Returns
+        -------
+        tuple of int and Place, or None
+            The place with which the curve is gone round once, and the index of the one before that.
+        """
+        if i == self._next:
+            self._marks = {0: self._marks[0], i: Start(self._family, places[i])}
+            self._next = _FARTHER * i
+        for index, mark in self._marks.items():
+            back = None if i < index + _ROUND else mark.between(places[i], places[i + 1])
+            if back is not None:
+                return _once_around(places, index, mark) or (i, back)
+        return None
+
+
+def _once_around(places: Sequence[Place], index: int, mark: Start) -> tuple[int, Place] | None:
+    """Where a curve that comes back to a mark did so before, as it may be on a ring since long; None if it did not."""
+    passed: int | None = None
+    for k in range(index - 1):
+        if passed is not None and k < passed + _ROUND:
+            continue
+        there = mark.between(places[k], places[k + 1])
+        if there is not None and passed is not None:
+            return k, there
+        passed = k if there is not None else passed
+    return None if passed is None else (index - 1, places[index])

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import between_two
-from lapjoint.orbits.branches.closing import Start
+from lapjoint.orbits.branches.closing import Marks, Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
@@ -38,11 +38,6 @@ _SHORTEST_SHARE = 0.1
 """The same where the angle that is too wide says by how much."""
 _AFRESH = 2e-3
 """Arc length of the first step after a graze."""
-_ROUND = 2
-"""Number of places after the start from which on a curve may have come back to it."""
-_MARK, _FARTHER = 100, 2
-"""Number of the first place, besides the start, to which a curve may come back, and the ratio of each next one to it:
-beyond a graze that cannot be resolved it may come to a ring on which its start does not lie."""
 _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
 _JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
@@ -124,8 +119,7 @@ class _Follower:
         self._before_fold: Jump | None = None
         self._expected = 0.0
         self._end, self._tries = "", 0
-        self._start, self._looked, self._missed = Start(family, start), 0, 0.0
-        self._marks, self._next_mark = {0: self._start}, _MARK
+        self._marks, self._looked, self._missed = Marks(family, start), 0, 0.0
         self._until = None if limits.until is None else Start(family, limits.until, itself=True)
         self._step, self._length, self._measured = min(_FIRST, _SHARE * limits.length, limits.first), 0.0, 0
 
@@ -164,23 +158,15 @@ class _Follower:
                 self._end_at(i, there, "until")
                 break
             missed = 1.0 if new.missed is None else float(np.linalg.norm(new.missed))
-            if i == self._next_mark:
-                self._marks = {0: self._start, i: Start(self._family, self._places[i])}
-                self._next_mark = _FARTHER * i
-            back = self._come_back(i, new)
-            if back is not None or missed <= _VANISHED * self._missed:
-                self._end_at(i, *((new, "bifurcation") if back is None else (back, "closed")))
+            back = self._marks.come_back(self._places, i)
+            if back is not None:
+                self._end_at(*back, "closed")
+                break
+            if missed <= _VANISHED * self._missed:
+                self._end_at(i, new, "bifurcation")
                 break
             self._missed = max(self._missed, missed)
         self._looked = len(self._places) - 1
-
-    def _come_back(self, i: int, new: Place) -> Place | None:
-        """The place of the curve, after the one with number `i`, where it has been before: at its start, or a mark."""
-        for index, start in self._marks.items():
-            back = None if i < index + _ROUND else start.between(self._places[i], new)
-            if back is not None:
-                return back
-        return None
 
     def _end_at(self, i: int, last: Place, why: str) -> None:
         """End the curve at a place that follows the one with number `i`."""
