@@ -130,7 +130,7 @@ def _within(
             yield from _within(family, first, middle, (around[0], last), halvings + 1, known)
             yield from _within(family, middle, last, (first, around[1]), halvings + 1, known)
             return
-    found += _at_changes(family, first, last, _kinds_in(change, first) - {single})
+    found += _at_changes(family, first, last, _kinds_in(change, first, besides=bool(found)) - {single})
     yield from found
     if not _accounts(found, first, last):
         yield NotLocated(first.value, last.value)
@@ -143,7 +143,11 @@ def _lies_between(family: Family, first: Place, last: Place, place: Place) -> bo
 
 def _at_changes(family: Family, first: Place, last: Place, kinds: Set[Kind]) -> list[Located]:
     """The bifurcations of some kinds between two places, one of each at most."""
-    criteria = {kind: criterion for kind, criterion in criteria_of(first).items() if kind in kinds}
+    criteria = {
+        kind: criterion
+        for kind, criterion in criteria_of(first).items()
+        if kind in kinds and criterion.count(first) != criterion.count(last)
+    }
     found = {kind: located(family, first, last, criterion) for kind, criterion in criteria.items()}
     return [
         Located(kind, place)
@@ -166,15 +170,14 @@ def _kind_of(change: Change, place: Place) -> Kind | None:
     return kinds.get(change)
 
 
-def _kinds_in(change: Change, place: Place) -> set[Kind]:
-    """The kinds of as few bifurcations as change that; pairs pass the circle where real multipliers do not suffice."""
+def _kinds_in(change: Change, place: Place, besides: bool) -> set[Kind]:
+    """The kinds of bifurcations that may change that.
+
+    A pair passes the circle where real multipliers that do are too few, or where it does so `besides` what is known.
+    """
     (fold, flip), outside = change
-    kinds: set[Kind] = set()
-    if fold:
-        kinds.add("fold")
-    if flip:
-        kinds.add(flip_of(place))
-    if outside not in {0, abs(fold - flip), fold + flip}:
+    kinds: set[Kind] = {"fold", flip_of(place)}
+    if besides or outside not in {abs(fold - flip), fold + flip}:
         kinds.add("neimark-sacker")
     return kinds
 

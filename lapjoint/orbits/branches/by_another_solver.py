@@ -4,6 +4,8 @@ The other solver finds it by its own marches, derivatives and multipliers.  Of i
 before, a finer one begins, as its motion is nearer to that of the first solver; the next coarser one begins from the
 finer one's motion, and how far apart both are gives the error.  The first solver's number decides only which two are
 asked first.  Where none comes from the motion at the bifurcation, they follow the curve from motions beside it.
+
+A bifurcation that the next finer self of the first solver does not find is looked for in the same way by its selves.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from lapjoint.answers.branches import Bifurcation, BifurcationKind, MotionThere
 from lapjoint.orbits.branches.bifurcations import Located, NotLocated
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_along import Starts, Way, along, directly, motion_at, smooth_bifurcations
+from lapjoint.orbits.branches.found_along import Starts, Way, directly, motion_at, smooth_bifurcations
 from lapjoint.orbits.branches.run import Graze, Jump, Run
 from lapjoint.orbits.branches.value_errors import Stated, stated
 
@@ -47,19 +47,6 @@ class Listed:
         """The motion there, if a branch springs from it."""
         found = self.found
         return found.place if isinstance(found, Located) and found.kind in _SPRINGING else None
-
-    def asked_along(self) -> Listed:
-        """The same with its error by finer solvers along their own curves, if it has none.
-
-        Returns
-        -------
-        Listed
-            The bifurcation.
-        """
-        if not self.doubtful or self.found is None or self.way is None:
-            return self
-        known = stated(self.family, motion_at(self.found), self.bifurcation.value, along(self.found, self.way))
-        return replace(self, bifurcation=replace(self.bifurcation, value=known.value, error=known.error))
 
 
 def listed(family: Family, run: Run, errors: bool) -> list[Listed]:

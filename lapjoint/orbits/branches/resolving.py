@@ -15,12 +15,14 @@ from itertools import pairwise
 import numpy as np
 
 from lapjoint.errors import SolverError
+from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.listing import Listed, listed
 from lapjoint.orbits.branches.run import Limits, Run
+from lapjoint.orbits.branches.value_errors import AIM
 
 _LISTED = 0.3
 """Share of the work that is behind once the bifurcations are listed, about, where some parts are in doubt."""
@@ -102,7 +104,20 @@ def resolved(
             continue
         if finer is not None:
             now, last = _put_in(now, *finer), finer[0]
-    return replace(now, bifurcations=[one.asked_along() for one in now.bifurcations])
+    return replace(now, bifurcations=[_asked_again(one) for one in now.bifurcations])
+
+
+def _asked_again(one: Listed) -> Listed:
+    """The same with its error by finer solvers among themselves, if it has none.
+
+    One of them did not find it.  So the others must agree well: that there is nothing they would say by a large error.
+    """
+    if not one.doubtful or one.found is None:
+        return one
+    known = by_another(one, one.family)
+    if known is None or not known.error <= AIM * one.family.scale(known.value):
+        return one
+    return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error))
 
 
 def _parts(bifurcations: list[Listed]) -> Iterator[tuple[int, int]]:
