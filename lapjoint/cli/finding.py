@@ -14,7 +14,15 @@ if TYPE_CHECKING:
 
 
 def found_or_stored(
-    plan: Kept, title: str, holds: str, find: Callable[..., xr.Dataset], *, out: str | None, force: bool, **how: Any
+    plan: Kept,
+    title: str,
+    holds: str,
+    find: Callable[..., xr.Dataset],
+    *,
+    out: str | None,
+    force: bool,
+    search: bool = False,
+    **how: Any,
 ) -> xr.Dataset:
     """The dataset of a plan, from its file if it is finished there; else found, with progress shown.
 
@@ -32,6 +40,8 @@ def found_or_stored(
         Its file.
     force : bool
         Whether something else in the file may be thrown away.
+    search : bool
+        Whether what is found leads to more work, so that the time that is left cannot be told.
     **how : object
         Further keywords of `find`, as ``workers``.
 
@@ -41,13 +51,13 @@ def found_or_stored(
         The dataset.
     """
     from lapjoint.campaigns import stored
-    from lapjoint.cli.progress import shown_points
+    from lapjoint.cli.progress import shown_points, shown_search
 
     there = None if out is None else stored(plan, out, force=force)
     if there is not None:
         echo(f"{out}: holds {holds} already, finished")
         return there
-    with shown_points(title) as progress:
+    with (shown_search if search else shown_points)(title) as progress:
         found = find(plan, out=out, force=force, progress=progress, **how)
     if out is not None:
         echo(f"Wrote {out}")

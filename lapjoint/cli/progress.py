@@ -109,6 +109,49 @@ def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic
     return progress
 
 
+@contextmanager
+def shown_search(title: str) -> Iterator[Progress]:
+    """Give a callback ``progress(done, known)`` that shows how much is done of what a search knows of so far."""
+    if not sys.stderr.isatty():
+        yield lines_of_search(title)
+        return
+    import rich.console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("known so far"))
+    with Progress(*columns, TimeElapsedColumn(), console=rich.console.Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=None)
+        yield lambda done, known: bar.update(task, completed=done, total=known)
+
+
+MOST = 60.0
+"""Longest time between two lines of a search, s."""
+
+
+def lines_of_search(title: str, clock: Callable[[], float] = time.monotonic) -> Progress:
+    """A callback that prints a line after `EARLY`, and then ever more rarely, but every `MOST`.
+
+    What is found leads to more that is to be done, so that no time that is left can be told.
+    """
+    began: float | None = None
+    due, wait = EARLY, EARLY
+
+    def progress(done: float, known: float) -> None:
+        nonlocal began, due, wait
+        now = clock()
+        if began is None:
+            began = now
+            if done:
+                echo(f"{title}: goes on from {done:g} of {known:g} known so far", err=True)
+        if now - began < due:
+            return
+        wait = min(1.5 * wait, MOST)
+        due = now - began + wait
+        echo(f"{title}: {done:.3g} of {known:g} known so far, after {duration_text(now - began)}", err=True)
+
+    return progress
+
+
 class _Lines(logging.Handler):
     """Prints what is logged on standard error, whatever that is then."""
 

@@ -16,7 +16,7 @@ from analytic import Solver
 from lapjoint import SteadyState, paper_joint
 from lapjoint.campaigns.pace import Pace
 from lapjoint.campaigns.point import Point
-from lapjoint.cli.progress import lines_of_progress, lines_with_time_left, tell_of_delays
+from lapjoint.cli.progress import lines_of_progress, lines_of_search, lines_with_time_left, tell_of_delays
 from lapjoint.errors import SolverError
 from lapjoint.plain_text import duration_text
 
@@ -128,6 +128,27 @@ def test_what_takes_long_says_early_what_is_left(total: float, done: tuple[float
     assert len(printed) == len(lines), printed
     for line, expected in zip(printed, lines, strict=True):
         assert line.startswith(f"work: {expected}")
+
+
+def test_a_search_says_what_is_known_so_far_and_no_time_that_is_left() -> None:
+    # Fifty starts are done in ten seconds; each of the branches that they lead to takes minutes, and leads to more.
+    now = 0.0
+
+    @click.command()
+    def work() -> None:
+        nonlocal now
+        progress = lines_of_search("branch", lambda: now)
+        for done, known, later in ((3, 51, 8.0), (50, 51, 4.0), (50, 55, 2.0), (51, 60, 200.0), (52, 60, 50.0)):
+            progress(done, known)
+            now += later
+        progress(60, 60)
+
+    assert CliRunner().invoke(work).stderr.splitlines() == [
+        "branch: goes on from 3 of 51 known so far",
+        "branch: 50 of 55 known so far, after 12 s",
+        "branch: 52 of 60 known so far, after 4 min",
+        "branch: 60 of 60 known so far, after 4 min",
+    ]
 
 
 @pytest.fixture
