@@ -14,7 +14,7 @@ from lapjoint.campaigns.basin_chunk import UNBOUND
 from lapjoint.campaigns.basin_plan import BasinPlan
 from lapjoint.campaigns.basin_table import MotionTable, wilson
 from lapjoint.campaigns.dataset import read_result
-from lapjoint.campaigns.format_version import FORMAT_VERSION
+from lapjoint.campaigns.format_version import attributes_of
 from lapjoint.campaigns.point import FAILED, OUTCOME_CODES, plain_section
 from lapjoint.orbits.certified import CertifiedMotion
 from lapjoint.orbits.compiled_intervals import IndexArray
@@ -209,19 +209,8 @@ def _failures(tables: Sequence[MotionTable]) -> dict[str, Variable]:
 def _attributes(plan: BasinPlan) -> dict[str, Any]:
     identity = plan.identity
     chosen = {"plane": identity["plane"]} if plan.plane is not None else {"energy": plan.energy, "seed": plan.seed}
-    return {
-        "Conventions": "CF-1.11",
-        "format_version": FORMAT_VERSION,
-        "result_of": plan.noun,
-        "title": f"Basins of: {plan.problem.title or 'a joint'}",
-        "problem": identity["problem"],
-        "solver": plan.solver,
-        "options": json.dumps(identity["options"]),
-        **chosen,
-        "effort": plan.effort,
-        **{f"version_{name}": number for name, number in identity["versions"].items()},
-        "fingerprint": plan.fingerprint,
-    }
+    title = f"Basins of: {plan.problem.title or 'a joint'}"
+    return attributes_of(plan, title, result_of=plan.noun, problem=identity["problem"], **chosen, effort=plan.effort)
 
 
 def read_basins(path: str | Path) -> xr.Dataset:

@@ -19,7 +19,7 @@ from lapjoint.campaigns.branch_loci import loci_of
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.branch_search import Diagram
 from lapjoint.campaigns.dataset import read_result
-from lapjoint.campaigns.format_version import FORMAT_VERSION
+from lapjoint.campaigns.format_version import attributes_of
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.point import OUTCOME_CODES, Point
 
@@ -307,23 +307,18 @@ def _with_units(units: str, text: str) -> dict[str, Any]:
 
 def _attributes(plan: BranchPlan) -> dict[str, Any]:
     identity = plan.identity
-    return {
-        "Conventions": "CF-1.11",
-        "format_version": FORMAT_VERSION,
-        "result_of": plan.noun,
-        "title": f"Branches of: {plan.problem.title or 'a joint'}",
-        "problem": identity["problem"],
-        "path": identity["path"],
-        "range": identity["range"],
-        "solver": plan.solver,
-        "options": json.dumps(identity["options"]),
-        "max_period_multiple": plan.max_period_multiple,
-        "starts": plan.starts,
-        "seed": plan.seed,
-        "errors": int(plan.errors),
-        "max_points": plan.max_points,
-        "effort": plan.effort,
+    return attributes_of(
+        plan,
+        f"Branches of: {plan.problem.title or 'a joint'}",
+        result_of=plan.noun,
+        problem=identity["problem"],
+        path=identity["path"],
+        range=identity["range"],
+        max_period_multiple=plan.max_period_multiple,
+        starts=plan.starts,
+        seed=plan.seed,
+        errors=int(plan.errors),
+        max_points=plan.max_points,
+        effort=plan.effort,
         **({} if plan.also_over is None else {"also_over": plan.also_over.path}),
-        **{f"version_{name}": number for name, number in identity["versions"].items()},
-        "fingerprint": plan.fingerprint,
-    }
+    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.campaigns.branch_dataset import KINDS, meanings_of
-from lapjoint.campaigns.format_version import FORMAT_VERSION
+from lapjoint.campaigns.format_version import attributes_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,20 +86,14 @@ def confirm_dataset(plan: ConfirmPlan, answers: Sequence[Confirmed]) -> xr.Datas
 
 
 def _attributes(plan: ConfirmPlan) -> dict[str, Any]:
-    identity = plan.identity
-    return {
-        "Conventions": "CF-1.11",
-        "format_version": FORMAT_VERSION,
-        "result_of": plan.noun,
-        "title": f"Confirmation of bifurcations of: {plan.branches.problem.title or 'a joint'}",
-        "path": plan.branches.axis.path,
-        "first_solver": plan.branches.check().name,
-        "solver": plan.solver,
-        "solver_name": plan.other.check().name,
-        "options": json.dumps(identity["options"]),
-        "share": plan.share,
-        "seed": plan.seed,
-        "branches": identity["branches"],
-        **{f"version_{name}": number for name, number in identity["versions"].items()},
-        "fingerprint": plan.fingerprint,
-    }
+    return attributes_of(
+        plan,
+        f"Confirmation of bifurcations of: {plan.branches.problem.title or 'a joint'}",
+        result_of=plan.noun,
+        path=plan.branches.axis.path,
+        first_solver=plan.branches.check().name,
+        solver_name=plan.other.check().name,
+        share=plan.share,
+        seed=plan.seed,
+        branches=plan.identity["branches"],
+    )

@@ -8,7 +8,6 @@ of one motion lie together along the dimension ``contact``, motion after motion 
 from __future__ import annotations
 
 import io
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,7 +17,7 @@ import numpy as np
 
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import Outcome
-from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
+from lapjoint.campaigns.format_version import FORMAT_VERSION, attributes_of, refusal
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.errors import InputError
@@ -235,22 +234,16 @@ def _same(one: Point, other: Point, tolerance: float) -> bool:
 
 
 def _attributes(plan: Plan) -> dict[str, Any]:
-    identity = plan.identity
-    return {
-        "Conventions": "CF-1.11",
-        "format_version": FORMAT_VERSION,
-        "title": f"Steady states of: {plan.grid.problem.title or 'a joint'}",
-        "problem": identity["problem"],
-        "solver": plan.solver,
-        "options": json.dumps(identity["options"]),
-        "start": plan.start,
-        "starts": plan.starts,
-        "seed": plan.seed,
-        "sensitivity": int(plan.sensitivity),
-        "errors": int(plan.errors),
-        **{f"version_{name}": number for name, number in identity["versions"].items()},
-        "fingerprint": plan.fingerprint,
-    }
+    return attributes_of(
+        plan,
+        f"Steady states of: {plan.grid.problem.title or 'a joint'}",
+        problem=plan.identity["problem"],
+        start=plan.start,
+        starts=plan.starts,
+        seed=plan.seed,
+        sensitivity=int(plan.sensitivity),
+        errors=int(plan.errors),
+    )
 
 
 def read_curve(path: str | Path) -> xr.Dataset:

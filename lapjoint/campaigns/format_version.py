@@ -1,11 +1,13 @@
-"""The version of the files that a sweep writes: the dataset and the journal beside it.
+"""The version of the files that campaigns write, a dataset and the journal beside it, and what every dataset says.
 
 The version is raised whenever a reader of the version before would misread a file, or miss something in it.
 """
 
 from __future__ import annotations
 
+import json
 from numbers import Integral
+from typing import Any, Protocol
 
 FORMAT_VERSION = 3
 """Version of the files that are written, and the only one that is read.  Version 2 had no checksums.  Version 1 had
@@ -30,3 +32,49 @@ def refusal(found: object) -> str:
         return ""
     whose = "a newer" if isinstance(found, Integral) and int(found) > FORMAT_VERSION else "an older"
     return f"is of format version {found}, which {whose} lapjoint wrote; this one reads version {FORMAT_VERSION} only"
+
+
+class Work(Protocol):
+    """Work of which a dataset is the result."""
+
+    @property
+    def solver(self) -> str:
+        """Entry-point name of the solver."""
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What distinguishes it from any other, as values that JSON can hold."""
+
+    @property
+    def fingerprint(self) -> str:
+        """A digest of the identity."""
+
+
+def attributes_of(work: Work, title: str, **own: Any) -> dict[str, Any]:
+    """The attributes of a dataset.
+
+    Parameters
+    ----------
+    work : Work
+        What it is the result of.
+    title : str
+        Its title.
+    **own : object
+        What only datasets of this kind say.
+
+    Returns
+    -------
+    dict
+        What every dataset says, and `own`.
+    """
+    identity = work.identity
+    return {
+        "Conventions": "CF-1.11",
+        "format_version": FORMAT_VERSION,
+        "title": title,
+        "solver": work.solver,
+        "options": json.dumps(identity["options"]),
+        **own,
+        **{f"version_{name}": number for name, number in identity["versions"].items()},
+        "fingerprint": work.fingerprint,
+    }
