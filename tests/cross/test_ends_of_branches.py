@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-from made_map import Tongue, made_problem
+from made_map import MadeMap, Tongue, made_problem
 
 import analytic
-from lapjoint import Problem, paper_joint
+from lapjoint import BaseMotion, Problem, SolverError, paper_joint
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.closing import Start
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import corrected
@@ -20,6 +22,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
+from lapjoint.orbits.period_map import Linearised
 
 AMPLITUDE = "base_motion.amplitude"
 LOW, HIGH = 0.2, 1.8
@@ -59,6 +62,55 @@ def test_a_curve_that_comes_to_a_ring_on_which_its_start_does_not_lie_ends(monke
     x, y = np.array([place.point.coordinates[0] for place in run.places]).T
     turned = np.unwrap(np.arctan2(y, x))
     assert 1 <= abs(turned[-1] - turned[0]) / (2 * np.pi) < 2  # once round from where it first is where it comes back
+
+
+@dataclass(frozen=True)
+class CliffMap(MadeMap):
+    """An unstable motion c(p) = p that leaves this just below p = 1, as 0.01 exp((p - 1) / 1e-5), and has a gap there.
+
+    Newton's method finds it from 3e-4 at most.
+    """
+
+    p: float = 0.0
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        """See `MadeMap`."""
+        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """See `MadeMap`."""
+        if 1 < self.p < 1.002:
+            raise SolverError("there is no motion")
+        x, slope = start.coordinates[0, 0], np.eye(1)
+        center = self.p + (0.01 * np.exp((self.p - 1) / 1e-5) if self.p <= 1 else 0.0)
+        for _ in range(half_periods // 2):
+            away = 5e3 * (x - center)
+            x, slope = x + 1e-3 * np.arctan(away), slope * (1 + 5.0 / (1 + away**2))
+        return Linearised(SectionPoint(FREE, np.array([[x]])), slope, tuple)
+
+
+@dataclass(frozen=True)
+class Cliff:
+    """A solver that gives such maps; p is the amplitude of the base, m."""
+
+    name = "cliff"
+
+    def period_map(self, problem: Problem) -> CliffMap:
+        """The map at the amplitude of a problem."""
+        assert isinstance(problem.base_motion, BaseMotion)
+        return CliffMap(problem, np.eye(1), problem.base_motion.amplitude)
+
+
+def test_a_curve_that_turns_where_it_cannot_be_followed_is_found_again_beyond() -> None:
+    family = family_of(Cliff(), made_problem(1.0), AMPLITUDE, LOW, 1.02)
+    start = corrected(family, 0.9984, SectionPoint(FREE, np.array([[0.9984]])), 2, fixed=True)
+    assert start is not None
+    run = follow(family, start.along(np.array([0.0, 1.0])), Limits(1000, first=1e-4))  # too short to step across it
+    assert run.end == "boundary"
+    (jump,) = run.jumps
+    assert jump.first == pytest.approx(1.0, abs=1e-4)
+    assert 1.002 <= jump.last < 1.005
+    assert all(place.point.coordinates[0, 0] == pytest.approx(place.value) for place in run.places[jump.index :])
 
 
 @pytest.fixture(scope="module")

@@ -42,6 +42,8 @@ _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
 _JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
 """Widths, over the scale of the number, of parts that are left out where a curve cannot be followed."""
+_AS_FAR, _LATEST = 0.2, 40
+"""Share of such a width that a place is behind from which what lies beyond is guessed, and the most places to it."""
 _NOTHING = 1
 """Number of the widest of these, 1e-5, that is next to nothing where a graze has been located before it."""
 _LATELY = 1.0
@@ -344,7 +346,7 @@ class _Follower:
 
     def _jump(self, width: int, *, back: bool = False) -> bool:
         """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it."""
-        found = _jumped(self._family, self._here, width, back)
+        found = _jumped(self._family, self._places, width, back)
         if found is None:
             return False
         beyond, width = found
@@ -457,20 +459,26 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     return named(kind), after
 
 
-def _jumped(family: Family, here: Place, least: int, back: bool) -> tuple[Place, int] | None:
-    """The motion some way on that is much like this one, where the curve between them cannot be followed.
+def _jumped(family: Family, places: list[Place], least: int, back: bool) -> tuple[Place, int] | None:
+    """The motion some way on that is much like the last one, where the curve between them cannot be followed.
 
-    If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it.  The widths
+    If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it: along the
+    tangent, or along that of a place some way behind, which a graze that is near does not turn yet.  The widths
     that are left out are tried in turn, from the one with number `least`; the number goes with the motion.  A motion
     that is as stable as this one is preferred: just before a graze, where the map's derivative grows, it need not be.
     With `back`, the curve folds where modes make the map jump, and the motion lies behind, with other contacts.
     """
+    here = places[-1]
     sign, otherwise = math.copysign(1.0, -here.tangent[-1] if back else here.tangent[-1]), None
     for width, share in list(enumerate(_JUMPS))[least:]:
         value = here.value + sign * share * family.scale(here.value)
         if not family.low <= value <= family.high:
             break
         guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
+        behind = None if back else _behind(family, places, share)
+        if behind is not None:
+            ahead = (value - behind.value) / family.scale(behind.value) / behind.tangent[-1]
+            guesses.append(behind.moved(family, ahead * behind.tangent)[1])
         point = family.adopted(value, here.point)
         if here.orbit.stable or back:
             for _ in range(_SETTLING):
@@ -486,6 +494,17 @@ def _jumped(family: Family, here: Place, least: int, back: bool) -> tuple[Place,
                     return beyond
                 otherwise = otherwise or beyond
     return otherwise
+
+
+def _behind(family: Family, places: list[Place], share: float) -> Place | None:
+    """The last place with the same contacts that is as far behind as a part to be left out is wide; None if none is."""
+    here, far = places[-1], _AS_FAR * share * family.scale(places[-1].value)
+    for one in reversed(places[max(len(places) - _LATEST, 0) : -1]):
+        if one.extrema.closings != here.extrema.closings or (here.value - one.value) * one.tangent[-1] <= 0:
+            return None
+        if abs(here.value - one.value) >= far:
+            return one
+    return None
 
 
 def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
