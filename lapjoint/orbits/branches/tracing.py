@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lapjoint.answers.branches import Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bridging import followed
+from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
@@ -21,6 +24,11 @@ from lapjoint.orbits.steady_state import periodic_state
 
 _FOLLOWED = 0.4
 """Share of the work that is behind once a branch is followed, about, where errors are estimated."""
+_FARTHER, _AWAY = 30, 0.05
+"""Most points, and arc length, of a branch along which a motion is looked for that a coarser solver has, too."""
+_APART = 1e-6
+"""Distance over its size by which a motion that springs from another does not repeat as soon as that: it is 1e-9 for
+one that does."""
 
 
 @dataclass(frozen=True)
@@ -97,13 +105,39 @@ def trace(
         if place is not None and place.count * 2 <= 2 * most_multiple:
             new = switched(one.family, place)
             if new is not None:
-                away_from = place.value, family.adopted(place.value, place.point)  # they may be of a finer solver
-                seeds.append(Seed(new.value, family.adopted(new.value, new.point), new.count, away_from))
+                seeds.append(_seed(family, one.family, place, new))
     branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), (back.end, ahead.end))
     runs = [ahead] if seed.away_from is not None else [back, ahead]
     ends = [sprung_from(family, one.places[-1]) for one in runs if one.end == "bifurcation"]
     springs = (seed.away_from, *((one.value, one.point) for one in ends if one is not None))
     return Traced(branch, tuple(seeds), tuple(found.bifurcations), tuple(one for one in springs if one is not None))
+
+
+def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
+    """The seed of a branch that springs from a bifurcation, of which a motion is known by a solver that may be finer.
+
+    Where a finer solver has the bifurcation a little elsewhere, a motion near it need not be one of this solver; then
+    it is one farther along the branch, which leads back to where this solver has the bifurcation.
+    """
+    away_from = bifurcation.value, family.adopted(bifurcation.value, bifurcation.point)
+    seed = Seed(new.value, family.adopted(new.value, new.point), new.count, away_from)
+    if own is family or _coarser(family, new) is not None:
+        return seed
+    with suppress(SolverError):
+        for there in follow(own, new, Limits(most=_FARTHER, length=_AWAY)).places[1:]:
+            found = _coarser(family, there)
+            if found is not None:
+                return Seed(found.value, found.point, found.count)
+    return seed
+
+
+def _coarser(family: Family, place: Place) -> Place | None:
+    """A motion of a finer solver by a coarser one; None if that has none that does not repeat sooner."""
+    found = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+    if found is None:
+        return None
+    half = found.half_periods
+    return found if half.apart(half.marched(found.point, found.count // 2), found.point) > _APART else None
 
 
 def _part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:
