@@ -74,8 +74,9 @@ _GRAZE_TRIES = 5
 """Number of steps that the search for a graze counts for, as it takes about as long."""
 _AT_GRAZE = 1e-5
 """Arc length to a graze up to which the curve is at it, before or behind."""
-_TOO_NEAR = 1e-4
-"""Arc length to a graze that cannot be located within which what lies around it is left out."""
+_TOO_NEAR = 1e-5
+"""Arc length to a graze that cannot be located within which what lies around it is left out: from 1e-4, where the curve
+turns before a graze, it is found from nearer in one of three cases."""
 _VANISHED = 1e-3
 """Share of the most that a motion of the curve misses to repeat in half the time, up to which one misses nothing."""
 _BOTH_SIDES = 3.0
