@@ -65,16 +65,17 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]
     waves, factors, weights = zeros((terms, 2)), zeros((terms, 2)), zeros((places, terms, 4))
-    before, now, middle, missed = zeros((places, 3)), zeros(3), zeros(3), zeros((places, 3))
-    ends = zeros((_HALVINGS + 1, 3))
+    before, now, middle, ends = zeros((places, 3)), zeros(3), zeros(3), zeros((_HALVINGS + 1, 3))
+    missed, hereafter = zeros((places, 3)), zeros((places, 3))
     for s in range(motion.duration.size):
         duration = motion.duration[s]
         if duration <= 0:  # stops that switch at one time leave nothing between them
             continue
         tau, step, left, loud = 0.0, 0.0, 0, 0
         while True:
-            if left == 0:
-                loud, width = _loud(motion, s, tau, waves, factors, weights, missed)
+            anew = left == 0
+            if anew:
+                loud, width = _loud(motion, s, tau, waves, factors, weights, hereafter)
                 count = max(1, math.ceil((duration - tau) / width))
                 step, left = (duration - tau) / count, min(count, _BLOCK)
                 for i in range(loud):
@@ -90,15 +91,16 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
                 start = before[u]
                 if tau == 0:
                     put(start, now)
-                    continue
+                if anew:  # faint at either end of the way that leads here
+                    missed[u, 1], missed[u, 2] = max(missed[u, 1], hereafter[u, 1]), max(missed[u, 2], hereafter[u, 2])
                 # what is still to be looked at ends at the points of `ends`, of which the last comes first
                 put(ends[0], now)
-                count = 1
+                count, least = 1 if tau > 0 else 0, 1.5 * (tau - start[0]) * 0.5**_HALVINGS
                 while count > 0:
                     end = ends[count - 1]
                     way = end[0] - start[0]
                     found = _vanishes(start, end, missed[u])
-                    if found == _OPEN and way > 1.5 * step * 0.5**_HALVINGS:
+                    if found == _OPEN and way > least:
                         middle[0] = start[0] + 0.5 * way
                         _, middle[1], middle[2], _, _ = _derivatives(motion, s, u, middle[0])
                         put(ends[count], middle)
@@ -114,6 +116,8 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
                                 maximum.append(stops.sign[p] * start[1] > 0)
                     put(start, end)
                     count -= 1
+                if anew:
+                    put(missed[u], hereafter[u])
             for i in range(loud):
                 x, y, a, b = waves[i, 0], waves[i, 1], factors[i, 0], factors[i, 1]
                 waves[i, 0], waves[i, 1] = x * a - y * b, x * b + y * a
@@ -200,7 +204,7 @@ def _vanishes(start: FloatArray, end: FloatArray, missed: FloatArray) -> int:
     first, last = start[1], end[1]
     second, third = first + way / 3 * start[2], last - way / 3 * end[2]
     bend = missed[0] * way**3
-    # points of halved ways have the faint terms, others lack them
+    # the rates at points of halved ways have the faint terms, those at others lack them
     of_value = _OF_VALUE * bend * way + missed[1] + way * missed[2]
     if min(first, second, third, last) > of_value or max(first, second, third, last) < -of_value:
         return 0
