@@ -9,6 +9,8 @@ import json
 from numbers import Integral
 from typing import Any, Protocol
 
+from lapjoint.campaigns.campaign import Kept
+
 FORMAT_VERSION = 3
 """Version of the files that are written, and the only one that is read.  Version 2 had no checksums.  Version 1 had
 other names for `period_multiple`, `multiplier_real` and `multiplier_imag`, `standard_error` and `duration` too; its
@@ -34,20 +36,12 @@ def refusal(found: object) -> str:
     return f"is of format version {found}, which {whose} lapjoint wrote; this one reads version {FORMAT_VERSION} only"
 
 
-class Work(Protocol):
+class Work(Kept, Protocol):
     """Work of which a dataset is the result."""
 
     @property
     def solver(self) -> str:
         """Entry-point name of the solver."""
-
-    @property
-    def identity(self) -> dict[str, Any]:
-        """What distinguishes it from any other, as values that JSON can hold."""
-
-    @property
-    def fingerprint(self) -> str:
-        """A digest of the identity."""
 
 
 def attributes_of(work: Work, title: str, **own: Any) -> dict[str, Any]:

@@ -100,9 +100,16 @@ def branch(
     also_over = None if second is None else arguments.axis_from(second, "--also-over")
     how = max_period_multiple, starts, seed, errors, max_points, effort, also_over
     plan = BranchPlan(this, path, first, last, solver_name, numerics, *how)
-    title, holds = "branch", "these branches"
     found = found_or_stored(
-        plan, title, holds, find_branches, out=out, force=force, search=True, workers=workers, scheduler=scheduler
+        plan,
+        "branch",
+        "these branches",
+        find_branches,
+        out=out,
+        force=force,
+        search=True,
+        workers=workers,
+        scheduler=scheduler,
     )
     print_branches(found)
     click.get_current_context().exit(0 if is_whole(found) else 1)

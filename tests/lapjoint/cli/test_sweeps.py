@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import click
@@ -19,6 +19,7 @@ from lapjoint.campaigns.point import Point
 from lapjoint.cli.progress import lines_of_progress, lines_of_search, lines_with_time_left, tell_of_delays
 from lapjoint.errors import SolverError
 from lapjoint.plain_text import duration_text
+from lapjoint.solver import Progress
 
 SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--modes", "4", "--out", "curve.nc")
 
@@ -81,18 +82,24 @@ def test_ctrl_c_in_a_sweep_says_how_to_resume(done: int, tmp_path: Path, monkeyp
     assert result.stderr.splitlines()[-1] == f"lapjoint: interrupted: {kept if done else 'none of 3 points was done'}"
 
 
-def test_progress_of_a_sweep_says_how_much_time_is_left() -> None:
+def lines_printed(lines: Callable[..., Progress], title: str, steps: Iterable[tuple[float, float, float]]) -> list[str]:
+    """What is printed of some work: how much is done, of how much, and the time until it goes on, s, step by step."""
     now = 0.0
 
     @click.command()
     def work() -> None:
         nonlocal now
-        progress = lines_with_time_left("sweep", lambda: now)
-        for done in (2000, 2500, 4000, 4010, 5000):
-            progress(done, 5000)
-            now += 600.0
+        progress = lines(title, lambda: now)
+        for done, total, later in steps:
+            progress(done, total)
+            now += later
 
-    assert CliRunner().invoke(work).stderr.splitlines() == [
+    return CliRunner().invoke(work).stderr.splitlines()
+
+
+def test_progress_of_a_sweep_says_how_much_time_is_left() -> None:
+    steps = [(done, 5000, 600.0) for done in (2000, 2500, 4000, 4010, 5000)]
+    assert lines_printed(lines_with_time_left, "sweep", steps) == [
         "sweep: goes on from 2000 of 5000",
         "sweep: 50 %, 2500 of 5000, 50 min left",
         "sweep: 80 %, 4000 of 5000, 10 min left",
@@ -114,36 +121,16 @@ def test_progress_of_a_sweep_says_how_much_time_is_left() -> None:
     ],
 )
 def test_what_takes_long_says_early_what_is_left(total: float, done: tuple[float, ...], lines: list[str]) -> None:
-    now = 0.0
-
-    @click.command()
-    def work() -> None:
-        nonlocal now
-        progress = lines_with_time_left("work", lambda: now)
-        for so_far in done:
-            progress(so_far, total)
-            now += 10.75
-
-    printed = CliRunner().invoke(work).stderr.splitlines()
-    assert len(printed) == len(lines), printed
-    for line, expected in zip(printed, lines, strict=True):
+    found = lines_printed(lines_with_time_left, "work", [(so_far, total, 10.75) for so_far in done])
+    assert len(found) == len(lines), found
+    for line, expected in zip(found, lines, strict=True):
         assert line.startswith(f"work: {expected}")
 
 
 def test_a_search_says_what_is_known_so_far_and_no_time_that_is_left() -> None:
     # Fifty starts are done in ten seconds; each of the branches that they lead to takes minutes, and leads to more.
-    now = 0.0
-
-    @click.command()
-    def work() -> None:
-        nonlocal now
-        progress = lines_of_search("branch", lambda: now)
-        for done, known, later in ((3, 51, 8.0), (50, 51, 4.0), (50, 55, 2.0), (51, 60, 200.0), (52, 60, 50.0)):
-            progress(done, known)
-            now += later
-        progress(60, 60)
-
-    assert CliRunner().invoke(work).stderr.splitlines() == [
+    steps = [(3, 51, 8.0), (50, 51, 4.0), (50, 55, 2.0), (51, 60, 200.0), (52, 60, 50.0), (60, 60, 0.0)]
+    assert lines_printed(lines_of_search, "branch", steps) == [
         "branch: goes on from 3 of 51 known so far",
         "branch: 50 of 55 known so far, after 12 s",
         "branch: 52 of 60 known so far, after 4 min",
