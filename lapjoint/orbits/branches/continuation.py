@@ -13,6 +13,7 @@ from lapjoint.orbits.branches.closing import Marks, Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
+from lapjoint.orbits.branches.jumping import WIDTHS, jumped
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
 from lapjoint.problem import FloatArray
@@ -40,22 +41,14 @@ _AFRESH = 2e-3
 """Arc length of the first step after a graze."""
 _AT_END = 1e-12
 """Distance from an end of the range, over the scale of the number, up to which a place is at it."""
-_JUMPS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
-"""Widths, over the scale of the number, of parts that are left out where a curve cannot be followed."""
-_AS_FAR, _LATEST = 0.2, 40
-"""Share of such a width that a place is behind from which what lies beyond is guessed, and the most places to it."""
 _NOTHING = 1
-"""Number of the widest of these, 1e-5, that is next to nothing where a graze has been located before it."""
+"""Number of the widest of `WIDTHS`, 1e-5, that is next to nothing where a graze has been located before it."""
 _LATELY = 1.0
 """Distance from such a part, over its width, within which another one is due to the same cause."""
 _WHOLE = 2
 """Number of places that are added at most in a step: only the last one is kept as a whole."""
 _FEW = 40
 """Number of places after such a part within which a curve that comes back to it folds there."""
-_JUMP_FAR = 0.05
-"""Largest distance, over the size of the motion, of the motions on both sides of such a part."""
-_SETTLING = 8
-"""Number of the motion's periods that are marched to settle beyond such a part."""
 _DISTINCT = 1e-4
 """Length of a step up to which grazes of several stops are taken as they come."""
 _TOWARDS = 0.8
@@ -343,11 +336,11 @@ class _Follower:
         """Number of the width from which on a part is left out: wider than others just before, of the same cause."""
         here = self._here.value
         lately = [one.width for one in self._jumps if abs(here - one.last) <= _LATELY * abs(one.last - one.first)]
-        return min(max(lately, default=-1) + 1, len(_JUMPS) - 1)
+        return min(max(lately, default=-1) + 1, len(WIDTHS) - 1)
 
     def _jump(self, width: int, *, back: bool = False) -> bool:
         """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it."""
-        found = _jumped(self._family, self._places, width, back)
+        found = jumped(self._family, self._places, width, back)
         if found is None:
             return False
         beyond, width = found
@@ -458,54 +451,6 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     came, goes = before.tangent[-1], after.tangent[-1]
     kind = "persists" if came * goes > 0 else "folds"
     return named(kind), after
-
-
-def _jumped(family: Family, places: list[Place], least: int, back: bool) -> tuple[Place, int] | None:
-    """The motion some way on that is much like the last one, where the curve between them cannot be followed.
-
-    If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it: along the
-    tangent, or along that of a place some way behind, which a graze that is near does not turn yet.  The widths
-    that are left out are tried in turn, from the one with number `least`; the number goes with the motion.  A motion
-    that is as stable as this one is preferred: just before a graze, where the map's derivative grows, it need not be.
-    With `back`, the curve folds where modes make the map jump, and the motion lies behind, with other contacts.
-    """
-    here = places[-1]
-    sign, otherwise = math.copysign(1.0, -here.tangent[-1] if back else here.tangent[-1]), None
-    for width, share in list(enumerate(_JUMPS))[least:]:
-        value = here.value + sign * share * family.scale(here.value)
-        if not family.low <= value <= family.high:
-            break
-        guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
-        behind = None if back else _behind(family, places, share)
-        if behind is not None:
-            ahead = (value - behind.value) / family.scale(behind.value) / behind.tangent[-1]
-            guesses.append(behind.moved(family, ahead * behind.tangent)[1])
-        point = family.adopted(value, here.point)
-        if here.orbit.stable or back:
-            for _ in range(_SETTLING):
-                point = family.at(value).marched(point, here.count)
-        for guess in [*guesses, point]:
-            found = corrected(family, value, guess, here.count, fixed=True)
-            if found is None or (back and found.extrema.closings == here.extrema.closings):
-                continue
-            chord = found.chord(family, here)
-            beyond = found.along(np.append(np.zeros(chord.size - 1), sign)), width
-            if float(np.linalg.norm(chord)) <= _JUMP_FAR and beyond[0].orientation == here.orientation:
-                if found.orbit.stable == here.orbit.stable:
-                    return beyond
-                otherwise = otherwise or beyond
-    return otherwise
-
-
-def _behind(family: Family, places: list[Place], share: float) -> Place | None:
-    """The last place with the same contacts that is as far behind as a part to be left out is wide; None if none is."""
-    here, far = places[-1], _AS_FAR * share * family.scale(places[-1].value)
-    for one in reversed(places[max(len(places) - _LATEST, 0) : -1]):
-        if one.extrema.closings != here.extrema.closings or (here.value - one.value) * one.tangent[-1] <= 0:
-            return None
-        if abs(here.value - one.value) >= far:
-            return one
-    return None
 
 
 def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:

@@ -1,0 +1,83 @@
+"""The motion beyond a part of a curve that cannot be followed, and is left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+
+WIDTHS = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
+"""Widths, over the scale of the number, of parts that are left out where a curve cannot be followed."""
+_AS_FAR, _LATEST = 0.2, 40
+"""Share of such a width that a place is behind from which what lies beyond is guessed, and the most places to it."""
+_FAR = 0.05
+"""Largest distance, over the size of the motion, of the motions on both sides of such a part."""
+_SETTLING = 8
+"""Number of the motion's periods that are marched to settle beyond such a part."""
+
+
+def jumped(family: Family, places: Sequence[Place], least: int, back: bool) -> tuple[Place, int] | None:
+    """The motion some way on that is much like the last one, where the curve between them cannot be followed.
+
+    If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it: along the
+    tangent, or along that of a place some way behind, which a graze that is near does not turn yet.  The widths
+    that are left out are tried in turn; the number goes with the motion.  A motion that is as stable as this one is
+    preferred: just before a graze, where the map's derivative grows, it need not be.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    places : sequence of Place
+        The curve so far; at least one.
+    least : int
+        Number of the width that is tried first.
+    back : bool
+        Whether the curve folds where modes make the map jump, and the motion lies behind, with other contacts.
+
+    Returns
+    -------
+    tuple of Place and int, or None
+        The motion and the number of the width; None if there is none.
+    """
+    here = places[-1]
+    sign, otherwise = math.copysign(1.0, -here.tangent[-1] if back else here.tangent[-1]), None
+    for width, share in list(enumerate(WIDTHS))[least:]:
+        value = here.value + sign * share * family.scale(here.value)
+        if not family.low <= value <= family.high:
+            break
+        guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
+        behind = None if back else _behind(family, places, share)
+        if behind is not None:
+            ahead = (value - behind.value) / family.scale(behind.value) / behind.tangent[-1]
+            guesses.append(behind.moved(family, ahead * behind.tangent)[1])
+        point = family.adopted(value, here.point)
+        if here.orbit.stable or back:
+            for _ in range(_SETTLING):
+                point = family.at(value).marched(point, here.count)
+        for guess in [*guesses, point]:
+            found = corrected(family, value, guess, here.count, fixed=True)
+            if found is None or (back and found.extrema.closings == here.extrema.closings):
+                continue
+            chord = found.chord(family, here)
+            beyond = found.along(np.append(np.zeros(chord.size - 1), sign)), width
+            if float(np.linalg.norm(chord)) <= _FAR and beyond[0].orientation == here.orientation:
+                if found.orbit.stable == here.orbit.stable:
+                    return beyond
+                otherwise = otherwise or beyond
+    return otherwise
+
+
+def _behind(family: Family, places: Sequence[Place], share: float) -> Place | None:
+    """The last place with the same contacts that is a fifth as far behind as a part to be left out is wide."""
+    here, far = places[-1], _AS_FAR * share * family.scale(places[-1].value)
+    for one in reversed(places[max(len(places) - _LATEST, 0) : -1]):
+        if one.extrema.closings != here.extrema.closings or (here.value - one.value) * one.tangent[-1] <= 0:
+            return None
+        if abs(here.value - one.value) >= far:
+            return one
+    return None
