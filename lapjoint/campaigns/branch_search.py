@@ -85,7 +85,7 @@ class Search:
         self._waiting = deque[dict[str, Any]]()
         self._open = deque[Part]()
         self._held = set[str]()
-        """Names of open parts that wait for those before them, as they seem to be known."""
+        """Names of open parts that wait for those before them, as their motions may lie on the same branches."""
         self._seen = 0
         self._begun = False
         self._branches: list[dict[str, Any]] = []
@@ -146,14 +146,21 @@ class Search:
             seed = self._waiting.popleft()
             if not self._is_known(seed):
                 part = Part(self._value, self._seen, seed)
-                ended = (found[one.name] for one in self._open if one.name in found)
-                if any(is_known(self._plan, seed, one) for one in ended):
+                if self._may_be_known(seed, found):
                     self._held.add(part.name)
                 else:
                     parts.append(part)
                 self._open.append(part)
             self._seen += 1
         return parts
+
+    def _may_be_known(self, seed: Mapping[str, Any], found: Mapping[str, dict[str, Any]]) -> bool:
+        """Whether a motion lies on a branch that comes earlier, or may: most starts lead to one of a few branches."""
+        ended = (found[one.name] for one in self._open if one.name in found)
+        under_way = (one.seed for one in self._open if one.seed is not None and one.name not in found)
+        if any(is_known(self._plan, seed, one) for one in ended):
+            return True
+        return "away" not in seed and any("away" not in one and one["count"] == seed["count"] for one in under_way)
 
     def _take(self, part: Part, one: dict[str, Any]) -> None:
         """Take what the next part in the sequence has come to."""

@@ -29,18 +29,24 @@ def made(monkeypatch: pytest.MonkeyPatch) -> None:
     """Motions are whole numbers, each of the branch of its remainder by 7; some branches fail."""
 
     def start(plan: BranchPlan, number: int) -> dict[str, Any]:
-        return {"seeds": [{"value": number + k} for k in range(number % 3)]}
+        return {"seeds": [{"value": number + k, "count": counted(number + k)} for k in range(number % 3)]}
 
     def branch(plan: BranchPlan, seed: dict[str, Any], progress: object = None) -> dict[str, Any]:
         own = seed["value"] % 7
         if own == 5:
             return {"seeds": [], "points": [], "message": f"{own} cannot be followed"}
         points = [{"period_multiple": 1 + own % 2}] * (own + 1)
-        return {"seeds": [{"value": 10 * own + k} for k in range(own)], "points": points, "own": own}
+        sprung = [{"value": 10 * own + k, "count": counted(10 * own + k), "away": own} for k in range(own)]
+        return {"seeds": sprung, "points": points, "own": own}
 
     monkeypatch.setattr(branch_search, "solve_start", start)
     monkeypatch.setattr(branch_search, "solve_branch", branch)
     monkeypatch.setattr(branch_search, "is_known", lambda plan, seed, one: one.get("own") == seed["value"] % 7)
+
+
+def counted(value: int) -> int:
+    """Half periods of a motion: motions of one branch have as many."""
+    return 1 + value % 7 % 2
 
 
 def searched(effort: int, ahead: int, rng: np.random.Generator | None = None) -> tuple[Diagram, list[str]]:
@@ -55,6 +61,8 @@ def searched(effort: int, ahead: int, rng: np.random.Generator | None = None) ->
         done.append(part.name)
         under_way += search.go_on(found)
         assert sum(one.seed is not None for one in under_way) <= ahead
+        from_starts = [one.seed["count"] for one in under_way if one.seed is not None and "away" not in one.seed]
+        assert len(from_starts) == len(set(from_starts))  # most starts lead to the same few branches
     return search.diagram, done
 
 
