@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
+from lapjoint.orbits.branches.bifurcations import Located, criteria_of, located
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -27,11 +26,14 @@ _FROM = (1e-4, 1e-3, 1e-2)
 _LOOKED_AT = 60
 """Most places of the branch, either way, among which these are looked for."""
 _PAST = 3.0
-"""Arc length followed by the other solver over that from where it begins to the bifurcation."""
+"""Arc length followed by the other solver over that from where it begins to the bifurcation, at most."""
 _MOST = 30
 """Most points of the other solver's curve: most bifurcations come within ten."""
 _NEAR = 3e-3
 """Arc length between a bifurcation as two solvers have it, at most: another of its kind may lie not far off."""
+_LONGER = 1.2
+"""Largest ratio of a curve's length between two neighbours and of their distance: it turns by some 0.45 at most, which
+makes it 1.02, and coordinates are scaled a little otherwise at each place."""
 _PHASE = 0.05
 """Distance of the phases of one extremum by two solvers, at most."""
 
@@ -43,36 +45,6 @@ class Approach(NamedTuple):
     """The place; its tangent points towards the bifurcation."""
     length: float
     """Arc length to there."""
-
-
-def smooth_bifurcations(family: Family, run: Run) -> Iterator[tuple[int, Located | NotLocated]]:
-    """The bifurcations on the smooth parts of a curve.
-
-    Parameters
-    ----------
-    family : Family
-        The period maps.
-    run : Run
-        The curve.
-
-    Yields
-    ------
-    tuple of int and (Located or NotLocated)
-        The index of the place that follows it, and the bifurcation.
-    """
-    apart = {jump.index for jump in run.jumps}
-    for i, (a, b) in enumerate(pairwise(run.places)):
-        if i + 1 not in apart and a.extrema.closings == b.extrema.closings:
-            for one in between(family, a, b, (_beside(run, i, i - 1, apart), _beside(run, i + 1, i + 2, apart))):
-                yield i + 1, one
-
-
-def _beside(run: Run, here: int, other: int, apart: set[int]) -> Place | None:
-    """The neighbour of a place, if the curve goes on smoothly to it."""
-    if not 0 <= other < len(run.places) or max(here, other) in apart:
-        return None
-    same = run.places[other].extrema.closings == run.places[here].extrema.closings
-    return run.places[other] if same else None
 
 
 class Starts(Protocol):
@@ -191,7 +163,7 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
     def find(family: Family, place: Place) -> Again | None:
         for start in starts.starts:
             run = _followed(family, start)
-            there = [] if run is None else list(_like(one, family, run))
+            there = [] if run is None else list(_like(one, family, run, place))
             apart = [float(np.linalg.norm(other.place.chord(family, place))) for other in there]
             if there and min(apart) <= _NEAR:
                 return there[int(np.argmin(apart))]
@@ -200,16 +172,28 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
     return find
 
 
-def _like(one: Located | Graze, family: Family, run: Run) -> Iterator[Again]:
-    """Those bifurcations of a curve that may be a given one."""
+def _like(one: Located | Graze, family: Family, run: Run, place: Place) -> Iterator[Again]:
+    """Those bifurcations of a curve that may be a given one, and may lie near a place."""
     if isinstance(one, Graze):
         yield from (
             Again(other.before.place, other.value, other.left) for other in run.grazes if _same_graze(one, other)
         )
         return
-    for _, other in smooth_bifurcations(family, run):
-        if isinstance(other, Located) and other.kind == one.kind and is_same(one.kind, other.place, one.place):
-            yield Again(other.place, other.place.value)
+    for _, a, b in run.smooth_parts:
+        criterion = criteria_of(a)[one.kind]
+        if criterion.count(a) != criterion.count(b) and _passes_by(family, a, b, place):
+            found = located(family, a, b, criterion)
+            if found is not None and is_same(one.kind, found, one.place):
+                yield Again(found, found.value)
+
+
+def _passes_by(family: Family, a: Place, b: Place, near: Place) -> bool:
+    """Whether the curve between two neighbours, as long as it may be, may come closer than `_NEAR` to a motion.
+
+    What lies on it is at least as far from the motion as either end is, less the way from that end.
+    """
+    to_a, to_b, length = (float(np.linalg.norm(u.chord(family, v))) for u, v in ((a, near), (b, near), (b, a)))
+    return to_a + to_b <= _LONGER * length + 2 * _NEAR
 
 
 def _same_graze(one: Graze, other: Graze) -> bool:
@@ -227,4 +211,5 @@ def _followed(family: Family, start: Approach) -> Run | None:
     near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
     if near is None or near.extrema.closings != place.extrema.closings:
         return None
-    return follow(family, near.going_on_from(place), Limits(most=_MOST, length=_PAST * start.length))
+    farthest = min(_PAST * start.length, start.length + 2 * _NEAR)
+    return follow(family, near.going_on_from(place), Limits(most=_MOST, length=farthest))

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lapjoint.answers.branches import Bifurcation, BifurcationKind, MotionThere
-from lapjoint.orbits.branches.bifurcations import Located, NotLocated
+from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_along import Starts, Way, directly, motion_at, smooth_bifurcations
+from lapjoint.orbits.branches.found_along import Starts, Way, directly, motion_at
 from lapjoint.orbits.branches.run import Graze, Jump, Run
 from lapjoint.orbits.branches.value_errors import Stated, stated
 
@@ -75,11 +75,20 @@ def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
         yield _named(family, run, graze, (graze.index - 1, graze.index + 1), errors)
     for jump in run.jumps:
         yield Listed(family, _unresolved(jump, jump.index))
-    for index, one in smooth_bifurcations(family, run):
+    for index, one in _smooth(family, run):
         if isinstance(one, NotLocated):
             yield Listed(family, _unresolved(one, index))
         else:
             yield _named(family, run, one, (index - 1, index), errors)
+
+
+def _smooth(family: Family, run: Run) -> Iterator[tuple[int, Located | NotLocated]]:
+    """Those on the smooth parts of a curve, each with the index of the place that follows it."""
+    parts, places = {i for i, _, _ in run.smooth_parts}, run.places
+    for i, a, b in run.smooth_parts:
+        before, after = (places[i - 2] if i - 1 in parts else None), (places[i + 1] if i + 1 in parts else None)
+        for one in between(family, a, b, (before, after)):
+            yield i, one
 
 
 def _unresolved(part: Jump | NotLocated, index: int) -> Bifurcation:

@@ -93,6 +93,12 @@ def resolved(
     Resolved
         The curve.
     """
+    found = _resolved(family, run, levels, progress)
+    return replace(found, bifurcations=[_asked_again(one) for one in found.bifurcations])
+
+
+def _resolved(family: Family, run: Run, levels: int, progress: Callable[[float], None] | None = None) -> Resolved:
+    """`resolved`, before what is left in doubt is asked for again."""
     own, last = listed(family, run, errors=True), len(run.places)
     now, parts = Resolved(run.places, own, [family] * last), list(_parts(own)) if levels else []
     for done, part in enumerate(reversed(parts)):  # the indices of those before stay as they are
@@ -104,7 +110,7 @@ def resolved(
             continue
         if finer is not None:
             now, last = _put_in(now, *finer), finer[0]
-    return replace(now, bifurcations=[_asked_again(one) for one in now.bifurcations])
+    return now
 
 
 def _asked_again(one: Listed) -> Listed:
@@ -154,7 +160,7 @@ def _followed(
         there = follow(finer, begin, limits)
         if there.end != "until":
             continue
-        found = resolved(finer, there, levels - 1)
+        found = _resolved(finer, there, levels - 1)
         own = [one for one in bifurcations if i < one.index <= j]
         if _doubt(found.bifurcations) < _doubt(own):
             return i, j, found

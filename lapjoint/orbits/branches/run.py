@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.grazing import OnExtremum
@@ -72,3 +73,11 @@ class Run:
     """Where it could not be resolved."""
     end: str
     """Why it ends."""
+
+    @property
+    def smooth_parts(self) -> Iterator[tuple[int, Place, Place]]:
+        """Neighbouring places between which the curve is smooth, with the index of the second."""
+        apart = {jump.index for jump in self.jumps}
+        for i, (a, b) in enumerate(pairwise(self.places), start=1):
+            if i not in apart and a.extrema.closings == b.extrema.closings:
+                yield i, a, b
