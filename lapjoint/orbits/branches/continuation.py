@@ -13,7 +13,7 @@ from lapjoint.orbits.branches.closing import Marks, Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
-from lapjoint.orbits.branches.jumping import WIDTHS, jumped
+from lapjoint.orbits.branches.jumping import WIDTHS, across_jump, jumped
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
 from lapjoint.problem import FloatArray
@@ -250,14 +250,12 @@ class _Follower:
         if not self._family.low <= graze.value <= self._family.high:
             return False
         self._places.append(before)
-        if not self._jump(self._widened()):
+        if not (self._jump(0, past=True) or self._jump(self._widened())):
             self._places.pop()
             return False
         if self._end:
             return True
-        if self._jumps[-1].width <= _NOTHING and self._here.extrema.closings != before.extrema.closings:
-            self._jumps.pop()
-            self._grazes.append(replace(graze, kind="persists"))
+        self._resolve_at(replace(graze, before=replace(graze.before, place=before)))
         return True
 
     def _take(self, new: Place, rates: Rates, angle: float) -> None:
@@ -293,15 +291,28 @@ class _Follower:
         if not self._family.low <= graze.value <= self._family.high:
             self._end = "boundary"
             return
-        before = graze.before.place.going_on_from(self._here).light()
-        self._grazes.append(replace(graze, before=replace(graze.before, place=before)))
+        before = graze.before.place.going_on_from(self._here)
+        graze = replace(graze, before=replace(graze.before, place=before.light()))
         self._refused = math.inf
         self._places.append(before)
+        if beyond is None and self._go_across_jump():
+            self._resolve_at(graze)
+            return
+        self._grazes.append(graze)
         if beyond is None:
             self._end = "graze"
         else:
             self._come_to(beyond)
             self._step, self._bend = max(self._step, _AFRESH), None
+
+    def _resolve_at(self, graze: Graze) -> None:
+        """Have the last part that was left out as a graze just before it, if that part is next to nothing."""
+        before, here = graze.before.place, self._here
+        if self._jumps[-1].width > _NOTHING or here.extrema.closings == before.extrema.closings:
+            return
+        self._jumps.pop()
+        kind = "persists" if before.tangent[-1] * here.tangent[-1] > 0 else "folds"
+        self._grazes.append(replace(graze, kind=kind))
 
     def _come_to(self, place: Place, rates: Rates | None = None) -> None:
         """Go on from a place; of those before, the motion between switches is not needed any more."""
@@ -329,7 +340,7 @@ class _Follower:
             return
         if passed is not None:
             self._pass(*passed)
-        elif not self._jump(0, back=True):
+        elif not self._go_across_jump():
             self._end = "lost"
 
     def _widened(self) -> int:
@@ -338,19 +349,39 @@ class _Follower:
         lately = [one.width for one in self._jumps if abs(here - one.last) <= _LATELY * abs(one.last - one.first)]
         return min(max(lately, default=-1) + 1, len(WIDTHS) - 1)
 
-    def _jump(self, width: int, *, back: bool = False) -> bool:
-        """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it."""
-        found = jumped(self._family, self._places, width, back)
-        if found is None:
+    def _go_across_jump(self) -> bool:
+        """Go on from the motion next to this one beyond a jump of the map; whether there is one."""
+        beyond = across_jump(self._family, self._here)
+        if beyond is None:
+            return False
+        share = abs(beyond.value - self._here.value) / self._family.scale(beyond.value)
+        self._leave_out(beyond, int(np.searchsorted(WIDTHS[:-1], share)))
+        self._before_fold = self._jumps[-1]
+        return True
+
+    def _jump(self, width: int, *, past: bool = False) -> bool:
+        """Leave out a part that cannot be resolved, of some width or more; whether there is a motion beyond it.
+
+        One that is to lead `past` a graze is next to nothing, or there is none.
+        """
+        found = jumped(self._family, self._places, width)
+        if found is None or (past and (found[1] > _NOTHING or self._has_contacts_of(found[0]))):
             return False
         beyond, width = found
         if _share_to_shorter(self._family, self._here, beyond) is not None:
             self._end = "bifurcation"
             return True
+        self._leave_out(beyond, width)
+        return True
+
+    def _has_contacts_of(self, other: Place) -> bool:
+        return other.extrema.closings == self._here.extrema.closings
+
+    def _leave_out(self, beyond: Place, width: int) -> None:
+        """Go on from a motion beyond a part that is not resolved."""
         self._jumps.append(Jump(self._here.value, beyond.value, len(self._places), width))
         self._come_to(beyond)
         self._step, self._bend = _AFRESH, None
-        return True
 
     def _turned_back(self, new: Place) -> bool:
         """Whether the curve comes back, soon after a part that was left out, to where that begins: it folds there."""

@@ -1,4 +1,8 @@
-"""The motion beyond a part of a curve that cannot be followed, and is left out."""
+"""The motion beyond a part of a curve that cannot be followed, and is left out.
+
+At a graze truncated modes may make an extremum jump past zero, so that no motion lies on it.  The curve goes on a
+little apart from where it came to it, with other contacts, either way.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +20,15 @@ _AS_FAR, _LATEST = 0.2, 40
 """Share of such a width that a place is behind from which what lies beyond is guessed, and the most places to it."""
 _FAR = 0.05
 """Largest distance, over the size of the motion, of the motions on both sides of such a part."""
+_BESIDE = (1e-7, 1e-6, 1e-5)
+"""Arc lengths beyond a jump of the map from which Newton's method is to find a motion, in turn."""
+_ADJACENT = 1e-3
+"""Largest distance, over the size of the motion, of the motions on both sides of a jump: most are below 2e-4."""
 _SETTLING = 8
 """Number of the motion's periods that are marched to settle beyond such a part."""
 
 
-def jumped(family: Family, places: Sequence[Place], least: int, back: bool) -> tuple[Place, int] | None:
+def jumped(family: Family, places: Sequence[Place], least: int) -> tuple[Place, int] | None:
     """The motion some way on that is much like the last one, where the curve between them cannot be followed.
 
     If motions nearby settle on it, it is marched for some periods there; else Newton's method must find it: along the
@@ -36,8 +44,6 @@ def jumped(family: Family, places: Sequence[Place], least: int, back: bool) -> t
         The curve so far; at least one.
     least : int
         Number of the width that is tried first.
-    back : bool
-        Whether the curve folds where modes make the map jump, and the motion lies behind, with other contacts.
 
     Returns
     -------
@@ -45,23 +51,23 @@ def jumped(family: Family, places: Sequence[Place], least: int, back: bool) -> t
         The motion and the number of the width; None if there is none.
     """
     here = places[-1]
-    sign, otherwise = math.copysign(1.0, -here.tangent[-1] if back else here.tangent[-1]), None
+    sign, otherwise = math.copysign(1.0, here.tangent[-1]), None
     for width, share in list(enumerate(WIDTHS))[least:]:
         value = here.value + sign * share * family.scale(here.value)
         if not family.low <= value <= family.high:
             break
         guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
-        behind = None if back else _behind(family, places, share)
+        behind = _behind(family, places, share)
         if behind is not None:
             ahead = (value - behind.value) / family.scale(behind.value) / behind.tangent[-1]
             guesses.append(behind.moved(family, ahead * behind.tangent)[1])
         point = family.adopted(value, here.point)
-        if here.orbit.stable or back:
+        if here.orbit.stable:
             for _ in range(_SETTLING):
                 point = family.at(value).marched(point, here.count)
         for guess in [*guesses, point]:
             found = corrected(family, value, guess, here.count, fixed=True)
-            if found is None or (back and found.extrema.closings == here.extrema.closings):
+            if found is None:
                 continue
             chord = found.chord(family, here)
             beyond = found.along(np.append(np.zeros(chord.size - 1), sign)), width
@@ -70,6 +76,31 @@ def jumped(family: Family, places: Sequence[Place], least: int, back: bool) -> t
                     return beyond
                 otherwise = otherwise or beyond
     return otherwise
+
+
+def across_jump(family: Family, here: Place) -> Place | None:
+    """The motion with other contacts next to one beside which the map jumps, as the curve goes on from it, either way.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    here : Place
+        The last motion of the curve.
+
+    Returns
+    -------
+    Place, or None
+        With its tangent the way that the curve goes on, as its orientation tells; None if there is none.
+    """
+    for length in _BESIDE:
+        found = corrected(family, *here.moved(family, length * here.tangent), here.count)
+        if found is None or not family.low <= found.value <= family.high:
+            continue
+        near = float(np.linalg.norm(found.chord(family, here))) <= _ADJACENT
+        if near and found.extrema.closings != here.extrema.closings:
+            return found if found.orientation == here.orientation else found.turned()
+    return None
 
 
 def _behind(family: Family, places: Sequence[Place], share: float) -> Place | None:
