@@ -67,6 +67,24 @@ class Diagram:
     """Number of motions whose branches were not followed, as the effort was spent."""
 
 
+@dataclass(frozen=True)
+class _Motion:
+    """A motion whose branch is to be followed."""
+
+    seed: dict[str, Any]
+    """As `lapjoint.campaigns.branch_parts.plain_seed` gives it."""
+    parent: int | None = None
+    """Number of the part whose branch it springs from; None if a start leads to it."""
+    place: int = 0
+    """Its place in the sequence of all that spring from there."""
+
+    def may_share_its_branch_with(self, other: _Motion) -> bool:
+        """Whether one branch may have both: most starts lead to the same few, and many spring at two neighbours."""
+        if self.parent is None or other.parent is None:
+            return self.parent is other.parent and self.seed["count"] == other.seed["count"]
+        return self.parent == other.parent and abs(self.place - other.place) == 1
+
+
 class Search:
     """The search at one value of the second number.
 
@@ -82,8 +100,10 @@ class Search:
 
     def __init__(self, plan: BranchPlan, value: int, ahead: int) -> None:
         self._plan, self._value, self._ahead = plan.at(value), value, ahead
-        self._waiting = deque[dict[str, Any]]()
+        self._waiting = deque[_Motion]()
         self._open = deque[Part]()
+        self._motions: dict[str, _Motion] = {}
+        """The motions of open parts, by their names."""
         self._held = set[str]()
         """Names of open parts that wait for those before them, as their motions may lie on the same branches."""
         self._seen = 0
@@ -95,7 +115,8 @@ class Search:
     @property
     def diagram(self) -> Diagram:
         """What is found so far."""
-        left_out = sum(not self._is_known(seed) for seed in (*self._over, *self._waiting)) if self._spent else 0
+        seeds = (*self._over, *(one.seed for one in self._waiting))
+        left_out = sum(not self._is_known(seed) for seed in seeds) if self._spent else 0
         return Diagram(self._branches, self._failures, left_out)
 
     def go_on(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
@@ -143,10 +164,11 @@ class Search:
             return []
         parts: list[Part] = []
         while self._waiting and len(self._open) - len(self._held) < self._ahead and not self._spent:
-            seed = self._waiting.popleft()
-            if not self._is_known(seed):
-                part = Part(self._value, self._seen, seed)
-                if self._may_be_known(seed, found):
+            motion = self._waiting.popleft()
+            if not self._is_known(motion.seed):
+                part = Part(self._value, self._seen, motion.seed)
+                self._motions[part.name] = motion
+                if self._may_be_known(motion, found):
                     self._held.add(part.name)
                 else:
                     parts.append(part)
@@ -154,13 +176,13 @@ class Search:
             self._seen += 1
         return parts
 
-    def _may_be_known(self, seed: Mapping[str, Any], found: Mapping[str, dict[str, Any]]) -> bool:
-        """Whether a motion lies on a branch that comes earlier, or may: most starts lead to one of a few branches."""
+    def _may_be_known(self, motion: _Motion, found: Mapping[str, dict[str, Any]]) -> bool:
+        """Whether a motion lies on a branch that comes earlier, or may lie on one that is under way."""
         ended = (found[one.name] for one in self._open if one.name in found)
-        under_way = (one.seed for one in self._open if one.seed is not None and one.name not in found)
-        if any(is_known(self._plan, seed, one) for one in ended):
+        under_way = (self._motions[one.name] for one in self._open if one.seed is not None and one.name not in found)
+        if any(is_known(self._plan, motion.seed, one) for one in ended):
             return True
-        return "away" not in seed and any("away" not in one and one["count"] == seed["count"] for one in under_way)
+        return any(motion.may_share_its_branch_with(one) for one in under_way if one is not motion)
 
     def _take(self, part: Part, one: dict[str, Any]) -> None:
         """Take what the next part in the sequence has come to."""
@@ -172,11 +194,11 @@ class Search:
             reason = self._failure(part, one["message"])
             self._failures += [reason] if reason not in self._failures else []
         elif part.seed is None:
-            self._waiting += one["seeds"]
+            self._waiting += [_Motion(seed) for seed in one["seeds"]]
         else:
             self._branches.append(one)
-            # Neighbours are often the two ends of one branch, which would be followed at the same time.
-            self._waiting += [*one["seeds"][::2], *one["seeds"][1::2]]
+            sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]
+            self._waiting += [*sprung[::2], *sprung[1::2]]  # neighbours may be the two ends of one branch
 
     @property
     def _spent(self) -> bool:

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from lapjoint.campaigns.branch_search import Diagram, Part, Search
 
-_AHEAD, _AHEAD_OF_OTHERS = 4, 8
+_AHEAD, _AHEAD_OF_OTHERS = 16, 32
 """Number of branches for each process, or for workers of an unknown number, that may be under way or done before one
-that comes earlier, at each value of a second number: one branch in ten takes five times as long as the median."""
+that comes earlier, at each value of a second number: one branch in thirty takes as long as all others of the thirty."""
 
 
 def branch(

@@ -61,8 +61,11 @@ def searched(effort: int, ahead: int, rng: np.random.Generator | None = None) ->
         done.append(part.name)
         under_way += search.go_on(found)
         assert sum(one.seed is not None for one in under_way) <= ahead
-        from_starts = [one.seed["count"] for one in under_way if one.seed is not None and "away" not in one.seed]
+        seeds = [one.seed for one in under_way if one.seed is not None]
+        from_starts = [seed["count"] for seed in seeds if "away" not in seed]
         assert len(from_starts) == len(set(from_starts))  # most starts lead to the same few branches
+        sprung = {(seed["away"], seed["value"]) for seed in seeds if "away" in seed}
+        assert not any((away, value + 1) in sprung for away, value in sprung)  # they may be the two ends of one
     return search.diagram, done
 
 
