@@ -23,7 +23,7 @@ from analytic.march.compiled import (
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, saltation
-from lapjoint.compiled_arrays import put
+from lapjoint.compiled_arrays import put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
@@ -112,11 +112,13 @@ def advance_periods(
         if not enter(tables, None, None, motion, work):
             return MISSING_SWITCH, now
         if carried and stop >= 0:
-            now = saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now)
+            then = zeros((2 * tables.modes[motion.counts[SLOT]], now.shape[1]))
+            saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now, then)
+            now = then
         if not leave(tables, None, None, motion, work, period, 0.0, depth):
             return STUCK, now
         if carried:
-            flow(tables, motion.counts[SLOT], motion.time[0] - t, now)
+            flow(tables, motion.counts[SLOT], motion.time[0] - t, now, now)
         if motion.counts[PENDING] == NO_SWITCH:
             done = motion.counts[PERIODS]
             if slots.size > 0:

@@ -178,7 +178,7 @@ def add_end_change(
     theta = complex_zeros(tables.omega.size)
     set_phases(tables, t, theta)
     rates = motion_rates(tables, slot, theta, q, v)
-    for i in range(now.shape[0]):
+    for i in range(rates.size):
         now[i, now.shape[1] - 1] += later * rates[i]
 
 

@@ -11,6 +11,7 @@ from analytic.march.compiled import Log
 from analytic.march.march import March
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, saltation
+from lapjoint.compiled_arrays import zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
@@ -51,32 +52,38 @@ def carried_along(motion: March, change: Change | None = None, later: float = 0.
     n = 2 * int(tables.modes[log.slot[0]])
     count = n if change is None else n + 1
     starts = np.empty((log.slot.size, 2 * tables.kind.shape[1], count))
-    end = _carry(tables, change, log, later, np.eye(n, count), starts)
-    return Carried(motion, change, starts, end)
+    starts[0, :n] = np.eye(n, count)
+    end = np.empty(starts.shape[1:])
+    _carry(tables, change, log, later, starts, end)
+    return Carried(motion, change, starts, end[: 2 * int(tables.modes[log.slot[-1]])])
 
 
 @njit_called()
-def _carry(
-    tables: Tables, change: Change | None, log: Log, later: float, now: FloatArray, starts: FloatArray
-) -> FloatArray:
-    """Carry deviations `now`, ``(2 N, m)``, along a march; see `Carried`."""
+def _carry(tables: Tables, change: Change | None, log: Log, later: float, starts: FloatArray, end: FloatArray) -> None:
+    """Carry deviations from the start of a march on, through `starts`, ``(M, 2 N, m)``, to the `end`, ``(2 N, m)``."""
+    now, own = end, zeros((starts.shape[1], 1))
+    last = starts.shape[2] - 1
     for i in range(log.slot.size):
-        slot = log.slot[i]
-        for j in range(now.shape[0]):
-            for c in range(now.shape[1]):
-                starts[i, j, c] = now[j, c]
-        if change is not None:
-            add_forced_change(tables, change, slot, log.start[i], -1.0, now)
-        flow(tables, slot, log.end[i] - log.start[i], now)
-        if change is not None:
-            add_forced_change(tables, change, slot, log.end[i], 1.0, now)
+        slot, here = log.slot[i], starts[i]
+        flow(tables, slot, log.end[i] - log.start[i], here, now)
+        if change is not None:  # what it does to the forced motion does not flow
+            for j in range(2 * tables.modes[slot]):
+                own[j, 0] = here[j, last]
+            add_forced_change(tables, change, slot, log.start[i], -1.0, own)
+            flow(tables, slot, log.end[i] - log.start[i], own, own)
+            add_forced_change(tables, change, slot, log.end[i], 1.0, own)
+            for j in range(2 * tables.modes[slot]):
+                now[j, last] = own[j, 0]
         if log.stop[i] >= 0 and i + 1 < log.slot.size:
-            t, k, rate = log.end[i], log.stop[i], log.rate[i]
+            t, k, rate, then = log.end[i], log.stop[i], log.rate[i], starts[i + 1]
             q_old, v_old, q_new, v_new = log.q_end[i], log.v_end[i], log.q[i + 1], log.v[i + 1]
-            now = saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, now)
+            saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, now, then)
             if change is not None:
-                add_switch_change(tables, change, slot, k, t, rate, q_old, v_old, q_new, v_new, now)
-    last = log.slot.size - 1
+                add_switch_change(tables, change, slot, k, t, rate, q_old, v_old, q_new, v_new, then)
+        elif i + 1 < log.slot.size:
+            for j in range(2 * tables.modes[slot]):
+                for c in range(starts.shape[2]):
+                    starts[i + 1, j, c] = now[j, c]
+    i = log.slot.size - 1
     if change is not None:
-        add_end_change(tables, log.slot[last], log.end[last], later, log.q_end[last], log.v_end[last], now)
-    return now
+        add_end_change(tables, log.slot[i], log.end[i], later, log.q_end[i], log.v_end[i], now)

@@ -26,8 +26,8 @@ from lapjoint.problem import FloatArray
 
 
 @njit_inner()
-def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
-    """Carry deviations over some time within a state, in place.
+def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray) -> None:
+    """Carry deviations over some time within a state.
 
     Parameters
     ----------
@@ -39,6 +39,8 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
         How long, s.
     now : FloatArray, shape (2 N, m)
         Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, as columns, of the ``N`` modes of the state.
+    then : FloatArray, shape (2 N, m)
+        Takes them after that time; it may be `now`.
     """
     n = tables.modes[slot]
     extra = n
@@ -60,8 +62,8 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray) -> None:
             C, S, C1, S1 = 1.0, s, 0.0, 1.0
         for j in range(now.shape[1]):
             x, y = now[i, j], now[n + i, j]
-            now[i, j] = C * x + S * y
-            now[n + i, j] = C1 * x + S1 * y
+            then[i, j] = C * x + S * y
+            then[n + i, j] = C1 * x + S1 * y
 
 
 @njit_inner(inline="always")
@@ -114,7 +116,8 @@ def saltation(
     q_new: FloatArray,
     v_new: FloatArray,
     now: FloatArray,
-) -> FloatArray:
+    then: FloatArray,
+) -> None:
     """Carry deviations over a switch.
 
     Parameters
@@ -129,54 +132,52 @@ def saltation(
         The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
     now : ndarray, shape (2 N_old, m)
         Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
-
-    Returns
-    -------
-    ndarray, shape (2 N_new, m)
-        The deviations just after it.
+    then : ndarray, shape (2 N_new, m)
+        Takes the deviations just after it.
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
-    S, onto, mode = tables.carry[old, k], tables.carry_residual[old, k], tables.weight[old, tables.position[k]]
+    onto, mode = tables.carry_residual[old, k], tables.weight[old, tables.position[k]]
     theta = complex_zeros(tables.omega.size)
     set_phases(tables, t, theta)
     before = motion_rates(tables, old, theta, q_old, v_old)
     after = motion_rates(tables, new, theta, q_new, v_new)
-    delay = zeros(m)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
+    delay, S = zeros(m), zeros((n_new, n_old))
     for i in range(n_old):
+        weight = late * mode[i]
         for c in range(m):
-            delay[c] += late * mode[i] * now[i, c]
+            delay[c] += weight * now[i, c]
+    for j in range(n_new):
+        for i in range(n_old):
+            S[j, i] = tables.carry[old, k, j, i]
+    _project(S, now[:n_old], then[:n_new])
+    _project(S, now[n_old : 2 * n_old], then[n_new : 2 * n_new])
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
-    moved, carried, result = zeros((S.shape[1], 2 * m)), zeros((S.shape[0], 2 * m)), zeros((2 * n_new, m))
-    for i in range(n_old):
-        for c in range(m):
-            moved[i, c] = now[i, c] + before[i] * delay[c]
-            moved[i, m + c] = now[n_old + i, c] + before[n_old + i] * delay[c]
-    _project(S, n_new, n_old, moved, carried)
     for j in range(n_new):
         x, y = -after[j], -after[n_new + j]
+        for i in range(n_old):
+            x += S[j, i] * before[i]
+            y += S[j, i] * before[n_old + i]
         for h in range(theta.size):
             x += onto[1 + h, j] * tables.omega[h] * theta[h].real
             y -= onto[1 + h, j] * tables.omega[h] ** 2 * theta[h].imag
         for c in range(m):
-            result[j, c] = x * delay[c] + carried[j, c]
-            result[n_new + j, c] = y * delay[c] + carried[j, m + c]
-    return result
+            then[j, c] += x * delay[c]
+            then[n_new + j, c] += y * delay[c]
 
 
 @njit_inner(fastmath=SUM)
-def _project(S: FloatArray, n_new: int, n_old: int, now: FloatArray, result: FloatArray) -> None:
-    """Write S dq and S dv of deviations `now`, ``(N, 2 m)``, to `result`, ``(N, 2 m)``; of `S` so much is not zero.
+def _project(S: FloatArray, now: FloatArray, then: FloatArray) -> None:
+    """Write S times deviations `now`, ``(N_old, m)``, to `then`, ``(N_new, m)``.
 
     For one deviation loops over so few modes take less time than a call of a matrix product.
     """
-    if now.shape[1] > 2:
-        np.dot(S, now, result)
+    if now.shape[1] > 1:
+        np.dot(S, now, then)
         return
-    for j in range(n_new):
-        x, y = 0.0, 0.0
-        for i in range(n_old):
+    for j in range(S.shape[0]):
+        x = 0.0
+        for i in range(S.shape[1]):
             x += S[j, i] * now[i, 0]
-            y += S[j, i] * now[i, 1]
-        result[j, 0], result[j, 1] = x, y
+        then[j, 0] = x
