@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -64,8 +65,8 @@ class _Search:
 
     one: Listed
     family: Family
-    shapes: dict[float, tuple[Place, SampledShape]] = field(default_factory=dict)
-    """Motions of the first solver before the bifurcation, and their shapes, by the arc length to it."""
+    before: dict[float, Carrier | None] = field(default_factory=dict)
+    """Motions of the first solver before the bifurcation, by the arc length to it."""
     found: dict[int, Again] = field(default_factory=dict)
     """What each self has found, by its number, the coarsest first."""
     missed: set[int] = field(default_factory=set)
@@ -122,8 +123,8 @@ class _Search:
             return self.found.get(i)
         self.missed.add(i)
         for back in _BACK:
-            before = self._shape(back)
-            near = None if before is None else carried(*before, self.selves[i])
+            before = self._before(back)
+            near = None if before is None else before.carried(self.selves[i])
             if near is not None:
                 found = self.direct(self.selves[i], near)
                 same = found is not None and found.place.extrema.closings == self.motion.extrema.closings
@@ -151,13 +152,12 @@ class _Search:
 
     def _found_along(self, i: int) -> Again | None:
         """What a self finds along its own curve."""
-        here = self._shape(0.0)
+        here = self._before(0.0)
         if self.one.way is None or self.one.found is None or here is None:
             return None
         family = self.selves[i]
-        point = started(family, self.motion.value, here[1])
-        at = replace(self.motion, orbit=replace(self.motion.orbit, point=point))
-        return along(self.one.found, CarriedWay(self.one.way, family))(family, at)
+        at = replace(self.motion, orbit=replace(self.motion.orbit, point=here.started(family)))
+        return along(self.one.found, CarriedWay(self.one.way, self.one.family, family))(family, at)
 
     def _kept(self, i: int, found: Again | None) -> Again | None:
         if found is not None:
@@ -165,16 +165,14 @@ class _Search:
             self.missed.discard(i)
         return found
 
-    def _shape(self, back: float) -> tuple[Place, SampledShape] | None:
-        """The motion of the first solver some arc length before the bifurcation, and its shape."""
-        if back not in self.shapes:
+    def _before(self, back: float) -> Carrier | None:
+        """The motion of the first solver some arc length before the bifurcation."""
+        if back not in self.before:
             own = self.one.family
             value, guess = self.motion.moved(own, -back * self.motion.tangent)
             place = self.motion if back == 0.0 else corrected(own, value, guess, self.motion.count)
-            if place is None:
-                return None
-            self.shapes[back] = place, shape_of(place)
-        return self.shapes[back]
+            self.before[back] = None if place is None else Carrier(own, place)
+        return self.before[back]
 
 
 @dataclass(frozen=True)
@@ -183,6 +181,8 @@ class CarriedWay:
 
     way: Starts
     """The same by the first solver."""
+    own: Family
+    """The period maps of that one."""
     family: Family
     """The period maps of the other."""
 
@@ -190,32 +190,60 @@ class CarriedWay:
     def starts(self) -> Iterator[Approach]:
         """Places from which the branch leads to the bifurcation."""
         for start in self.way.starts:
-            place = carried(start.place, shape_of(start.place), self.family)
+            place = Carrier(self.own, start.place).carried(self.family)
             if place is not None:
                 yield Approach(place, start.length)
 
 
-def carried(place: Place, shape: SampledShape, family: Family) -> Place | None:
-    """A motion by another solver, with its tangent the same way along the curve.
+@dataclass(frozen=True)
+class Carrier:
+    """Takes a motion of one solver to others."""
 
-    Parameters
-    ----------
-    place : Place
-        The motion.
-    shape : SampledShape
-        Its shape.
-    family : Family
-        The period maps of the other solver.
+    family: Family
+    """The period maps of the solver that has it."""
+    place: Place
+    """The motion."""
 
-    Returns
-    -------
-    Place or None
-        None if that solver has no motion like it.
-    """
-    near = corrected(family, place.value, started(family, place.value, shape), place.count)
-    if near is None or near.extrema.closings != place.extrema.closings:
-        return None
-    return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()
+    @cached_property
+    def _shape(self) -> SampledShape:
+        return shape_of(self.place)
+
+    def started(self, other: Family) -> SectionPoint:
+        """The section point with which the motion begins by another solver.
+
+        Parameters
+        ----------
+        other : Family
+            The period maps of that one: by finer selves of the first, they need no samples of its shape.
+
+        Returns
+        -------
+        SectionPoint
+            On the map at the same number.
+        """
+        value = self.place.value
+        if other.is_a_self_of(self.family):
+            return other.adopted(value, self.place.point)
+        return started(other, value, self._shape)
+
+    def carried(self, other: Family) -> Place | None:
+        """The motion by another solver, with its tangent the same way along the curve.
+
+        Parameters
+        ----------
+        other : Family
+            The period maps of that one.
+
+        Returns
+        -------
+        Place or None
+            None if that solver has no motion like it.
+        """
+        place = self.place
+        near = corrected(other, place.value, self.started(other), place.count)
+        if near is None or near.extrema.closings != place.extrema.closings:
+            return None
+        return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()
 
 
 def shape_of(place: Place) -> SampledShape:

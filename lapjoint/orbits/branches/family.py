@@ -137,6 +137,7 @@ class Family:
         self.problem_at, self.path, self.low, self.high = problem_at, path, float(low), float(high)
         self.zones = self._resolved(solver)
         """Parts of the range of one resolution each, in ascending order."""
+        self._first = self
         self._maps = lru_cache(maxsize=_KEPT)(self._made)
 
     def at(self, value: float) -> HalfPeriods:
@@ -188,6 +189,21 @@ class Family:
             None if the solver has no finer self.
         """
         return None if self._finer is None else (self._finer[0][self._zone_of(value)], self._finer[1])
+
+    def is_a_self_of(self, other: Family) -> bool:
+        """Whether one of both comes from the other by `finer`, once or more.
+
+        Parameters
+        ----------
+        other : Family
+            The other one.
+
+        Returns
+        -------
+        bool
+            Whether section points of one can be adopted by the other.
+        """
+        return self._first is other._first
 
     @cached_property
     def _finer(self) -> tuple[list[Refinement], Family] | None:
