@@ -8,7 +8,7 @@ interruption changes what is found, or in what sequence.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -106,6 +106,8 @@ class Search:
         """The motions of open parts, by their names."""
         self._held = set[str]()
         """Names of open parts that wait for those before them, as their motions may lie on the same branches."""
+        self._asked: dict[tuple[str, str], bool] = {}
+        """Whether the motion of one open part lies on the branch of another, by their names."""
         self._seen = 0
         self._begun = False
         self._branches: list[dict[str, Any]] = []
@@ -136,15 +138,16 @@ class Search:
         while True:
             while self._open and self._open[0].name in found:
                 part = self._open.popleft()
+                self._held.discard(part.name)
                 self._take(part, found[part.name])
-            opened = self._released() or self._next(found)
+            opened = self._released(found) or self._next(found)
             if not opened and not (self._open and self._open[0].name in found):
                 return [part for part in new if part.name not in found]
             new += opened
 
-    def _released(self) -> list[Part]:
-        """The first open part, if it was held: all before it is taken now, which tells whether it is known."""
-        while self._open and self._open[0].name in self._held:
+    def _released(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
+        """Open parts that were held, and for which nothing that comes earlier is to be waited for any more."""
+        while self._open and self._open[0].name in self._held:  # all before it is taken
             part = self._open[0]
             assert part.seed is not None
             self._held.remove(part.name)
@@ -152,7 +155,15 @@ class Search:
                 return [part]
             self._open.popleft()
             self._over += [part.seed] if self._spent else []
-        return []
+        if self._spent:
+            return []
+        free, before = list[Part](), list[Part]()
+        for part in self._open:
+            if part.name in self._held and not self._may_be_known(part, before, found):
+                self._held.remove(part.name)
+                free.append(part)
+            before.append(part)
+        return free
 
     def _next(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Parts to be opened: all starts; or branches, as many as may be ahead, once all starts are taken."""
@@ -168,7 +179,7 @@ class Search:
             if not self._is_known(motion.seed):
                 part = Part(self._value, self._seen, motion.seed)
                 self._motions[part.name] = motion
-                if self._may_be_known(motion, found):
+                if self._may_be_known(part, self._open, found):
                     self._held.add(part.name)
                 else:
                     parts.append(part)
@@ -176,13 +187,29 @@ class Search:
             self._seen += 1
         return parts
 
-    def _may_be_known(self, motion: _Motion, found: Mapping[str, dict[str, Any]]) -> bool:
-        """Whether a motion lies on a branch that comes earlier, or may lie on one that is under way."""
-        ended = (found[one.name] for one in self._open if one.name in found)
-        under_way = (self._motions[one.name] for one in self._open if one.seed is not None and one.name not in found)
-        if any(is_known(self._plan, motion.seed, one) for one in ended):
+    def _may_be_known(self, part: Part, before: Iterable[Part], found: Mapping[str, dict[str, Any]]) -> bool:
+        """Whether a part's motion lies on a branch of those before it, or may lie on one that is under way."""
+        motion, branches = self._motions[part.name], [one for one in before if one.seed is not None]
+        if self._lies_on_one_of(part, branches, found):
             return True
-        return any(motion.may_share_its_branch_with(one) for one in under_way if one is not motion)
+        under_way = [one for one in branches if one.name not in found and not self._is_to_be_dropped(one)]
+        return any(motion.may_share_its_branch_with(self._motions[one.name]) for one in under_way)
+
+    def _lies_on_one_of(self, part: Part, branches: Sequence[Part], found: Mapping[str, dict[str, Any]]) -> bool:
+        """Whether a part's motion lies on one of some branches, of those that have been followed."""
+        assert part.seed is not None
+        for one in branches:
+            if one.name in found:
+                key = part.name, one.name
+                if key not in self._asked:
+                    self._asked[key] = is_known(self._plan, part.seed, found[one.name])
+                if self._asked[key]:
+                    return True
+        return False
+
+    def _is_to_be_dropped(self, part: Part) -> bool:
+        """Whether a part that is held lies on a branch that has been followed, and so will not be followed itself."""
+        return part.name in self._held and any(self._asked.get((part.name, one.name)) for one in self._open)
 
     def _take(self, part: Part, one: dict[str, Any]) -> None:
         """Take what the next part in the sequence has come to."""
