@@ -107,10 +107,13 @@ class Search:
         self._held = set[str]()
         """Names of open parts that wait for those before them, as their motions may lie on the same branches."""
         self._asked: dict[tuple[str, str], bool] = {}
-        """Whether the motion of one open part lies on the branch of another, by their names."""
+        """Whether the motion of one part lies on the branch of another, by their names."""
+        self._dropped = set[str]()
+        """Names of held parts that lie on a branch that has been followed, and so will not be followed themselves."""
+        self._taken: dict[str, dict[str, Any]] = {}
+        """The branches that have been taken, by the names of their parts."""
         self._seen = 0
         self._begun = False
-        self._branches: list[dict[str, Any]] = []
         self._failures: list[str] = []
         self._over: list[Mapping[str, Any]] = []
 
@@ -119,7 +122,7 @@ class Search:
         """What is found so far."""
         seeds = (*self._over, *(one.seed for one in self._waiting))
         left_out = sum(not self._is_known(seed) for seed in seeds) if self._spent else 0
-        return Diagram(self._branches, self._failures, left_out)
+        return Diagram(list(self._taken.values()), self._failures, left_out)
 
     def go_on(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Take what has been found, and give what can be done next.
@@ -151,7 +154,7 @@ class Search:
             part = self._open[0]
             assert part.seed is not None
             self._held.remove(part.name)
-            if not self._spent and not self._is_known(part.seed):
+            if not self._spent and not self._lies_on_one_of(part, self._taken):
                 return [part]
             self._open.popleft()
             self._over += [part.seed] if self._spent else []
@@ -188,34 +191,31 @@ class Search:
         return parts
 
     def _may_be_known(self, part: Part, before: Iterable[Part], found: Mapping[str, dict[str, Any]]) -> bool:
-        """Whether a part's motion lies on a branch of those before it, or may lie on one that is under way."""
-        motion, branches = self._motions[part.name], [one for one in before if one.seed is not None]
-        if self._lies_on_one_of(part, branches, found):
+        """Whether a part's motion lies on a branch that comes earlier, or may lie on one that is under way."""
+        motion, earlier = self._motions[part.name], [one for one in before if one.seed is not None]
+        followed = {one.name: found[one.name] for one in earlier if one.name in found}
+        if self._lies_on_one_of(part, self._taken | followed):
+            self._dropped.add(part.name)
             return True
-        under_way = [one for one in branches if one.name not in found and not self._is_to_be_dropped(one)]
-        return any(motion.may_share_its_branch_with(self._motions[one.name]) for one in under_way)
+        under_way = (one.name for one in earlier if one.name not in found and one.name not in self._dropped)
+        return any(motion.may_share_its_branch_with(self._motions[name]) for name in under_way)
 
-    def _lies_on_one_of(self, part: Part, branches: Sequence[Part], found: Mapping[str, dict[str, Any]]) -> bool:
-        """Whether a part's motion lies on one of some branches, of those that have been followed."""
+    def _lies_on_one_of(self, part: Part, branches: Mapping[str, dict[str, Any]]) -> bool:
+        """Whether a part's motion lies on one of some branches, by the names of their parts."""
         assert part.seed is not None
-        for one in branches:
-            if one.name in found:
-                key = part.name, one.name
-                if key not in self._asked:
-                    self._asked[key] = is_known(self._plan, part.seed, found[one.name])
-                if self._asked[key]:
-                    return True
+        for name, one in branches.items():
+            key = part.name, name
+            if key not in self._asked:
+                self._asked[key] = is_known(self._plan, part.seed, one)
+            if self._asked[key]:
+                return True
         return False
-
-    def _is_to_be_dropped(self, part: Part) -> bool:
-        """Whether a part that is held lies on a branch that has been followed, and so will not be followed itself."""
-        return part.name in self._held and any(self._asked.get((part.name, one.name)) for one in self._open)
 
     def _take(self, part: Part, one: dict[str, Any]) -> None:
         """Take what the next part in the sequence has come to."""
         if part.seed is not None and self._spent:
             self._over.append(part.seed)
-        elif part.seed is not None and self._is_known(part.seed):
+        elif part.seed is not None and self._lies_on_one_of(part, self._taken):
             return
         elif one.get("message"):
             reason = self._failure(part, one["message"])
@@ -223,18 +223,18 @@ class Search:
         elif part.seed is None:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
         else:
-            self._branches.append(one)
+            self._taken[part.name] = one
             sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]
             self._waiting += [*sprung[::2], *sprung[1::2]]  # neighbours may be the two ends of one branch
 
     @property
     def _spent(self) -> bool:
         """Whether the branches have as many points as are allowed, each counted by its period multiple."""
-        multiples = (point["period_multiple"] for branch in self._branches for point in branch["points"])
+        multiples = (point["period_multiple"] for branch in self._taken.values() for point in branch["points"])
         return bool(sum(multiples) >= self._plan.effort)
 
     def _is_known(self, seed: Mapping[str, Any]) -> bool:
-        return any(is_known(self._plan, seed, one) for one in self._branches)
+        return any(is_known(self._plan, seed, one) for one in self._taken.values())
 
     def _failure(self, part: Part, reason: str) -> str:
         """Why nothing came of a part, with where that is."""

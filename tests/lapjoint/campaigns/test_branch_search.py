@@ -59,7 +59,11 @@ def searched(effort: int, ahead: int, rng: np.random.Generator | None = None) ->
         assert part.name not in found
         found[part.name] = part.solved(own)
         done.append(part.name)
-        under_way += search.go_on(found)
+        new = search.go_on(found)
+        for one in new:  # none lies on a branch that comes earlier and has been followed
+            earlier = [other for name, other in found.items() if "own" in other and int(name.split()[-1]) < one.number]
+            assert one.seed is None or all(one.seed["value"] % 7 != other["own"] for other in earlier)
+        under_way += new
         assert sum(one.seed is not None for one in under_way) <= ahead
         seeds = [one.seed for one in under_way if one.seed is not None]
         from_starts = [seed["count"] for seed in seeds if "away" not in seed]
