@@ -214,17 +214,14 @@ class Carrier:
         Parameters
         ----------
         other : Family
-            The period maps of that one: by finer selves of the first, they need no samples of its shape.
+            The period maps of that one.
 
         Returns
         -------
         SectionPoint
             On the map at the same number.
         """
-        value = self.place.value
-        if other.is_a_self_of(self.family):
-            return other.adopted(value, self.place.point)
-        return started(other, value, self._shape)
+        return started(other, self.place.value, self._shape)
 
     def carried(self, other: Family) -> Place | None:
         """The motion by another solver, with its tangent the same way along the curve.
@@ -239,8 +236,17 @@ class Carrier:
         Place or None
             None if that solver has no motion like it.
         """
+        found = self._like(other, other.adopted(self.place.value, self.place.point)) if self._is_own(other) else None
+        return found or self._like(other, self.started(other))
+
+    def _is_own(self, other: Family) -> bool:
+        """Whether it is a self of the same solver, which need not take samples of a shape to come near the motion."""
+        return other.is_a_self_of(self.family)
+
+    def _like(self, other: Family, guess: SectionPoint) -> Place | None:
+        """The motion by another solver, found from a guess."""
         place = self.place
-        near = corrected(other, place.value, self.started(other), place.count)
+        near = corrected(other, place.value, guess, place.count)
         if near is None or near.extrema.closings != place.extrema.closings:
             return None
         return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()
