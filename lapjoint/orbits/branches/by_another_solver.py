@@ -34,10 +34,10 @@ _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 _ALONG = 2
 """Number of the first self that follows the curve, the coarsest being 0: of coarser ones it often leads elsewhere."""
 _FINER = 3
-"""Most finer selves that are asked: for the paper's joint, 40, 61, 91 and 137 elements."""
+"""Most finer selves that are asked unless said otherwise: for the paper's joint, 40, 61, 91 and 137 elements."""
 
 
-def by_another(one: Listed, family: Family) -> Stated | None:
+def by_another(one: Listed, family: Family, finer: int = _FINER) -> Stated | None:
     """A bifurcation's value, with its error, by another solver.
 
     Parameters
@@ -46,6 +46,8 @@ def by_another(one: Listed, family: Family) -> Stated | None:
         The bifurcation, and what was found, by the first solver.
     family : Family
         The period maps of the other solver.
+    finer : int
+        Most finer selves of it that are asked.
 
     Returns
     -------
@@ -54,7 +56,7 @@ def by_another(one: Listed, family: Family) -> Stated | None:
         does.
     """
     try:
-        return _Search(one, family).run()
+        return _Search(one, family, finer).run()
     except (InputError, SolverError):
         return None
 
@@ -65,6 +67,7 @@ class _Search:
 
     one: Listed
     family: Family
+    finer: int = _FINER
     before: dict[float, Carrier | None] = field(default_factory=dict)
     """Motions of the first solver before the bifurcation, by the arc length to it."""
     found: dict[int, Again] = field(default_factory=dict)
@@ -76,7 +79,7 @@ class _Search:
         assert self.one.found is not None
         self.motion, self.direct = motion_at(self.one.found), directly(self.one.found)
         self.selves, self.known = [self.family], list[Refinement]()
-        while len(self.known) < _FINER and (finer := self.selves[-1].finer(self.motion.value)) is not None:
+        while len(self.known) < self.finer and (finer := self.selves[-1].finer(self.motion.value)) is not None:
             self.known.append(finer[0])
             self.selves.append(finer[1])
 
