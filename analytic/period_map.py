@@ -24,7 +24,7 @@ from analytic.march.carried import size_of
 from analytic.march.change import Change
 from analytic.march.compiled import Log
 from analytic.march.field import history_of
-from analytic.march.gap_view import gap_view_of
+from analytic.march.gap_view import gap_view_of, outline_of
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.linearised import carried_along
 from analytic.march.march import joined
@@ -202,7 +202,13 @@ class PeriodMap:
             n, passage = matrix.shape[0] // 2, self.joint.passage(end, start.state)
             matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
             matrix[:, -1] += self._left_out_change(passage.residual[1:], known)
-        return Linearised(_section_point(motion.end), matrix[:, :-1], lambda: gap_view_of(found), matrix[:, -1].copy())
+        return Linearised(
+            _section_point(motion.end),
+            matrix[:, :-1],
+            lambda: gap_view_of(found),
+            matrix[:, -1].copy(),
+            lambda: outline_of(motion),
+        )
 
     def _left_out_change(self, residual: FloatArray, known: ExcitationChange) -> FloatArray:
         """Change of what is carried over between the modes of two states at a multiple of the period, ``(2 N,)``."""

@@ -41,6 +41,23 @@ def gap_view(motion: March) -> Segments:
     return gap_view_of(carried_along(motion))
 
 
+def outline_of(motion: March) -> Segments:
+    """The same without deviations.
+
+    Parameters
+    ----------
+    motion : March
+        The motion, recorded.
+
+    Returns
+    -------
+    Segments
+        In the order of time; deviations have no coordinates.
+    """
+    none = np.zeros((motion.log.slot.size, 2 * motion.joint.tables.kind.shape[1], 0))
+    return gap_view_of(Carried(motion, None, none, none[0]))
+
+
 def gap_view_of(carried: Carried) -> Segments:
     """The same of a motion along which deviations have been carried.
 

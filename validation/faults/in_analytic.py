@@ -203,8 +203,8 @@ ANALYTIC = (
         "a term dropped",
         "analytic.march.tangent",
         "A deviation goes over a switch as if that came at the same time.",
-        old="delay[c] += late * mode[i] * now[i, c]",
-        new="delay[c] += 0.0 * late * mode[i] * now[i, c]",
+        old="weight = late * mode[i]",
+        new="weight = 0.0 * late * mode[i]",
     ),
     Fault(
         "analytic-saltation-0.9",
