@@ -114,6 +114,8 @@ class Search:
         """The branches that have been taken, by the names of their parts."""
         self._seen = 0
         self._begun = False
+        self._points = 0
+        """Number of points of these, each counted by its period multiple."""
         self._failures: list[str] = []
         self._over: list[Mapping[str, Any]] = []
 
@@ -158,10 +160,10 @@ class Search:
                 return [part]
             self._open.popleft()
             self._over += [part.seed] if self._spent else []
-        if self._spent:
-            return []
         free, before = list[Part](), list[Part]()
         for part in self._open:
+            if not self._has_room:
+                break
             if part.name in self._held and not self._may_be_known(part, before, found):
                 self._held.remove(part.name)
                 free.append(part)
@@ -177,7 +179,7 @@ class Search:
         if self._open and self._open[0].seed is None:
             return []
         parts: list[Part] = []
-        while self._waiting and len(self._open) - len(self._held) < self._ahead and not self._spent:
+        while self._waiting and self._has_room:
             motion = self._waiting.popleft()
             if not self._is_known(motion.seed):
                 part = Part(self._value, self._seen, motion.seed)
@@ -224,14 +226,19 @@ class Search:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
         else:
             self._taken[part.name] = one
+            self._points += sum(int(point["period_multiple"]) for point in one["points"])
             sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]
             self._waiting += [*sprung[::2], *sprung[1::2]]  # neighbours may be the two ends of one branch
 
     @property
+    def _has_room(self) -> bool:
+        """Whether a further branch may be followed."""
+        return len(self._open) - len(self._held) < self._ahead and not self._spent
+
+    @property
     def _spent(self) -> bool:
         """Whether the branches have as many points as are allowed, each counted by its period multiple."""
-        multiples = (point["period_multiple"] for branch in self._taken.values() for point in branch["points"])
-        return bool(sum(multiples) >= self._plan.effort)
+        return self._points >= self._plan.effort
 
     def _is_known(self, seed: Mapping[str, Any]) -> bool:
         return any(is_known(self._plan, seed, one) for one in self._taken.values())
