@@ -15,6 +15,7 @@ from lapjoint.campaigns.point import plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.free_motion import free_seed
 from lapjoint.orbits.branches.run import Limits
@@ -24,6 +25,8 @@ from lapjoint.solver import Solver
 
 _A_FEW = 3
 """Number of points that tell whether all is compiled that a branch takes."""
+_PROBES = (0.5, 0.25, 0.75)
+"""Shares of the way along a branch at which its motions are compared with another one."""
 _KEPT = 8
 """Number of plans of which the period maps are kept: values of a second number whose branches are followed at once."""
 
@@ -172,6 +175,38 @@ def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, An
     if springs_where(family, seed, springs, count):
         return True
     return on_branch(family, seed, branch["values"], _Sections(branch["sections"]), count)
+
+
+@in_one_thread
+def repeats(plan: BranchPlan, branch: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether a branch is another one over again, as motions all along it tell.
+
+    Two branches that spring at two bifurcations and come together at a part that is not resolved go on as one.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    branch, other : mapping
+        The branches, as `solve_branch` gives them.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    if branch["count"] != other["count"]:
+        return False
+    family, count, last = family_of(plan), branch["count"], len(branch["points"]) - 1
+    for i in dict.fromkeys(int(share * last) for share in _PROBES):
+        value = branch["values"][i]
+        guess = family.adopted(value, section_from(branch["sections"][i]))
+        place = corrected(family, value, guess, count, fixed=True)  # a finer solver may have followed it there
+        if place is None:
+            return False
+        if not on_branch(family, Seed(value, place.point, count), other["values"], _Sections(other["sections"]), count):
+            return False
+    return True
 
 
 class _Sections(Sequence[SectionPoint]):

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lapjoint.campaigns.branch_parts import is_known, solve_branch, solve_start
+from lapjoint.campaigns.branch_parts import is_known, repeats, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.solver import Progress
 
@@ -224,7 +224,7 @@ class Search:
             self._failures += [reason] if reason not in self._failures else []
         elif part.seed is None:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
-        else:
+        elif not any(repeats(self._plan, one, other) for other in self._taken.values()):
             self._taken[part.name] = one
             self._points += sum(int(point["period_multiple"]) for point in one["points"])
             sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]
