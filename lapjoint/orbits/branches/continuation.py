@@ -20,7 +20,7 @@ from lapjoint.problem import FloatArray
 
 _FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
 """Arc length of the first step, and of the longest and shortest: motions change by so much of their size."""
-_SHARE = 0.25
+_SHARE = 0.1
 """Share of the length that a curve may have at most that its first step is."""
 _TURN = 0.2
 """Angle between a step and the tangent at its end that is aimed at, rad: the curve is then known to some 1e-2 of a step
