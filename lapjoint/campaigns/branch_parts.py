@@ -174,12 +174,12 @@ def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, An
     springs = [(value, section_from(section)) for value, section in branch["springs"]]
     if springs_where(family, seed, springs, count):
         return True
-    return on_branch(family, seed, branch["values"], _Sections(branch["sections"]), count)
+    return _lies_on(family, seed, branch)
 
 
 @in_one_thread
-def repeats(plan: BranchPlan, branch: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    """Whether a branch is another one over again, as motions all along it tell.
+def repeats(plan: BranchPlan, branch: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a branch is one of some others over again, as motions all along it tell.
 
     Two branches that spring at two bifurcations and come together at a part that is not resolved go on as one.
 
@@ -187,26 +187,30 @@ def repeats(plan: BranchPlan, branch: Mapping[str, Any], other: Mapping[str, Any
     ----------
     plan : BranchPlan
         The plan.
-    branch, other : mapping
-        The branches, as `solve_branch` gives them.
+    branch : mapping
+        The branch, as `solve_branch` gives it.
+    others : sequence of mapping
+        The others, likewise.
 
     Returns
     -------
     bool
         Whether it is.
     """
-    if branch["count"] != other["count"]:
-        return False
     family, count, last = family_of(plan), branch["count"], len(branch["points"]) - 1
+    left = [other for other in others if other["count"] == count]
     for i in dict.fromkeys(int(share * last) for share in _PROBES):
         value = branch["values"][i]
         guess = family.adopted(value, section_from(branch["sections"][i]))
         place = corrected(family, value, guess, count, fixed=True)  # a finer solver may have followed it there
-        if place is None:
-            return False
-        if not on_branch(family, Seed(value, place.point, count), other["values"], _Sections(other["sections"]), count):
-            return False
-    return True
+        seed = None if place is None else Seed(value, place.point, count)
+        left = [] if seed is None else [other for other in left if _lies_on(family, seed, other)]
+    return bool(left)
+
+
+def _lies_on(family: Family, seed: Seed, branch: Mapping[str, Any]) -> bool:
+    """Whether a motion is one of a branch, as `solve_branch` gives it."""
+    return on_branch(family, seed, branch["values"], _Sections(branch["sections"]), branch["count"])
 
 
 class _Sections(Sequence[SectionPoint]):

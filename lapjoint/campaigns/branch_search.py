@@ -181,8 +181,8 @@ class Search:
         parts: list[Part] = []
         while self._waiting and self._has_room:
             motion = self._waiting.popleft()
-            if not self._is_known(motion.seed):
-                part = Part(self._value, self._seen, motion.seed)
+            part = Part(self._value, self._seen, motion.seed)
+            if not self._lies_on_one_of(part, self._taken):
                 self._motions[part.name] = motion
                 if self._may_be_known(part, self._open, found):
                     self._held.add(part.name)
@@ -224,7 +224,7 @@ class Search:
             self._failures += [reason] if reason not in self._failures else []
         elif part.seed is None:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
-        elif not any(repeats(self._plan, one, other) for other in self._taken.values()):
+        elif not repeats(self._plan, one, list(self._taken.values())):
             self._taken[part.name] = one
             self._points += sum(int(point["period_multiple"]) for point in one["points"])
             sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]

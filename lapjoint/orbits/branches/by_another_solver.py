@@ -209,7 +209,13 @@ class Carrier:
 
     @cached_property
     def _shape(self) -> SampledShape:
-        return shape_of(self.place)
+        """The displacement, m, and the velocity, m/s, with which the motion begins, along the beam."""
+        map_ = self.place.half_periods.map
+        history, length = map_.history(self.place.point, 1), map_.problem.beam.length
+        x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # close at the ends, for their slopes
+        x[0], x[-1] = 0.0, length
+        z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
+        return SampledShape(x=tuple(x.tolist()), displacement=tuple(z.tolist()), velocity=tuple(v.tolist()))
 
     def started(self, other: Family) -> SectionPoint:
         """The section point with which the motion begins by another solver.
@@ -224,7 +230,9 @@ class Carrier:
         SectionPoint
             On the map at the same number.
         """
-        return started(other, self.place.value, self._shape)
+        value = self.place.value
+        problem = other.problem_at(value).replace(initial=self._shape)
+        return other.adopted(value, other.solver_at(value).period_map(problem).initial())
 
     def carried(self, other: Family) -> Place | None:
         """The motion by another solver, with its tangent the same way along the curve.
@@ -239,12 +247,10 @@ class Carrier:
         Place or None
             None if that solver has no motion like it.
         """
-        found = self._like(other, other.adopted(self.place.value, self.place.point)) if self._is_own(other) else None
+        found = None
+        if other.is_a_self_of(self.family):  # it need not take samples of a shape to come near the motion
+            found = self._like(other, other.adopted(self.place.value, self.place.point))
         return found or self._like(other, self.started(other))
-
-    def _is_own(self, other: Family) -> bool:
-        """Whether it is a self of the same solver, which need not take samples of a shape to come near the motion."""
-        return other.is_a_self_of(self.family)
 
     def _like(self, other: Family, guess: SectionPoint) -> Place | None:
         """The motion by another solver, found from a guess."""
@@ -253,45 +259,3 @@ class Carrier:
         if near is None or near.extrema.closings != place.extrema.closings:
             return None
         return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()
-
-
-def shape_of(place: Place) -> SampledShape:
-    """The displacement and the velocity with which a motion begins.
-
-    Parameters
-    ----------
-    place : Place
-        The motion, by any solver.
-
-    Returns
-    -------
-    SampledShape
-        m and m/s, along the beam.
-    """
-    map_ = place.half_periods.map
-    history, length = map_.history(place.point, 1), map_.problem.beam.length
-    x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # close at the ends, for their slopes
-    x[0], x[-1] = 0.0, length
-    z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
-    return SampledShape(x=tuple(x.tolist()), displacement=tuple(z.tolist()), velocity=tuple(v.tolist()))
-
-
-def started(family: Family, value: float, shape: SampledShape) -> SectionPoint:
-    """The section point with which a motion of a given shape begins.
-
-    Parameters
-    ----------
-    family : Family
-        The period maps of any solver.
-    value : float
-        The number, in its SI unit.
-    shape : SampledShape
-        The shape.
-
-    Returns
-    -------
-    SectionPoint
-        On the map at `value`.
-    """
-    problem = family.problem_at(value).replace(initial=shape)
-    return family.adopted(value, family.solver_at(value).period_map(problem).initial())

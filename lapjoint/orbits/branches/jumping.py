@@ -94,26 +94,27 @@ def across_jump(family: Family, here: Place) -> Place | None:
         With its tangent the way that the curve goes on, as its orientation tells; None if there is none.
     """
     for found in _beside(family, here):
+        if found is None:
+            continue
         near = float(np.linalg.norm(found.chord(family, here))) <= _ADJACENT
         if near and found.extrema.closings != here.extrema.closings and family.low <= found.value <= family.high:
             return found if found.orientation == here.orientation else found.turned()
     return None
 
 
-def _beside(family: Family, here: Place) -> Iterator[Place]:
+def _beside(family: Family, here: Place) -> Iterator[Place | None]:
     """Motions found from guesses a little farther along the curve: the nearest to them, and at numbers to both sides.
 
-    Where the curve turns sharply, what is nearest to a guess beyond may lie on the part that it came along.
+    None for a guess from which none is found.  Where the curve turns sharply, what is nearest to a guess beyond may lie
+    on the part that it came along.
     """
     for length in _BESIDE:
         value, guess = here.moved(family, length * here.tangent)
-        yield from filter(None, (corrected(family, value, guess, here.count),))
+        yield corrected(family, value, guess, here.count)
         for sign in (-1.0, 1.0):
             value = here.value + sign * length * family.scale(here.value)
             if family.low <= value <= family.high:
-                yield from filter(
-                    None, (corrected(family, value, family.adopted(value, guess), here.count, fixed=True),)
-                )
+                yield corrected(family, value, family.adopted(value, guess), here.count, fixed=True)
 
 
 def _behind(family: Family, places: Sequence[Place], share: float) -> Place | None:

@@ -65,12 +65,12 @@ def test_a_branch_that_is_followed_from_another_of_its_motions_is_known_again(pr
     i = len(whole["points"]) // 3
     again = solve_branch(plan, {"value": whole["values"][i], "section": whole["sections"][i], "count": whole["count"]})
     assert again["values"] != whole["values"]
-    assert repeats(plan, again, whole)
-    assert repeats(plan, whole, again)
     part = whole | {key: whole[key][:i] for key in ("values", "points", "sections")}
-    assert repeats(plan, part, whole)
-    assert not repeats(plan, whole, part)
-    assert not repeats(plan, whole, whole | {"count": 2 * whole["count"]})
+    assert repeats(plan, again, [whole])
+    assert repeats(plan, whole, [part, again])
+    assert repeats(plan, part, [whole])
+    assert not repeats(plan, whole, [part])
+    assert not repeats(plan, whole, [whole | {"count": 2 * whole["count"]}])
 
 
 def test_contacts_begin_at_the_graze(found: xr.Dataset) -> None:
