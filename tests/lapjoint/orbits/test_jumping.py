@@ -50,17 +50,18 @@ class JumpMap(MadeMap):
 
 @dataclass(frozen=True)
 class Jumps:
-    """A solver that gives such maps; p is the amplitude of the base, m, less 1."""
+    """A solver that gives such maps; p is the amplitude of the base, m, less 1, or what 1 is more than that."""
 
     a: float
     b: float
     d: float
+    sign: int
     name = "jumps"
 
     def period_map(self, problem: Problem) -> JumpMap:
         """The map at the amplitude of a problem."""
         assert isinstance(problem.base_motion, BaseMotion)
-        return JumpMap(problem, np.eye(1), problem.base_motion.amplitude - 1, self.a, self.b, self.d)
+        return JumpMap(problem, np.eye(1), self.sign * (problem.base_motion.amplitude - 1), self.a, self.b, self.d)
 
 
 def contacts_only(found: Return) -> Extrema:
@@ -70,8 +71,12 @@ def contacts_only(found: Return) -> Extrema:
     return Extrema(whole, whole, none, none, whole.astype(bool), closings, 1.0, whole, none, whole.astype(bool))
 
 
+@pytest.mark.parametrize("sign", [-1, 1])
+@pytest.mark.parametrize("touched", [False, True])
 @pytest.mark.parametrize("seed", range(20))
-def test_a_branch_goes_on_beyond_a_jump_of_the_map(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_branch_goes_on_beyond_a_jump_of_the_map(
+    seed: int, touched: bool, sign: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rng = np.random.default_rng((37, seed))
     folds = seed % 2 == 0
     a, b = (float(np.exp(rng.uniform(*np.log((0.7, 3.0))))) for _ in range(2))
@@ -81,12 +86,15 @@ def test_a_branch_goes_on_beyond_a_jump_of_the_map(seed: int, monkeypatch: pytes
     monkeypatch.setattr(corrector, "extrema_of", contacts_only)
     monkeypatch.setattr(passings, "extrema_of", contacts_only)
     grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
-    family = Family(Jumps(a, b, d), lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
-    start, there = 1.25, -0.25 / a
-    found = trace(family, Seed(start, SectionPoint(FREE, np.array([[1 + there]])), 2), most_multiple=1, limits=Limits())
+    family = Family(Jumps(a, b, d, sign), lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    p = -0.25 if touched and not folds else 0.25
+    start = SectionPoint(FREE, np.array([[1 + (d - p / b if touched else -p / a)]]))
+    found = trace(family, Seed(1 + sign * p, start, 2), most_multiple=1, limits=Limits())
     assert found is not None
     assert found.branch.ends == ("boundary", "boundary")
-    points = [(point.value - 1, point.motion.section_point.coordinates[0, 0] - 1) for point in found.branch.points]
+    points = [
+        (sign * (point.value - 1), point.motion.section_point.coordinates[0, 0] - 1) for point in found.branch.points
+    ]
     for p, y in points:
         assert y == pytest.approx(-p / a if y < 0 else d - p / b, abs=1e-8)
     assert {y > 0 for _, y in points} == {False, True}
