@@ -9,13 +9,19 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Collection, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.connection import wait as ready_of
+from typing import Any, TypeVar
 
 from lapjoint.errors import SolverError
 
+T = TypeVar("T")
+
+LOOK = 1.0
+"""Time between two looks at the processes of a pool, while no task is finished, s: seldom enough to cost nothing."""
 MOST_STARTS = 3
 """Number of times that a pool is started, if its processes die before they do anything; one death may be chance."""
 
@@ -124,9 +130,11 @@ def new_pool(workers: int) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
         try:
             with interrupts_held():  # a process starts when a task finds none that is idle: all of them, now
-                ready = [pool.submit(_ready) for _ in range(workers)]
-            for one in ready:
-                one.result()
+                ready = {pool.submit(_ready) for _ in range(workers)}
+            while ready:
+                for one in (done := first_finished(pool, ready)):
+                    one.result()
+                ready -= done
         except BrokenProcessPool:
             end_pool(pool)
         except BaseException:
@@ -140,6 +148,39 @@ def new_pool(workers: int) -> ProcessPoolExecutor:
     )
 
 
+def first_finished(pool: ProcessPoolExecutor, tasks: Collection[Future[T]]) -> set[Future[T]]:
+    """Wait until a task of a pool is finished, or a process of the pool is dead.
+
+    A pool that breaks at the moment when it takes a task forgets the task; and one whose process dies while it sends an
+    answer waits for the rest of it.  Neither ever finishes its tasks.
+
+    Parameters
+    ----------
+    pool : ProcessPoolExecutor
+        A pool from `new_pool`.
+    tasks : collection of Future
+        Tasks that it was given, at least one.
+
+    Returns
+    -------
+    set of Future
+        Those that are finished, be it with an error: at least one.
+
+    Raises
+    ------
+    BrokenProcessPool
+        If none is, and a process of the pool is dead.
+    """
+    processes = [process.sentinel for process in (pool._processes or {}).values()]
+    while True:
+        dead = bool(ready_of(processes, timeout=0))
+        finished = wait(tasks, timeout=LOOK, return_when=FIRST_COMPLETED).done
+        if finished:
+            return finished
+        if dead:
+            raise BrokenProcessPool("a process died, and the pool did not notice")
+
+
 def end_pool(pool: ProcessPoolExecutor) -> None:
     """End the processes of a pool at once, whatever they are doing.
 
@@ -149,10 +190,12 @@ def end_pool(pool: ProcessPoolExecutor) -> None:
         A pool from `new_pool`; it cannot be used afterwards.
     """
     processes = list((pool._processes or {}).values())
+    answers: Any = pool._result_queue
     manager: threading.Thread | None = pool._executor_manager_thread  # type: ignore[assignment]  # the stubs are wrong
     pool.shutdown(wait=False, cancel_futures=True)  # first: the pool's thread trips over tasks that are cancelled later
     for process in processes:
         process.terminate()
+    answers._writer.close()  # the last way into it: its thread no longer waits for the rest of an answer that was cut
     if manager is not None:
         manager.join()
 

@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, TypeVar
 
 from lapjoint.campaigns.batch import Batch, Solved, after, solve_batch
 from lapjoint.campaigns.campaign import Cells
@@ -24,6 +24,7 @@ ALONE = 40.0
 """Time after which a scheduler that has lost all its workers is given up, s; a nanny has a new one after a few."""
 LOOK = 5.0
 """Time between two looks at the workers, while nothing is finished, s."""
+T = TypeVar("T")
 
 
 def work_on_cluster(plan: Cells, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
@@ -139,26 +140,33 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}
-    finished: queue.Queue[Any] = queue.Queue()
+    finished: queue.Queue[tuple[Any, Solved | BaseException]] = queue.Queue()
+
+    def collect(future: Any) -> None:
+        """Fetch an answer, in a thread of dask: it may be lost with its worker, and then be waited for in vain."""
+        try:
+            finished.put((future, future.result()))
+        except BaseException as error:
+            finished.put((future, error))
 
     def submit(batch: Batch, alone: bool = False) -> None:
         """Submit a batch, or its first cell only if it is `alone`."""
         future = client.submit(solve_batch, plan, batch.first() if alone else batch, pure=False)
         submitted[future] = batch, alone
-        future.add_done_callback(finished.put)
+        future.add_done_callback(collect)
 
     for batch in batches:
         submit(batch)
     while submitted:
-        future = _next(client, finished)
+        future, solved = _next(client, finished)
         batch, alone = submitted.pop(future)
-        try:
-            solved: Solved = future.result()
-        except KilledWorker:
+        if isinstance(solved, KilledWorker):
             if not alone:
                 submit(batch, alone=True)
                 continue
             solved = given_up(plan, batch, "the workers that solved it died")
+        elif isinstance(solved, BaseException):
+            raise solved
         for more in deliver(solved):
             submit(more)
         left = after(batch, len(solved.points), solved.section)
@@ -166,8 +174,8 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
             submit(left, alone)
 
 
-def _next(client: Any, finished: queue.Queue[Any]) -> Any:
-    """The next future that is finished, as long as there is a worker to wait for."""
+def _next(client: Any, finished: queue.Queue[T]) -> T:
+    """What is finished next, as long as there is a worker to wait for."""
     seen = time.monotonic()
     while True:
         try:

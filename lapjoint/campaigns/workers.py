@@ -9,7 +9,7 @@ import os
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from typing import Any
@@ -17,7 +17,7 @@ from typing import Any
 from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_batch
 from lapjoint.campaigns.campaign import Cells
 from lapjoint.errors import InputError
-from lapjoint.processes import StandingPool, interrupts_held
+from lapjoint.processes import LOOK, StandingPool, first_finished, interrupts_held
 from lapjoint.solver import Progress
 
 Deliver = Callable[[Solved], Iterable[Batch]]
@@ -170,11 +170,21 @@ class _Run:
         """Go on until all batches are done."""
         while self._waiting or self._suspected or self._submitted:
             self._submit_next()
-            finished, _ = wait(self._submitted, return_when=FIRST_COMPLETED)
-            lost = self._collect(finished)
-            if lost:
-                lost += self._collect(wait(self._submitted).done)
-                self._recover(lost)
+            if self._submitted:
+                self._take_finished()
+
+    def _take_finished(self) -> None:
+        """Wait for batches that are finished; if the pool is broken, collect what it still gives, and recover."""
+        try:
+            lost = self._collect(first_finished(self._pool.pool, self._submitted))
+            broken = bool(lost)
+        except BrokenProcessPool:
+            lost, broken = [], True
+        if broken:
+            lost += self._collect(wait(self._submitted, timeout=LOOK).done)
+            lost += self._submitted.values()
+            self._submitted.clear()
+            self._recover(lost)
 
     def _submit_next(self) -> None:
         """Submit the next suspected batch once the pool is empty, or as many waiting batches as keep it busy."""

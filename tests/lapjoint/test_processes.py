@@ -10,15 +10,16 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from pathlib import Path
 
 import pytest
+from counting_solver import tear
 
 from lapjoint.errors import SolverError
-from lapjoint.processes import process_pool, standing_pool
+from lapjoint.processes import first_finished, process_pool, standing_pool
 
 LONG = 600.0  # s: longer than any of these tests may take
 BUSY = """
@@ -127,3 +128,24 @@ def test_a_standing_pool_keeps_its_processes_and_starts_others_after_one_dies() 
         assert not first & set(standing.pool._processes)
         assert list(standing.pool.map(math.sqrt, [16.0])) == [4.0]
     assert multiprocessing.active_children() == []
+
+
+def test_a_task_that_a_pool_forgets_as_it_breaks_is_not_waited_for() -> None:
+    """As happens once in some thousand times, where a process dies while a task is given."""
+    forgotten: Future[None] = Future()
+    with process_pool(2) as pool:
+        for process in pool._processes.values():
+            process.kill()
+        with pytest.raises(BrokenProcessPool):
+            first_finished(pool, [forgotten])
+
+
+def test_a_pool_ends_although_a_process_was_killed_while_it_sent_an_answer() -> None:
+    with process_pool(2) as pool, pytest.raises(BrokenProcessPool):
+        first_finished(pool, [pool.submit(die_while_sending)])
+    assert multiprocessing.active_children() == []
+
+
+def die_while_sending() -> None:
+    tear()
+    os._exit(1)

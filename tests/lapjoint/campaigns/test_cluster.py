@@ -228,3 +228,36 @@ def test_a_cluster_that_dies_ends_the_sweep_with_a_message(
 
     with pytest.raises(SolverError, match=message):
         sweep(JOINT, AXES, solver="counting", scheduler=doomed.address, out=tmp_path / "curve.nc", progress=kill_all)
+
+
+@pytest.mark.thorough
+def test_answers_that_are_lost_with_their_workers_are_not_waited_for(
+    doomed: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All points are solved, and no answer has been fetched, when the workers are killed."""
+    from distributed import Future
+
+    monkeypatch.setattr("lapjoint.campaigns.cluster.ALONE", 2.0)
+    monkeypatch.setattr("lapjoint.campaigns.cluster.LOOK", 0.5)
+    fetch = Future.result
+
+    def too_late(answer: Any) -> Any:
+        wait_until_idle(doomed.address)
+        for group in doomed.workers:
+            kill_group(group)
+        return fetch(answer)
+
+    monkeypatch.setattr(Future, "result", too_late)
+    with pytest.raises(SolverError, match="all workers of the scheduler are gone"):
+        sweep(JOINT, AXES, solver="counting", scheduler=doomed.address, out=tmp_path / "curve.nc")
+
+
+def wait_until_idle(address: str) -> None:
+    """Wait until no worker of a scheduler has work."""
+    from distributed import Client
+
+    with Client(address, set_as_default=False) as client:
+        end = time.monotonic() + 60
+        while any(client.processing().values()):
+            assert time.monotonic() < end, "it took too long"
+            time.sleep(0.05)

@@ -215,6 +215,13 @@ def test_a_worker_that_dies_is_replaced(start: Any, counting: Path) -> None:
 
 
 @pytest.mark.thorough
+def test_a_worker_that_dies_while_it_sends_an_answer_is_replaced(counting: Path) -> None:
+    options = {"dies_at": 120.0, "died": str(counting / "died"), "tears": True}
+    curve = sweep(JOINT, [FREQUENCIES], workers=2, **counted(**options))
+    xr.testing.assert_identical(curve, sweep(JOINT, [FREQUENCIES], **counted(**options)))
+
+
+@pytest.mark.thorough
 def test_a_point_that_kills_every_worker_is_given_up_alone(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lapjoint.campaigns.workers.MOST_DEATHS", 2)  # each death costs a pool
     curve = sweep(JOINT, [FREQUENCIES], workers=2, **counted(dies_at=130.0))
