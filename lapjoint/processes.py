@@ -22,6 +22,8 @@ T = TypeVar("T")
 
 LOOK = 1.0
 """Time between two looks at the processes of a pool, while no task is finished, s: seldom enough to cost nothing."""
+PATIENCE = 5.0
+"""Time within which the thread of a pool notices that its processes have ended, however busy the machine is, s."""
 MOST_STARTS = 3
 """Number of times that a pool is started, if its processes die before they do anything; one death may be chance."""
 
@@ -195,8 +197,9 @@ def end_pool(pool: ProcessPoolExecutor) -> None:
     pool.shutdown(wait=False, cancel_futures=True)  # first: the pool's thread trips over tasks that are cancelled later
     for process in processes:
         process.terminate()
-    answers._writer.close()  # the last way into it: its thread no longer waits for the rest of an answer that was cut
     if manager is not None:
+        manager.join(PATIENCE)
+        answers._writer.close()  # the last way into it, should its thread wait for the rest of an answer that was cut
         manager.join()
 
 

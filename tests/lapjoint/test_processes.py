@@ -140,7 +140,8 @@ def test_a_task_that_a_pool_forgets_as_it_breaks_is_not_waited_for() -> None:
             first_finished(pool, [forgotten])
 
 
-def test_a_pool_ends_although_a_process_was_killed_while_it_sent_an_answer() -> None:
+def test_a_pool_ends_although_a_process_was_killed_while_it_sent_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lapjoint.processes.PATIENCE", 0.2)
     with process_pool(2) as pool, pytest.raises(BrokenProcessPool):
         first_finished(pool, [pool.submit(die_while_sending)])
     assert multiprocessing.active_children() == []

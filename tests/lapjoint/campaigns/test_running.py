@@ -215,7 +215,10 @@ def test_a_worker_that_dies_is_replaced(start: Any, counting: Path) -> None:
 
 
 @pytest.mark.thorough
-def test_a_worker_that_dies_while_it_sends_an_answer_is_replaced(counting: Path) -> None:
+def test_a_worker_that_dies_while_it_sends_an_answer_is_replaced(
+    counting: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lapjoint.processes.PATIENCE", 0.2)
     options = {"dies_at": 120.0, "died": str(counting / "died"), "tears": True}
     curve = sweep(JOINT, [FREQUENCIES], workers=2, **counted(**options))
     xr.testing.assert_identical(curve, sweep(JOINT, [FREQUENCIES], **counted(**options)))
