@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.closing import Start
 from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import seed_from, springs_where
@@ -62,6 +63,28 @@ def test_a_curve_that_comes_to_a_ring_on_which_its_start_does_not_lie_ends(monke
     x, y = np.array([place.point.coordinates[0] for place in run.places]).T
     turned = np.unwrap(np.arctan2(y, x))
     assert 1 <= abs(turned[-1] - turned[0]) / (2 * np.pi) < 2  # once round from where it first is where it comes back
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_place_of_a_ring_is_met_each_time_though_rounding_decides_where_places_are(seed: int) -> None:
+    """A graze sets where some places of a ring are: each time at the same motion, as exactly as motions close."""
+    family = family_of(Tongue(1), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+    start = corrected(family, 1.0, SectionPoint(FREE, np.array([[0.0, 1.0]])), 2, fixed=True)
+    assert start is not None
+    ring, rng = follow(family, start, Limits(1000)).places[:-1], np.random.default_rng((41, seed))
+    shifts = 1e-9 * rng.standard_normal((3, len(ring)))
+    places = [beside(family, place, shift) for own in shifts for place, shift in zip(ring, own, strict=True)]
+    for place in places[len(ring) : 2 * len(ring)]:
+        mark = Start(family, place)
+        met = [k for k in range(len(places) - 1) if mark.between(places[k], places[k + 1]) is not None]
+        assert sum(k - before > 1 for before, k in pairwise([-2, *met])) == 3
+
+
+def beside(family: Family, place: Place, step: float) -> Place:
+    """The place some arc length from another."""
+    found = corrected(family, *place.moved(family, step * place.tangent), place.count)
+    assert found is not None
+    return found.along(place.tangent)
 
 
 @dataclass(frozen=True)

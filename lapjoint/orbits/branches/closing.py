@@ -99,8 +99,8 @@ class Start:
             return None
         for image in self.images:
             left = b.chord(self.family, image)
-            share = 1 - float(left @ chord) / length**2
-            if 0 <= share <= 1 and float(np.linalg.norm(left - (1 - share) * chord)) <= _BESIDE * length:
+            share, same = 1 - float(left @ chord) / length**2, SAME / length
+            if -same <= share <= 1 + same and float(np.linalg.norm(left - (1 - share) * chord)) <= _BESIDE * length:
                 found = self._on_curve(a, b, share, length, image)
                 if found is not None:
                     return found
