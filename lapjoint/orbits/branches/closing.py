@@ -78,6 +78,11 @@ class Start:
             found.append(replace(first, orbit=replace(first.orbit, point=point)))
         return tuple(found)
 
+    @cached_property
+    def _closings(self) -> list[int]:
+        """How often stops close: the same for all images, though not for the same stops."""
+        return sorted(self.place.extrema.closings)
+
     def between(self, a: Place, b: Place) -> Place | None:
         """The place of the curve, between two neighbours, that is an image of its start.
 
@@ -91,7 +96,7 @@ class Start:
         Place, or None
             None if there is none.
         """
-        if a.extrema.closings != b.extrema.closings:
+        if a.extrema.closings != b.extrema.closings or sorted(a.extrema.closings) != self._closings:
             return None
         chord = b.chord(self.family, a)
         length = float(np.linalg.norm(chord))
@@ -107,14 +112,14 @@ class Start:
         return None
 
     def _on_curve(self, a: Place, b: Place, share: float, length: float, image: Place) -> Place | None:
-        """The place of the curve that is nearest to an image, if it is the image."""
+        """The place of the curve that is nearest to an image, if it is the image, and not beyond a graze."""
         here = between_two(self.family, a, b, share, length)
         for _ in range(_SLIDES):
             if here is None:
                 return None
             way = -here.chord(self.family, image)
             if float(np.linalg.norm(way)) <= SAME:
-                return here
+                return here if here.extrema.closings == a.extrema.closings else None
             value, guess = here.moved(self.family, float(way @ here.tangent) * here.tangent)
             found = corrected(self.family, value, guess, here.count)
             here = None if found is None else found.along(here.tangent)

@@ -65,8 +65,17 @@ extremum is another one."""
 _HELD = 0.5
 """Residual over the way to a graze from which on the extremum is held until the motion closes: where damping forces
 jump with the state, the map changes as the root of the penetration, and a step towards the graze leaves a residual."""
+_SHARES = (1.0, 0.5, 0.25, 0.1)
+"""Shares of a step of Newton's method that are tried in turn where the map changes as a root on its way."""
+_PATIENT = 40
+"""Most steps there, and shares of them: twelve steps are enough in most cases."""
+_JUMP = 0.2
+"""Residual over the size of the motion up to which a guess across a graze is near enough there: some 0.1 sqrt(s / 1e-3)
+at a distance s, where contacts are lightly damped and motions unstable."""
 _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
+_BEYOND_ROOT = (3e-5, 1e-5, 3e-6, 1e-4, 3e-4, 1e-3, 1e-6, 1e-7)
+"""The same where the map changes as a root: other grazes may lie beside this one, or the curve go far away at once."""
 _NEAR = 0.05
 """Arc length from the graze within which the motion beyond it must lie."""
 
@@ -165,19 +174,30 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
     OnExtremum, or None
         None if Newton's method finds none: the branch ends at the graze.
     """
-    scale = abs(rate)
-    for share in _BEYOND:
-        target = -float(np.copysign(share * scale, graze.extremum.value))
-        found = on_extremum(family, graze.place, graze.extremum, target, scale)
-        if found is None or found.place.extrema.closings == graze.place.extrema.closings:
-            continue
-        if float(np.linalg.norm(found.place.chord(family, graze.place))) <= _NEAR:
-            return found
-    return None
+
+    def found(share: float, patiently: bool) -> OnExtremum | None:
+        target = -float(np.copysign(share * abs(rate), graze.extremum.value))
+        there = on_extremum(family, graze.place, graze.extremum, target, abs(rate), patiently=patiently)
+        if there is None or float(np.linalg.norm(there.place.chord(family, graze.place))) > _NEAR:
+            return None
+        changed = np.abs(np.subtract(there.place.extrema.closings, graze.place.extrema.closings)).sum()
+        return there if changed == 1 or (changed and not patiently) else None
+
+    there = next((one for share in _BEYOND if (one := found(share, False))), None)
+    if there is None and graze.close:
+        there = next((one for share in _BEYOND_ROOT if (one := found(share, True))), None)
+    return there
 
 
 def on_extremum(
-    family: Family, place: Place, extremum: Extremum, target: float, scale: float, *, towards: bool = False
+    family: Family,
+    place: Place,
+    extremum: Extremum,
+    target: float,
+    scale: float,
+    *,
+    towards: bool = False,
+    patiently: bool = False,
 ) -> OnExtremum | None:
     """The motion near a place whose extremum has about a given value.
 
@@ -195,6 +215,8 @@ def on_extremum(
         Change of the value with the arc length, m, above zero.
     towards : bool
         Whether the target lies just before a graze, which no step is to cross.
+    patiently : bool
+        Whether the target lies beyond a graze where the map changes as a root, so that the first guess misses by far.
 
     Returns
     -------
@@ -202,7 +224,7 @@ def on_extremum(
         None if Newton's method finds none.
     """
     try:
-        return _Search(family, place, target, scale, towards).run(extremum)
+        return (_Patient if patiently else _Search)(family, place, target, scale, towards).run(extremum)
     except (SolverError, InputError, np.linalg.LinAlgError):
         return None
 
@@ -293,15 +315,19 @@ class _Search:
             self._tries += 1
             if self._tries > _STEPS or not float(np.linalg.norm(step)) < 1.0:
                 return None
-            point = good.half_periods.map.moved(good.point, step[:-1] / good.weights)
-            value = good.value + float(step[-1]) * self._family.scale(good.value)
-            now = _tried(self._family, value, self._family.adopted(value, point), self._place.count, good)
+            now = self._guess(good, step)
             learned = now is not None and self._learns(share * misses, now.extremum.value - good.extremum.value)
             if now is not None and self._is_better(now, good):
                 return now
             if not (learned and self._towards):  # else the aim is another one
                 share *= 0.5
         return None
+
+    def _guess(self, good: _Try, step: FloatArray) -> _Try | None:
+        """The guess some way from another, scaled, shape ``(n + 1,)``; None if it has no extremum like that."""
+        point = good.half_periods.map.moved(good.point, step[:-1] / good.weights)
+        value = good.value + float(step[-1]) * self._family.scale(good.value)
+        return _tried(self._family, value, self._family.adopted(value, point), self._place.count, good)
 
     def _learns(self, meant: float, gone: float) -> bool:
         """Learn how the extremum's way bends from a step towards it and the change of its value; whether that tells."""
@@ -338,6 +364,32 @@ class _Search:
         rate = float(np.linalg.solve(bordered, unit)[-1]) * self._family.scale(now.value)
         place = place_from(now.value, now.point, now.residual, now.found, J, now.weights)
         return OnExtremum(place, now.extremum, rate)
+
+
+class _Patient(_Search):
+    """The same from the other side of a graze at which the map changes as a root.
+
+    The first guess, at which the extremum has the value, misses the motion by what that root makes of the way to there.
+    From then on each step must come nearer to both at once; shorter ones are tried until one does.
+    """
+
+    def _stepped(self, good: _Try, bordered: FloatArray) -> _Try | None:
+        misses = (self._target - good.extremum.value) / self._scale
+        whole = np.linalg.solve(bordered, np.append(-good.weights * good.r, misses))
+        crossed = self._tries > 0
+        for share in _SHARES:
+            self._tries += 1
+            step = share * whole
+            if self._tries > _PATIENT or not float(np.linalg.norm(step)) < 1.0:
+                continue
+            now = self._guess(good, step)
+            if now is not None and (self._amiss(now) < self._amiss(good) if crossed else now.residual <= _JUMP):
+                return now
+        return None
+
+    def _amiss(self, one: _Try) -> float:
+        """How far a guess is from a motion whose extremum has the value, over the size of the motion."""
+        return math.hypot(one.residual, (one.extremum.value - self._target) / self._scale)
 
 
 def _tried(family: Family, value: float, point: SectionPoint, count: int, last: _Try) -> _Try | None:
