@@ -37,7 +37,7 @@ class Bifurcation:
     stop: int = -1
     """The stop that is grazed; of a stop and its twin on the other side the first; -1 where none is."""
     after: str = ""
-    """What the branch does at a graze: it ``persists``, ``folds`` or ``ends``; empty for any other kind."""
+    """What the branch does at a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``; empty for another kind."""
     impulses: tuple[float, ...] = ()
     """Impulse of each stop there, N s a period of the excitation."""
     motion: MotionThere | None = field(default=None, repr=False, compare=False)
@@ -65,8 +65,8 @@ class Branch:
     bifurcations: tuple[Bifurcation, ...]
     """Its bifurcations, in the same sequence."""
     ends: tuple[str, str]
-    """Why it ends at its first and at its last point: ``boundary`` of the range, ``closed`` to a ring, ``graze``,
-    ``bifurcation`` from which it springs, ``lost``, or the ``effort`` that was allowed."""
+    """Why it ends at its first and at its last point: ``boundary`` of the range, ``closed`` to a ring, ``graze`` where
+    the map jumps, ``bifurcation`` from which it springs, ``lost``, or the ``effort`` that was allowed."""
 
     @property
     def period_multiple(self) -> int:

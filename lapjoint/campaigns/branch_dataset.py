@@ -185,7 +185,9 @@ def _bifurcations(plan: BranchPlan, branches: Sequence[dict[str, Any]]) -> dict[
             {"units": "1", "long_name": "index of the point that follows it, or lies at it"},
         ),
         "bifurcation_stop": column("stop", "i4", "stop that is grazed, from 0; -1 where none is", units="1"),
-        "bifurcation_after": column("after", object, "what the branch does at a graze: persists, folds or ends"),
+        "bifurcation_after": column(
+            "after", object, "what the branch does at a graze: persists, folds, ends or is lost"
+        ),
         "bifurcation_first": (
             ("bifurcation",),
             np.array([_is_first(branches[i], row) for i, row in zip(owner, rows, strict=True)], dtype="i1"),

@@ -94,7 +94,7 @@ def _one_after_other(run: Run, rest: Run) -> Run:
     """Two curves as one, with a part between them that is not resolved, and in which the first does not end."""
     first, last = run.places[-1], rest.places[0]
     count = len(run.places)
-    grazes = [graze for graze in run.grazes if graze.kind != "ends"]
+    grazes = [graze for graze in run.grazes if graze.kind not in ("ends", "lost")]
     grazes += [replace(graze, index=graze.index + count) for graze in rest.grazes]
     jumps = [*run.jumps, Jump(first.value, last.value, count)]
     jumps += [replace(jump, index=jump.index + count) for jump in rest.jumps]

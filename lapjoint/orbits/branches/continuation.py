@@ -12,7 +12,7 @@ from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.closing import Marks, Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
+from lapjoint.orbits.branches.grazing import beyond_graze, leaves_at, located_graze, sharper
 from lapjoint.orbits.branches.jumping import WIDTHS, across_jump, jumped
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
@@ -291,16 +291,19 @@ class _Follower:
         if not self._family.low <= graze.value <= self._family.high:
             self._end = "boundary"
             return
-        before = graze.before.place.going_on_from(self._here)
+        before, ends = graze.before.place.going_on_from(self._here), False
+        if beyond is None:
+            ends = leaves_at(self._family, graze.before, graze.rate)
+            graze = replace(graze, kind="ends" if ends else "lost")
         graze = replace(graze, before=replace(graze.before, place=before.light()))
         self._refused = math.inf
         self._places.append(before)
-        if beyond is None and self._go_across_jump():
+        if beyond is None and not ends and self._go_across_jump():
             self._resolve_at(graze)
             return
         self._grazes.append(graze)
         if beyond is None:
-            self._end = "graze"
+            self._end = "graze" if ends else "lost"
         else:
             self._come_to(beyond)
             self._step, self._bend = max(self._step, _AFRESH), None

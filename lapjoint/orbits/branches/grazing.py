@@ -27,8 +27,9 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place, jacobian, place_from, scaling
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum, slope_of
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.newton import RESIDUAL
+from lapjoint.orbits.period_map import Segment, Tangent
 from lapjoint.orbits.refinement import SAFETY
 from lapjoint.problem import FloatArray
 
@@ -76,6 +77,8 @@ _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
 _BEYOND_ROOT = (3e-5, 1e-5, 3e-6, 1e-4, 3e-4, 1e-3, 1e-6, 1e-7)
 """The same where the map changes as a root: other grazes may lie beside this one, or the curve go far away at once."""
+_JUST_BEYOND = 1e-5
+"""The same at which it is seen whether a motion comes back."""
 _NEAR = 0.05
 """Arc length from the graze within which the motion beyond it must lie."""
 
@@ -187,6 +190,53 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
     if there is None and graze.close:
         there = next((one for share in _BEYOND_ROOT if (one := found(share, True))), None)
     return there
+
+
+def leaves_at(family: Family, graze: OnExtremum, rate: float) -> bool:
+    """Whether a motion just beyond a graze does not come back from it: the map jumps, and a branch does end.
+
+    It is so where the damping forces jump by so much with the contact state that the stop's gap function is bent the
+    other way in the other state: what has crossed goes on, and is not turned back.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    graze : OnExtremum
+        The motion just before it.
+    rate : float
+        Change of the extremum's value with the arc length before it, m.
+
+    Returns
+    -------
+    bool
+        Whether it is; False where the solver does not give its motions in closed form.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
+    place, one = graze.place, graze.extremum
+    half, last = place.half_periods, place.orbit.last
+    if not gives(half.map, Tangent):
+        return False
+    row = gradient_of(half, last.linearised.segments, one) / place.weights
+    across = -float(np.copysign(_JUST_BEYOND * abs(rate), one.value)) - one.value
+    point = half.map.moved(place.point, across * row / float(row @ row) / place.weights)
+    segments = family.linearised(place.value, point, place.count).linearised.motion
+    switches = np.flatnonzero(segments.switched[:-1] == one.at)
+    if not switches.size:
+        return False
+    i = int(switches[np.argmin(np.abs(segments.end[switches] - one.time))])
+    before, after = (_acceleration(segments[k], one.at, float(segments.end[i])) for k in (i, i + 1))
+    return before * after < 0
+
+
+def _acceleration(segment: Segment, k: int, t: float) -> float:
+    """That of stop `k` at a time of a segment, m/s2."""
+    wave = segment.weights[k] * segment.amplitudes * np.exp(segment.rates * (t - segment.start))
+    return float((wave @ segment.rates**2).real) + 2 * float(segment.polynomial[k, 2])
 
 
 def on_extremum(

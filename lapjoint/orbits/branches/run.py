@@ -36,7 +36,7 @@ class Graze:
     value: float
     """The number, in its SI unit."""
     kind: str
-    """``persists``, ``folds`` or ``ends``."""
+    """``persists``, ``folds``, ``ends``, or ``lost`` where no motion beyond it is found."""
     before: OnExtremum = field(repr=False)
     """The motion just before."""
     rate: float

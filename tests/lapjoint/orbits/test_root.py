@@ -1,7 +1,8 @@
 """Branches go on across grazes at which the map changes as the root of the penetration.
 
 So it does where the damping forces jump with the contact state.  The maps are made: linear, and with a root where the
-highest point h of the gap function, linear in the start, is above zero.  Their motions follow from a quadratic.
+highest point h of the gap function, linear in the start, is above zero.  Their motions follow from a quadratic.  Where
+damping forces jump by so much that what has touched is not turned back, maps jump, and branches end.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from lapjoint.orbits.period_map import Linearised, Segment
 from lapjoint.problem import FloatArray
 
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.7, 1.3
+FAR = 0.5  # root of h, m, that the end of a motion has that is not turned back
 SWING = 100.0  # m: z = gap + h - SWING (1 - cos) about the middle of the period
 
 
@@ -37,6 +39,8 @@ class Roots:
     b: FloatArray
     e: FloatArray
     g: FloatArray
+    leaps: bool = False
+    """Whether what has touched goes on, and is not turned back."""
     name = "roots"
 
     def period_map(self, problem: Problem) -> RootMap:
@@ -70,9 +74,9 @@ class RootMap(MadeMap):
         h = float(it.g @ x)
         root = np.sqrt(max(h, 0.0))
         matrix = np.eye(x.size) + it.A
-        if h > 0:
+        if h > 0 and not it.leaps:
             matrix = matrix + np.outer(it.e, it.g) / (2 * root)
-        end = x + it.A @ x + self.p * it.b + it.e * root
+        end = x + it.A @ x + self.p * it.b + it.e * (FAR if it.leaps and h > 0 else root)
         return Linearised(SectionPoint(FREE, 1 + end[None]), matrix, lambda: self.gap_function(h))
 
     def gap_function(self, h: float) -> tuple[Segment, ...]:
@@ -80,6 +84,8 @@ class RootMap(MadeMap):
         assert self.of is not None
         half = np.arccos(1 - h / SWING) / (2 * np.pi) if h > 0 else 0.0
         times = [0.0, 0.5 - half, 0.5 + half, 1.0] if h > 0 else [0.0, 1.0]
+        if h > 0 and self.of.leaps:
+            del times[2]
         drift = np.zeros((1, 2, self.of.g.size))
         drift[0, 0] = self.of.g
         rate = 2j * np.pi
@@ -89,9 +95,9 @@ class RootMap(MadeMap):
                 end=last,
                 closed=np.array([i == 1]),
                 rates=np.array([rate]),
-                weights=np.array([[SWING + 0j]]),
+                weights=np.array([[SWING * (-1 if i and self.of.leaps else 1) + 0j]]),
                 amplitudes=np.array([-np.exp(rate * first)]),
-                polynomial=np.array([[1 + h - SWING, 0.0, 0.0]]),
+                polynomial=np.array([[1 + h - SWING + (2 * (SWING - h) if i and self.of.leaps else 0.0), 0.0, 0.0]]),
                 deviations=np.zeros((0, self.of.g.size), dtype=complex),
                 drift=drift,
                 switched=0 if last < 1 else -1,
@@ -100,7 +106,7 @@ class RootMap(MadeMap):
         )
 
 
-def made(seed: int) -> tuple[Family, Roots]:
+def made(seed: int, leaps: bool = False) -> tuple[Family, Roots]:
     """A random map of two to four coordinates, with some motions unstable, and roots of all sizes."""
     rng = np.random.default_rng((43, seed))
     n = 2 + seed % 3
@@ -108,7 +114,7 @@ def made(seed: int) -> tuple[Family, Roots]:
         turned = np.linalg.qr(rng.standard_normal((n, n)))[0]
         A = turned @ np.diag(rng.uniform(-3, 3, n) - 1) @ turned.T
         b, e, g = (one / np.linalg.norm(one) for one in rng.standard_normal((3, n)))
-        solver = Roots(A, b, e * float(np.exp(rng.uniform(np.log(0.1), np.log(10.0)))), g)
+        solver = Roots(A, b, e * float(np.exp(rng.uniform(np.log(0.1), np.log(10.0)))), g, leaps)
         alpha, beta = solver.quadratic
         if min(abs(alpha), abs(beta), *np.abs(np.linalg.eigvals(A))) > 0.1:
             break
@@ -122,9 +128,9 @@ def touched(place: Place, solver: Roots) -> float:
     return float(solver.g @ (place.point.coordinates[0] - 1))
 
 
-def across(seed: int) -> tuple[Family, Roots, Run]:
+def across(seed: int, leaps: bool = False) -> tuple[Family, Roots, Run]:
     """A branch from a motion without contact on, past the graze."""
-    family, solver = made(seed)
+    family, solver = made(seed, leaps)
     p = 0.1 * np.sign(solver.quadratic[0])
     guess = SectionPoint(FREE, 1 - p * np.linalg.solve(solver.A, solver.b)[None])
     start = corrected(family, 1 + p, guess, 2, fixed=True)
@@ -145,6 +151,24 @@ def test_a_branch_goes_on_beyond_a_graze_where_the_map_changes_as_a_root(seed: i
         h, q = touched(one, solver), one.value - 1
         expected = h + beta * np.sqrt(h) + alpha * q if h > 0 else h + alpha * q
         assert expected == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_branch_ends_at_a_graze_where_what_has_touched_is_not_turned_back(seed: int) -> None:
+    _, solver, run = across(seed, leaps=True)
+    assert run.end == "graze"
+    assert run.grazes[-1].kind == "ends"
+    assert run.grazes[-1].value == pytest.approx(1.0, abs=1e-6)
+    assert all(touched(one, solver) < 0 for one in run.places)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_branch_that_only_is_not_found_beyond_a_graze_is_lost(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("beyond_graze", "across_jump", "jumped"):
+        monkeypatch.setattr(f"lapjoint.orbits.branches.continuation.{name}", lambda *_: None)
+    _, _, run = across(seed)
+    assert run.end == "lost"
+    assert run.grazes[-1].kind == "lost"
 
 
 def test_a_curve_that_folds_at_a_graze_has_not_come_back_to_it() -> None:
