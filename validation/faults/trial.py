@@ -154,7 +154,7 @@ class _Here(Executor):
 
     def __init__(self, workers: int) -> None:
         self._processes: dict[int, Any] = {}
-        self._executor_manager_thread = None
+        self._executor_manager_thread = self._result_queue = None
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Call a function, and keep what it gives or raises. See `concurrent.futures.Executor`."""
