@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from analytic.march.compiled import Log
 from analytic.march.field import history_of
 from analytic.march.gap_view import gap_view_of, outline_of
 from analytic.march.initial_state import resumed, started, translated
-from analytic.march.linearised import carried_along
+from analytic.march.linearised import Carried, carried_along
 from analytic.march.march import joined
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
@@ -36,7 +36,7 @@ from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
-from lapjoint.orbits.period_map import Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -188,7 +188,8 @@ class PeriodMap:
             n = matrix.shape[0] // 2
             back = self.joint.passage(end.state, start.state).S
             matrix = np.concatenate([back @ matrix[:n], back @ matrix[n:]])
-        return Linearised(_section_point(end), matrix, lambda: gap_view(march(self.joint, begin, 0.0, duration)))
+        known = Derivative(matrix)
+        return Linearised(_section_point(end), lambda: known, lambda: gap_view(march(self.joint, begin, 0.0, duration)))
 
     def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
         """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
@@ -196,18 +197,21 @@ class PeriodMap:
         if known is None:
             return None
         motion = march(self.joint, _coordinates(start), 0.0, duration)
-        found = carried_along(motion, Change(known.frequency, known.sizes), -known.frequency * duration)
-        matrix, end = found.end, motion.end.state
-        if end != start.state:
-            n, passage = matrix.shape[0] // 2, self.joint.passage(end, start.state)
-            matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
-            matrix[:, -1] += self._left_out_change(passage.residual[1:], known)
+
+        @lru_cache(maxsize=1)
+        def found() -> Carried:
+            return carried_along(motion, Change(known.frequency, known.sizes), -known.frequency * duration)
+
+        def derivative() -> Derivative:
+            matrix, end = found().end, motion.end.state
+            if end != start.state:
+                n, passage = matrix.shape[0] // 2, self.joint.passage(end, start.state)
+                matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
+                matrix[:, -1] += self._left_out_change(passage.residual[1:], known)
+            return Derivative(matrix[:, :-1], matrix[:, -1].copy())
+
         return Linearised(
-            _section_point(motion.end),
-            matrix[:, :-1],
-            lambda: gap_view_of(found),
-            matrix[:, -1].copy(),
-            lambda: outline_of(motion),
+            _section_point(motion.end), derivative, lambda: gap_view_of(found()), lambda: outline_of(motion)
         )
 
     def _left_out_change(self, residual: FloatArray, known: ExcitationChange) -> FloatArray:

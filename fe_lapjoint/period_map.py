@@ -27,7 +27,7 @@ from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
-from lapjoint.orbits.period_map import Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -229,15 +229,15 @@ class PeriodMap:
         back = np.asarray(np.kron(np.eye(2), model.transfer(motion.state, FREE)), dtype=float)
         if change is not None:
             into = np.concatenate([into, np.zeros((into.shape[0], 1))], axis=1)
-        matrix = back @ carried(model, motion, into, change)
-        end = self._section_point(motion.state, motion.y)
-        by_number = None if change is None else matrix[:, -1].copy()
-        matrix = matrix if change is None else matrix[:, :-1]
+
+        def derivative() -> Derivative:
+            matrix = back @ carried(model, motion, into, change)
+            return Derivative(matrix) if change is None else Derivative(matrix[:, :-1], matrix[:, -1].copy())
+
         return Linearised(
-            end,
-            matrix,
+            self._section_point(motion.state, motion.y),
+            derivative,
             lambda: traced(model, motion, into, change),
-            by_number,
             lambda: traced(model, motion, into[:, :0]),
         )
 

@@ -7,8 +7,9 @@ What is kept is valid for one content of all that was compiled in: see `lapjoint
 numba writes two more functions for each, by which Python and C call it.  What only other compiled functions call does
 without them, and is spared more, see `lapjoint.machine_code`: it is `njit_inner`.
 
-Loops are not vectorised.  That would take a sixth of the time to compile, has not been found to make a march faster,
-and has sums formed in another order on a processor with wider registers.
+Loops are vectorised only where that is asked for.  It would take a sixth of the time to compile, has not been found to
+make a march faster, and has sums formed in another order on a processor with wider registers.  What carries many
+deviations at once takes two thirds of the time with it.
 
 `LOGGER` says when compiling begins; nobody listens but the command line.
 """
@@ -36,15 +37,18 @@ _RARELY = 50_000
 """Objects made until Python looks for cyclic garbage while numba compiles, seventy times as many as usual.  Nearly all
 of them live until the end, so that looking takes a ninth of the time, and finds nothing."""
 
-_OWN: set[Callable[..., Any]] = set()
-"""The functions of this project that are compiled; what else numba compiles in this process is left as it is."""
+_OWN: dict[Callable[..., Any], bool] = {}
+"""The functions of this project that are compiled, and whether their loops are vectorised; what else numba compiles in
+this process is left as it is."""
 
 
-def njit_called(**options: Any) -> Callable[[F], F]:
+def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]:
     """Compile a function that Python calls.
 
     Parameters
     ----------
+    vectorised : bool
+        Whether to vectorise its loops, and those of all compiled functions that it calls.
     **options : Any
         Further options of `numba.njit`.
 
@@ -60,7 +64,7 @@ def njit_called(**options: Any) -> Callable[[F], F]:
         made = compiler(no_cfunc_wrapper=True, **options)(function)
         with suppress(RuntimeError):  # no folder to keep the machine code in
             made._cache = ContentCache(made)
-        _OWN.add(function)
+        _OWN[function] = vectorised
         result: F = made
         return result
 
@@ -98,8 +102,9 @@ class _Listener(event.Listener):  # type: ignore[misc]
             if self._thresholds[0]:
                 gc.set_threshold(_RARELY, *self._thresholds[1:])
             self._vectorised = config.LOOP_VECTORIZE
-            if event is not None and event.data["dispatcher"].py_func in _OWN:
-                config.LOOP_VECTORIZE, Sparing.on = 0, True
+            own = None if event is None else _OWN.get(event.data["dispatcher"].py_func)
+            if own is not None:
+                config.LOOP_VECTORIZE, Sparing.on = int(own), True
         if not self._said:
             self._said = True
             LOGGER.info(MESSAGE)

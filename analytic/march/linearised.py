@@ -58,7 +58,7 @@ def carried_along(motion: March, change: Change | None = None, later: float = 0.
     return Carried(motion, change, starts, end[: 2 * int(tables.modes[log.slot[-1]])])
 
 
-@njit_called()
+@njit_called(vectorised=True)
 def _carry(tables: Tables, change: Change | None, log: Log, later: float, starts: FloatArray, end: FloatArray) -> None:
     """Carry deviations from the start of a march on, through `starts`, ``(M, 2 N, m)``, to the `end`, ``(2 N, m)``."""
     now, own = end, zeros((starts.shape[1], 1))

@@ -143,14 +143,16 @@ def saltation(
     before = motion_rates(tables, old, theta, q_old, v_old)
     after = motion_rates(tables, new, theta, q_new, v_new)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
-    delay, S = zeros(m), zeros((n_new, n_old))
+    delay, S = zeros(m), tables.carry[old, k][:n_new]
     for i in range(n_old):
         weight = late * mode[i]
         for c in range(m):
             delay[c] += weight * now[i, c]
-    for j in range(n_new):
-        for i in range(n_old):
-            S[j, i] = tables.carry[old, k, j, i]
+    if n_old < S.shape[1]:  # a matrix product takes rows that follow each other in memory
+        S = zeros((n_new, n_old))
+        for j in range(n_new):
+            for i in range(n_old):
+                S[j, i] = tables.carry[old, k, j, i]
     _project(S, now[:n_old], then[:n_new])
     _project(S, now[n_old : 2 * n_old], then[n_new : 2 * n_new])
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.

@@ -16,6 +16,10 @@ from lapjoint.campaigns.branch_parts import is_known, repeats, solve_branch, sol
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.solver import Progress
 
+_CLOSE = 2
+"""Distance, in the sequence of all that spring from a branch, of two that may be both ends of one: of 110 branches with
+both ends there, 102 have them no farther apart."""
+
 
 @dataclass(frozen=True)
 class Part:
@@ -79,10 +83,10 @@ class _Motion:
     """Its place in the sequence of all that spring from there."""
 
     def may_share_its_branch_with(self, other: _Motion) -> bool:
-        """Whether one branch may have both: most starts lead to the same few, and many spring at two neighbours."""
+        """Whether one branch may have both: most starts lead to the same few, and many spring at two that are close."""
         if self.parent is None or other.parent is None:
             return self.parent is other.parent and self.seed["count"] == other.seed["count"]
-        return self.parent == other.parent and abs(self.place - other.place) == 1
+        return self.parent == other.parent and abs(self.place - other.place) <= _CLOSE
 
 
 class Search:
@@ -228,7 +232,8 @@ class Search:
             self._taken[part.name] = one
             self._points += sum(int(point["period_multiple"]) for point in one["points"])
             sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]
-            self._waiting += [*sprung[::2], *sprung[1::2]]  # neighbours may be the two ends of one branch
+            for first in range(_CLOSE + 1):  # those that are close may be the two ends of one branch
+                self._waiting += sprung[first :: _CLOSE + 1]
 
     @property
     def _has_room(self) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.orbits.period_map import Followed, Linearised, PeriodMap, Segment
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, PeriodMap, Segment
 from lapjoint.problem import FloatArray
 
 _STEP = 1e-6
@@ -50,7 +50,7 @@ class FiniteDifferences:
                 z.append(_at_stops(self.map.history(beside, periods), times))
             matrix[:, i] = (ends[0] - ends[1]) / (2 * unit[i])
             moves[:, :, i] = (z[0] - z[1]) / (2 * unit[i])
-        return Linearised(end, matrix, lambda: _segments(history, times, switched, moves))
+        return Linearised(end, lambda: Derivative(matrix), lambda: _segments(history, times, switched, moves))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March on over whole periods, together with a march beside it that is moved back to the same distance in each.

@@ -45,8 +45,6 @@ class Return:
 
     end: SectionPoint
     """Where it ends."""
-    matrix: FloatArray
-    """Derivative of the end by the start, in the coordinates that belong to the start, shape ``(n, n)``."""
     half_periods: HalfPeriods
     """The map that was marched."""
     linearised: Linearised
@@ -55,6 +53,11 @@ class Return:
     """Number of half periods."""
     start: SectionPoint
     """Where the march began."""
+
+    @cached_property
+    def matrix(self) -> FloatArray:
+        """Derivative of the end by the start, in the coordinates that belong to the start, shape ``(n, n)``."""
+        return -self.linearised.matrix if self.count % 2 else self.linearised.matrix
 
     @property
     def by_number(self) -> FloatArray | None:
@@ -75,7 +78,8 @@ class Return:
         def again() -> Sequence[Segment]:
             return half_periods.linearised(start, count).linearised.segments
 
-        light = replace(self.linearised, trace=again, outline=None)
+        known = self.linearised.known
+        light = replace(self.linearised, derivative=lambda: known, trace=again, outline=None)
         return replace(self, linearised=light)
 
     @cached_property
@@ -176,8 +180,8 @@ class HalfPeriods:
         by_field = None if field is None or self._fields is None else self._fields.linearised_by(field, point, count)
         found = by_field or self.tangent.linearised(point, count)
         if count % 2:
-            return Return(self.map.mirrored(found.end), -found.matrix, self, found, count, point)
-        return Return(found.end, found.matrix, self, found, count, point)
+            return Return(self.map.mirrored(found.end), self, found, count, point)
+        return Return(found.end, self, found, count, point)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
         """Size of a deviation over that of a section point.

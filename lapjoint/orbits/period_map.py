@@ -404,21 +404,43 @@ def _padded(parts: list[ComplexArray], size: int) -> ComplexArray:
     return made
 
 
+class Derivative(NamedTuple):
+    """Derivative of a march's end, in the coordinates that belong to its start."""
+
+    matrix: FloatArray
+    """By the start, shape ``(n, n)``."""
+    by_number: FloatArray | None = None
+    """By a number of the problem, while the start stays where it is, over the number's unit, shape ``(n,)``; None if it
+    was not asked for."""
+
+
 @dataclass(frozen=True)
 class Linearised:
     """A march over some half periods with its derivative."""
 
     end: SectionPoint
     """Where it ends; not mirrored."""
-    matrix: FloatArray
-    """Derivative of the end by the start, both in the coordinates that belong to the start, shape ``(n, n)``."""
+    derivative: Callable[[], Derivative] = field(repr=False)
+    """Gives its derivative; called only where it is asked for."""
     trace: Callable[[], Sequence[Segment]] = field(repr=False)
     """Gives the march from switch to switch, without gaps in time; called only where it is asked for."""
-    by_number: FloatArray | None = None
-    """Derivative of the end by a number of the problem, while the start stays where it is, in the coordinates that
-    belong to the start, over the number's unit, shape ``(n,)``; None if it was not asked for."""
     outline: Callable[[], Sequence[Segment]] | None = field(default=None, repr=False)
     """Gives the same as `trace` without deviations, for e of no coordinates, where that is less work."""
+
+    @cached_property
+    def known(self) -> Derivative:
+        """Its derivative."""
+        return self.derivative()
+
+    @property
+    def matrix(self) -> FloatArray:
+        """Derivative of the end by the start, both in the coordinates that belong to the start, shape ``(n, n)``."""
+        return self.known.matrix
+
+    @property
+    def by_number(self) -> FloatArray | None:
+        """See `Derivative.by_number`."""
+        return self.known.by_number
 
     @cached_property
     def segments(self) -> Sequence[Segment]:

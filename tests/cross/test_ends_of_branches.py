@@ -23,7 +23,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
-from lapjoint.orbits.period_map import Linearised
+from lapjoint.orbits.period_map import Derivative, Linearised
 
 AMPLITUDE = "base_motion.amplitude"
 LOW, HIGH = 0.2, 1.8
@@ -109,7 +109,7 @@ class CliffMap(MadeMap):
         for _ in range(half_periods // 2):
             away = 5e3 * (x - center)
             x, slope = x + 1e-3 * np.arctan(away), slope * (1 + 5.0 / (1 + away**2))
-        return Linearised(SectionPoint(FREE, np.array([[x]])), slope, tuple)
+        return Linearised(SectionPoint(FREE, np.array([[x]])), lambda: Derivative(slope), tuple)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.resolving import Resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.branches.tracing import Seed, trace
-from lapjoint.orbits.period_map import Linearised
+from lapjoint.orbits.period_map import Derivative, Linearised
 
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 1.49, 1.5009
 FLIP, STEEP, WIDTH = 1.5, 1e5, 1e-4
@@ -46,7 +46,7 @@ class FlipMap(MadeMap):
             off = STEEP * (self.a - y**2)
             growth = 1 + 0.01 * np.arctan(off)
             y, slope = -y * growth, slope * (0.02 * STEEP * y**2 / (1 + off**2) - growth)
-        return Linearised(SectionPoint(FREE, np.array([[1 + y]])), np.array([[slope]]), tuple)
+        return Linearised(SectionPoint(FREE, np.array([[1 + y]])), lambda: Derivative(np.array([[slope]])), tuple)
 
 
 @dataclass(frozen=True)

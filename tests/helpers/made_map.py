@@ -13,7 +13,7 @@ import numpy as np
 from lapjoint import FREE, BaseMotion, Beam, NoDamping, Problem, StepLoad, Support
 from lapjoint.answers import History, SectionPoint
 from lapjoint.orbits import Passage
-from lapjoint.orbits.period_map import Linearised
+from lapjoint.orbits.period_map import Derivative, Linearised
 from lapjoint.problem import FloatArray
 
 Blocks = Callable[[float], list[FloatArray]]
@@ -53,7 +53,7 @@ class MadeMap:
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """The same with its derivative."""
         power = np.linalg.matrix_power(self.matrix, half_periods // 2)
-        return Linearised(self.march(start, half_periods).end, power, tuple)
+        return Linearised(self.march(start, half_periods).end, lambda: Derivative(power), tuple)
 
     def history(self, start: SectionPoint, periods: int) -> History:
         """A motion without contact."""
@@ -133,7 +133,7 @@ class TongueMap(MadeMap):
             a, r = a + 2 * np.pi / n + c * (2 * self.detuning - np.cos(n * a)), 1 + 0.5 * (r - 1)
         back = np.array([[np.cos(a), -r * np.sin(a)], [np.sin(a), r * np.cos(a)]])
         end = SectionPoint(FREE, r * np.array([[np.cos(a), np.sin(a)]]))
-        return Linearised(end, back @ polar, tuple)
+        return Linearised(end, lambda: Derivative(back @ polar), tuple)
 
 
 @dataclass(frozen=True)

@@ -234,8 +234,8 @@ GROUND = (
         "a sign",
         "lapjoint.orbits.half_periods",
         "The derivative of the map over half a period lacks the sign of the mirror.",
-        old="Return(self.map.mirrored(found.end), -found.matrix,",
-        new="Return(self.map.mirrored(found.end), found.matrix,",
+        old="return -self.linearised.matrix if",
+        new="return self.linearised.matrix if",
     ),
     Fault(
         "bound-too-lenient",

@@ -2,13 +2,14 @@ r"""One point of a curve of periodic motions, and the way from a guess to it.
 
 The curve is F(x, p) = P(x, p) - x = 0 with the section point x and the number p.  Deviations are scaled: u by the size
 that the solver gives each of its coordinates, over the size of the motion, and w = dp over the scale of p.  With the
-derivative J = [P_x - 1, P_p], n x (n + 1), and J^T = Q R, the last column of Q is the curve's tangent, and the shortest
-(u, w) with J (u, w) = -F leads back to the curve: Newton's method, bordered by the tangent where it stands.  Neither
-is singular at a fold.
+derivative J = [P_x - 1, P_p], n x (n + 1), the curve's tangent is what J takes to zero, and the shortest (u, w) with
+J (u, w) = -F leads back to the curve: Newton's method, bordered by the tangent where it stands.  Neither is singular at
+a fold, where both come from J^T = Q R.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -28,6 +29,12 @@ _FAR = 0.5
 """Largest residual of a guess over the size of the motion."""
 STEEP = 0.1
 """Share of the number in the tangent from which on the number is held while Newton's method leads back to the curve."""
+_CHORD = 4.0
+"""What a step with an earlier derivative leaves, at most: this times the residual from which it is made, squared, over
+that at which the derivative was taken.  Newton's method leaves half of that where it is told by its last step."""
+_FOLDED = 1e6
+"""Largest change of the motion over that of the number, both relative, up to which the curve does not fold: rounding
+then takes six of sixteen digits."""
 _SLOWEST = 0.7
 """Least share of the residual that a step of Newton's method must take off."""
 
@@ -205,7 +212,7 @@ def corrected(family: Family, value: float, guess: SectionPoint, count: int, *, 
 
 
 def _corrected(family: Family, value: float, point: SectionPoint, count: int, fixed: bool) -> Place | None:
-    allowed, column, weights = _FAR, np.zeros(0), np.zeros(0)
+    allowed, column, weights, J, state, first = _FAR, np.zeros(0), np.zeros(0), np.zeros((0, 1)), None, math.inf
     for _ in range(_STEPS):
         half = family.at(value)
         found = family.linearised(value, point, count)
@@ -213,11 +220,12 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
         residual = half.relative(r, point)
         if not residual <= allowed:
             return None
-        if found.by_number is not None:
-            column, weights = found.by_number, scaling(half, point, r.size)
-        elif column.size != r.size or (residual <= RESIDUAL and fixed):
-            column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
-        J = jacobian(found, column * family.scale(value), weights)
+        if residual <= RESIDUAL or point.state != state or _CHORD * residual**2 > RESIDUAL * first:
+            if found.by_number is not None:
+                column, weights = found.by_number, scaling(half, point, r.size)
+            elif column.size != r.size or (residual <= RESIDUAL and fixed):
+                column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
+            J, state, first = jacobian(found, column * family.scale(value), weights), point.state, residual
         if residual <= RESIDUAL:
             return place_from(value, point, residual, found, J, weights)
         step = _newton_step(J, weights * r, fixed)
@@ -233,8 +241,27 @@ def _newton_step(J: FloatArray, F: FloatArray, fixed: bool) -> FloatArray:
     """The shortest step (u, w) with J (u, w) = -F, or that with w = 0, shape ``(n + 1,)``."""
     if fixed:
         return np.append(np.linalg.solve(J[:, :-1], -F), 0.0)
-    Q, R = np.linalg.qr(J.T)
-    return np.asarray(-Q @ np.linalg.solve(R.T, F))
+    along, step = _null_and(J, -F)
+    return step - float(step @ along) * along
+
+
+def _null_and(J: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The unit vector t with J t = 0, and a vector with J y = `right`, each of shape ``(n + 1,)``.
+
+    With the number's part of t as one, and of y as zero, its other parts solve one system each.  Where the curve folds
+    that system is singular; near there t loses nothing, as its errors are along itself, and y gains too much of t.
+    """
+    found = np.zeros((J.shape[1], 2))
+    found[-1, 0] = 1.0
+    try:
+        found[:-1] = np.linalg.solve(J[:, :-1], np.stack([-J[:, -1], right], axis=1))
+        size = float(np.linalg.norm(found[:, 0]))
+    except np.linalg.LinAlgError:
+        size = math.inf
+    if size < _FOLDED:
+        return found[:, 0] / size, found[:, 1]
+    Q, R = np.linalg.qr(J.T, mode="complete")
+    return Q[:, -1], Q[:, :-1] @ np.linalg.solve(R[:-1].T, right)
 
 
 def place_from(
@@ -262,8 +289,8 @@ def place_from(
     Place
         Its tangent has any direction.
     """
-    Q, _ = np.linalg.qr(J.T, mode="complete")
-    return Place(value, Orbit(found.count, point, residual, found), weights, Q[:, -1], found.half_periods)
+    tangent, _ = _null_and(J, np.zeros(J.shape[0]))
+    return Place(value, Orbit(found.count, point, residual, found), weights, tangent, found.half_periods)
 
 
 def jacobian(found: Return, column: FloatArray, weights: FloatArray) -> FloatArray:

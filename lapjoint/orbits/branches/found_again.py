@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, signature
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
@@ -191,7 +191,7 @@ def _root(family: Family, near: Place, vanishes: Callable[[Place], float]) -> Pl
 def _beside(family: Family, here: Place, step: float) -> Place | None:
     """The place some arc length from another, with its tangent in the same direction."""
     value, guess = here.moved(family, step * here.tangent)
-    found = corrected(family, value, guess, here.count)
+    found = corrected(family, value, guess, here.count, fixed=abs(here.tangent[-1]) > STEEP)
     if found is None or not family.low <= value <= family.high:
         return None
     return found.along(np.sign(step) * found.chord(family, here))

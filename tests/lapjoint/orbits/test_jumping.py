@@ -21,7 +21,7 @@ from lapjoint.orbits.branches.gap_extrema import Extrema
 from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.orbits.half_periods import Return
-from lapjoint.orbits.period_map import Linearised
+from lapjoint.orbits.period_map import Derivative, Linearised
 
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.5, 1.5
 
@@ -45,7 +45,7 @@ class JumpMap(MadeMap):
         for _ in range(half_periods // 2):
             rate, shift = (self.a, 0.0) if y < 0 else (self.b, self.d)
             y, slope = y + self.p + rate * (y - shift), slope * (1 + rate)
-        return Linearised(SectionPoint(FREE, np.array([[1 + y]])), np.array([[slope]]), tuple)
+        return Linearised(SectionPoint(FREE, np.array([[1 + y]])), lambda: Derivative(np.array([[slope]])), tuple)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from lapjoint.errors import SolverError
 from lapjoint.orbits import Linearised, PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
+from lapjoint.orbits.period_map import Derivative
 from lapjoint.problem import FloatArray
 
 
@@ -128,7 +129,7 @@ class Written:
         if np.linalg.norm(z) > self.fails_beyond:
             raise SolverError("too far")
         end = SectionPoint(FREE, (self.A @ z + self.cubic * z**3).reshape(2, 1))
-        return Linearised(end, self.A + 3 * self.cubic * np.diag(z**2), ())
+        return Linearised(end, lambda: Derivative(self.A + 3 * self.cubic * np.diag(z**2)), tuple)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         return (point.coordinates - origin.coordinates).ravel()

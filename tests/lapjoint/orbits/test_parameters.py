@@ -15,6 +15,7 @@ from lapjoint.campaigns.grid import Grid
 from lapjoint.orbits import Linearised, PeriodMap, Segment
 from lapjoint.orbits.parameters import AMPLITUDE as AMPLITUDE_FIELD
 from lapjoint.orbits.parameters import FREQUENCY, FieldDerivatives, derivative_by_field
+from lapjoint.orbits.period_map import Derivative
 from lapjoint.problem import FloatArray, SineLoad
 
 OMEGA, AMPLITUDE, RATIO = 100.0, 1e-5, 0.05  # so small an amplitude touches no stop
@@ -137,7 +138,7 @@ def test_a_map_that_knows_its_derivatives_is_asked() -> None:
             return getattr(self.inner, name)
 
         def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised:
-            return Linearised(start, np.eye(1), lambda: (), np.array([float(half_periods)]))
+            return Linearised(start, lambda: Derivative(np.eye(1), np.array([float(half_periods)])), tuple)
 
     known = derivative_by_field(lambda value: Knows(at(value)), "base_amplitude", AMPLITUDE, at(AMPLITUDE).initial(), 2)  # type: ignore[arg-type, return-value]
     assert known.tolist() == [2.0]

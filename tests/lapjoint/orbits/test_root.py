@@ -23,7 +23,7 @@ from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.run import Limits, Run
-from lapjoint.orbits.period_map import Linearised, Segment
+from lapjoint.orbits.period_map import Derivative, Linearised, Segment
 from lapjoint.problem import FloatArray
 
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.7, 1.3
@@ -77,7 +77,7 @@ class RootMap(MadeMap):
         if h > 0 and not it.leaps:
             matrix = matrix + np.outer(it.e, it.g) / (2 * root)
         end = x + it.A @ x + self.p * it.b + it.e * (FAR if it.leaps and h > 0 else root)
-        return Linearised(SectionPoint(FREE, 1 + end[None]), matrix, lambda: self.gap_function(h))
+        return Linearised(SectionPoint(FREE, 1 + end[None]), lambda: Derivative(matrix), lambda: self.gap_function(h))
 
     def gap_function(self, h: float) -> tuple[Segment, ...]:
         """One flight, or a contact about the middle of the period between two."""
