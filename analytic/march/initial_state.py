@@ -13,7 +13,8 @@ import numpy as np
 
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
-from analytic.march.tables import BoolArray, IntArray
+from analytic.march.oscillator import away_from_resonance, forced_answer
+from analytic.march.tables import BoolArray, FlatState, IntArray
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
@@ -111,7 +112,8 @@ def started(joint: Joint) -> Coordinates:
 def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
     """A section point found before, whose numbers of modes and gaps may be others than this joint's.
 
-    Modes that the point lacks are at rest; those that it has too many are left out.
+    Modes that the point lacks follow the loads, as they do once free motion has died out; of a closed stop, the gap is
+    a load.  Those that it has too many are left out.
 
     Parameters
     ----------
@@ -135,10 +137,9 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
     flat, tables = joint.flat(state), joint.tables
     begin, pressed = np.empty((2, flat.kind.size)), np.empty(flat.closed.size, dtype=np.bool_)
     status = _settle(
-        flat.weight,
-        flat.residual,
-        flat.closed,
+        flat,
         joint.sizes,
+        tables.omega,
         tables.phase,
         tables.position,
         tables.sign,
@@ -158,10 +159,9 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
 
 @njit_called()
 def _settle(
-    weight: FloatArray,
-    residual: FloatArray,
-    closed: BoolArray,
+    flat: FlatState,
     sizes: FloatArray,
+    omega: FloatArray,
     phase: FloatArray,
     position: IntArray,
     sign: FloatArray,
@@ -174,12 +174,12 @@ def _settle(
 
     Parameters
     ----------
-    weight, residual, closed : FloatArray, FloatArray, BoolArray
-        Of the state, as in `analytic.march.tables.FlatState`.
-    sizes : FloatArray, shape (1 + H,)
+    flat : FlatState
+        The state.
+    sizes : FloatArray, shape (1 + H + R,)
         Factors of the unit loads.
-    phase : FloatArray, shape (H,)
-        Phases of the harmonics, rad.
+    omega, phase : FloatArray, shape (H,)
+        Angular frequencies of the harmonics, rad/s, and their phases, rad.
     position, sign, gap : ndarray, shape (P,)
         Of the stops, as in `analytic.march.tables.Tables`.
     values : FloatArray, shape (2, n)
@@ -198,18 +198,26 @@ def _settle(
         for i in range(values.shape[1]):
             if not math.isfinite(values[row, i]):
                 return _NOT_FINITE
-        for i in range(begin.shape[1]):
-            begin[row, i] = values[row, i] if i < values.shape[1] else 0.0
+        for i in range(min(begin.shape[1], values.shape[1])):
+            begin[row, i] = values[row, i]
+    for i in range(values.shape[1], begin.shape[1]):
+        begin[0, i], begin[1, i] = flat.static[i, 0] * sizes[0], flat.static[i, 1] * sizes[0]
+        natural, rate = away_from_resonance(flat.omega[i], flat.damping_rate[i], omega), flat.damping_rate[i]
+        for h in range(phase.size):
+            answer = forced_answer(flat.force[1 + h, i] * sizes[1 + h], natural, rate, omega[h])
+            wave = answer * complex(math.cos(phase[h]), math.sin(phase[h]))
+            begin[0, i] += wave.imag
+            begin[1, i] += omega[h] * wave.real
     status = _AS_IT_WAS
     for k in range(sign.size):
         u = position[k]
-        z = residual[u, 0] * sizes[0]
+        z = flat.residual[u, 0] * sizes[0]
         for h in range(phase.size):
-            z += residual[u, 1 + h] * sizes[1 + h] * math.sin(phase[h])
+            z += flat.residual[u, 1 + h] * sizes[1 + h] * math.sin(phase[h])
         for i in range(begin.shape[1]):
-            z += weight[u, i] * begin[0, i]
-        pressed[k] = sign[k] * z > (gap[k] * (1 - TOUCHING) if closed[k] else gap[k])
-        if pressed[k] != closed[k]:
+            z += flat.weight[u, i] * begin[0, i]
+        pressed[k] = sign[k] * z > (gap[k] * (1 - TOUCHING) if flat.closed[k] else gap[k])
+        if pressed[k] != flat.closed[k]:
             status = _ANOTHER
     return status
 

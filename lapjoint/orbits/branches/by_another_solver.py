@@ -247,10 +247,8 @@ class Carrier:
         Place or None
             None if that solver has no motion like it.
         """
-        found = None
-        if other.is_a_self_of(self.family):  # it seldom needs samples of a shape to come near the motion
-            found = self._like(other, other.adopted(self.place.value, self.place.point))
-        return found or self._like(other, self.started(other))
+        own = other.is_a_self_of(self.family)  # it need not take samples of a shape to come near the motion
+        return self._like(other, other.adopted(self.place.value, self.place.point) if own else self.started(other))
 
     def _like(self, other: Family, guess: SectionPoint) -> Place | None:
         """The motion by another solver, found from a guess."""

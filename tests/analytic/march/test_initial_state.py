@@ -5,10 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic.march import Joint
+from analytic.march import Coordinates, Joint, march
 from analytic.march.initial_state import TOUCHING, resumed
-from lapjoint import InputError, SineLoad, StepLoad, paper_joint
+from lapjoint import (
+    BaseMotion,
+    Beam,
+    InputError,
+    ModalDamping,
+    NoDamping,
+    Problem,
+    SineLoad,
+    StepLoad,
+    Stop,
+    Support,
+    ViscousDamping,
+    paper_joint,
+)
 from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.problem import Damping
 
 _MODES = 5
 LOADED = paper_joint(angular_frequency=300.0).replace(
@@ -39,14 +53,40 @@ def test_the_gaps_decide_which_stops_a_section_point_presses(state: ContactState
     assert len(met) > 2
 
 
-def test_modes_that_a_section_point_lacks_are_at_rest_and_others_are_left_out() -> None:
+def test_modes_that_a_section_point_has_too_many_are_left_out() -> None:
     joint = Joint(paper_joint(), _MODES, _MODES)
     values = 1e-6 * np.arange(1.0, 17.0).reshape(2, 8)
     assert np.array_equal(resumed(joint, FREE, values).coordinates, values[:, :_MODES])
-    few = resumed(joint, FREE, values[:, :2]).coordinates
-    assert few.shape == (2, _MODES)
-    assert np.array_equal(few[:, :2], values[:, :2])
-    assert not few[:, 2:].any()
+
+
+@pytest.mark.parametrize("damping", [ModalDamping(ratio=0.05), ViscousDamping(coefficient=30.0), NoDamping()])
+@pytest.mark.parametrize("gap", [1e-3, 1.0])
+def test_modes_that_a_section_point_lacks_follow_the_loads(gap: float, damping: Damping) -> None:
+    """Pressed on a stop, or far from it, they come back to where they were after a period, whatever the others do.
+
+    The viscous damping is above critical for the lowest modes; the load at a point keeps the stop closed.
+    """
+    problem = Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
+        stops=(Stop(x=1.0, side="top", gap=gap, stiffness=50.0),),
+        damping=damping,
+        base_motion=BaseMotion(amplitude=1e-4, angular_frequency=5.0),
+        point_loads=(StepLoad(x=0.8, force=1.0), SineLoad(x=0.3, force=0.01, angular_frequency=10.0, phase=0.7)),
+    )
+    coarse, fine = Joint(problem, _MODES, _MODES), Joint(problem, 30, 30)
+    state = ContactState((0,) if gap < 0.1 else ())
+    static = coarse.flat(state).static[:, 0]
+    few = np.array([static + 1e-6, np.zeros(_MODES)])  # the tip is 0.2 m up without the stop
+    point = resumed(fine, state, few)
+    assert point.state == state
+    assert np.array_equal(point.coordinates[:, :_MODES], few)
+    assert point.coordinates[0, _MODES:].all()
+    after = march(fine, Coordinates(state, *point.coordinates), 0.0, 2 * np.pi / 5.0)
+    assert not (after.log.stop >= 0).any()
+    apart = np.abs(np.array([after.end.q, after.end.v]) - point.coordinates).max(axis=0)
+    assert (apart[_MODES:] <= 1e-12).all()
+    assert (apart[:_MODES] > 1e-9).any()
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
