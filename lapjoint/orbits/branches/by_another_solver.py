@@ -20,7 +20,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import Again
+from lapjoint.orbits.branches.found_again import Again, comes_back, leads_back
 from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
@@ -130,14 +130,23 @@ class _Search:
             near = None if before is None else before.carried(self.selves[i])
             if near is not None:
                 found = self.direct(self.selves[i], near)
-                same = found is not None and found.place.extrema.closings == self.motion.extrema.closings
-                return self._kept(i, found if same else None)
+                return self._kept(i, found if found is not None and self._is_it(i, near, found) else None)
         return None
+
+    def _is_it(self, i: int, near: Place, found: Again) -> bool:
+        """Whether what a self finds is the bifurcation, and not a neighbour: from there, the first solver finds it."""
+        if found.place.extrema.closings != self.motion.extrema.closings:
+            return False
+        way = float(np.linalg.norm(found.place.chord(self.selves[i], near)))
+        there = Carrier(self.selves[i], found.place)
+        return comes_back(way, self.one.family, self.motion, lambda: there.carried(self.one.family), self.direct)
 
     def _again(self, i: int, finer: Again) -> Again | None:
         """What a self finds from the motion of the next finer one."""
         if i not in self.found:
-            self._kept(i, self.direct(self.selves[i], finer.place))
+            found = self.direct(self.selves[i], finer.place)
+            if found is not None and leads_back(self.selves[i + 1], finer.place, self.selves[i], found, self.direct):
+                self._kept(i, found)
         return self._at_motion(i)
 
     def _along(self) -> Stated | None:

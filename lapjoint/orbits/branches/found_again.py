@@ -25,6 +25,11 @@ _GROWS = 30.0
 """By how much a step by a secant is longer than the last one at most."""
 _LOCATED = 1e-9
 """Length of a step, or value of what vanishes, at which a bifurcation is found."""
+NEAR = 3e-3
+"""Arc length between a bifurcation as two solvers have it: another of its kind may lie not far off.  Of 240, three lay
+farther apart, and none by 0.01."""
+_SHARE_BACK = 0.1
+"""Most by which the way back misses where it began, over that way: it leads there to `_LOCATED`, or elsewhere."""
 _SAME_MULTIPLIER = 0.05
 """Distance between the critical multipliers of two solvers up to which a bifurcation is the same one."""
 
@@ -42,6 +47,59 @@ class Again(NamedTuple):
 
 Finder = Callable[[Family, Place], Again | None]
 """Finds a bifurcation by another solver from where one has it."""
+
+
+def leads_back(family: Family, place: Place, other: Family, found: Again, finder: Finder) -> bool:
+    """Whether a bifurcation that another solver has leads back to where it was looked for: else it is a neighbour's.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps by which it was had first.
+    place : Place
+        The motion at it, by a solver of which the other can adopt motions.
+    other : Family
+        The period maps of the other solver.
+    found : Again
+        What that one has.
+    finder : callable
+        What found it.
+
+    Returns
+    -------
+    bool
+        True, too, where both are so near that nothing else comes between.
+    """
+    way = float(np.linalg.norm(found.place.chord(other, place)))
+    return comes_back(way, family, place, lambda: found.place, finder)
+
+
+def comes_back(way: float, family: Family, place: Place, there: Callable[[], Place | None], finder: Finder) -> bool:
+    """The same with the way to what was found, and the motion there.
+
+    Parameters
+    ----------
+    way : float
+        Arc length.
+    family : Family
+        The period maps of that solver.
+    place : Place
+        The motion at the bifurcation by it.
+    there : callable
+        Gives the motion at what was found, by a solver of which that one can adopt motions; None if there is none.
+    finder : callable
+        What found it.
+
+    Returns
+    -------
+    bool
+        As `leads_back`.
+    """
+    if way <= NEAR:
+        return True
+    found = there()
+    back = None if found is None else finder(family, found)
+    return back is not None and float(np.linalg.norm(back.place.chord(family, place))) <= _SHARE_BACK * way
 
 
 def alike(family: Family, place: Place) -> Place | None:

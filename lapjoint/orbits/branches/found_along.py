@@ -18,7 +18,7 @@ from lapjoint.orbits.branches.bifurcations import Located, criteria_of, located
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import Again, Finder, graze_finder, is_same, smooth_finder
+from lapjoint.orbits.branches.found_again import NEAR, Again, Finder, graze_finder, is_same, smooth_finder
 from lapjoint.orbits.branches.run import Graze, Limits, Run
 
 _FROM = (1e-4, 1e-3, 1e-2)
@@ -29,8 +29,6 @@ _PAST = 3.0
 """Arc length followed by the other solver over that from where it begins to the bifurcation, at most."""
 _MOST = 30
 """Most points of the other solver's curve: most bifurcations come within ten."""
-_NEAR = 3e-3
-"""Arc length between a bifurcation as two solvers have it, at most: another of its kind may lie not far off."""
 _LONGER = 1.2
 """Largest ratio of a curve's length between two neighbours and of their distance: it turns by some 0.45 at most, which
 makes it 1.02, and coordinates are scaled a little otherwise at each place."""
@@ -165,7 +163,7 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
             run = _followed(family, start)
             there = [] if run is None else list(_like(one, family, run, place))
             apart = [float(np.linalg.norm(other.place.chord(family, place))) for other in there]
-            if there and min(apart) <= _NEAR:
+            if there and min(apart) <= NEAR:
                 return there[int(np.argmin(apart))]
         return None
 
@@ -188,12 +186,12 @@ def _like(one: Located | Graze, family: Family, run: Run, place: Place) -> Itera
 
 
 def _passes_by(family: Family, a: Place, b: Place, near: Place) -> bool:
-    """Whether the curve between two neighbours, as long as it may be, may come closer than `_NEAR` to a motion.
+    """Whether the curve between two neighbours, as long as it may be, may come closer than `NEAR` to a motion.
 
     What lies on it is at least as far from the motion as either end is, less the way from that end.
     """
     to_a, to_b, length = (float(np.linalg.norm(u.chord(family, v))) for u, v in ((a, near), (b, near), (b, a)))
-    return to_a + to_b <= _LONGER * length + 2 * _NEAR
+    return to_a + to_b <= _LONGER * length + 2 * NEAR
 
 
 def _same_graze(one: Graze, other: Graze) -> bool:
@@ -211,5 +209,5 @@ def _followed(family: Family, start: Approach) -> Run | None:
     near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
     if near is None or near.extrema.closings != place.extrema.closings:
         return None
-    farthest = min(_PAST * start.length, start.length + 2 * _NEAR)
+    farthest = min(_PAST * start.length, start.length + 2 * NEAR)
     return follow(family, near.going_on_from(place), Limits(most=_MOST, length=farthest))

@@ -9,7 +9,7 @@ import numpy as np
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import Finder
+from lapjoint.orbits.branches.found_again import Finder, leads_back
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 
 AIM = 1e-5
@@ -74,7 +74,7 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
             if finer is None:
                 break
             found = finder(finer[1], place)
-            if found is None:
+            if found is None or not leads_back(family, place, finer[1], found, finder):
                 return Stated(value, np.inf)
             bound = apart_by(finer[0], found.value - value)
             family, place, value = finer[1], found.place, found.value

@@ -1,0 +1,90 @@
+"""A bifurcation that a finer solver has not is not taken for a neighbour of its kind that it has.
+
+The curves are made: p = 1 + g(y) with the coordinate 1 + y, whose slope is a cubic of the coarse solver with two folds,
+and one of the finer solver with the first of them alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from made_map import MadeMap, made_problem
+
+from lapjoint import BaseMotion, Problem
+from lapjoint.answers import FREE, SectionPoint
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits import Passage
+from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import smooth_finder
+from lapjoint.orbits.branches.value_errors import AIM, stated
+from lapjoint.orbits.period_map import Derivative, Linearised
+from lapjoint.orbits.refinement import Refinement
+
+AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.9, 1.1
+
+
+@dataclass(frozen=True)
+class Folds:
+    """A solver whose curve has a fold at y = 0 and, unless it is the finer one that lacks it, one at `second`."""
+
+    second: float
+    lacks: bool
+    steep: float
+    finest: bool = False
+
+    name = "folds"
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Folds] | None:
+        """One finer solver."""
+        if self.finest:
+            return None
+        return Refinement("made", 2.0, 2.0), Folds(self.second * (1 + 1e-6), self.lacks, self.steep, True)
+
+    def period_map(self, problem: Problem) -> FoldMap:
+        """The map at the amplitude of a problem."""
+        assert isinstance(problem.base_motion, BaseMotion)
+        return FoldMap(problem, np.eye(1), self, problem.base_motion.amplitude - 1)
+
+
+@dataclass(frozen=True)
+class FoldMap(MadeMap):
+    """y -> y + p - 1 - g(y)."""
+
+    of: Folds | None = None
+    p: float = 0.0
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        """See `MadeMap`."""
+        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """See `MadeMap`."""
+        it, y = self.of, start.coordinates[0, 0] - 1
+        assert it is not None
+        a, K = it.second, it.steep
+        alone = it.lacks and it.finest
+        g, rise = (-K * a * y**2 / 2, -K * a * y) if alone else (K * (y**3 / 3 - a * y**2 / 2), K * y * (y - a))
+        end = SectionPoint(FREE, np.array([[1 + y + self.p - g]]))
+        return Linearised(end, lambda: Derivative(np.array([[1 - rise]])), tuple)
+
+
+@pytest.mark.parametrize("lacks", [True, False])
+@pytest.mark.parametrize("seed", range(25))
+def test_a_fold_that_a_finer_solver_lacks_is_not_another(seed: int, lacks: bool) -> None:
+    rng = np.random.default_rng((71, seed))
+    second, steep = rng.uniform(0.005, 0.03), rng.uniform(10.0, 300.0)
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    family = Family(Folds(second, lacks, steep), lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    value = 1 - steep * second**3 / 6
+    place = corrected(family, value, SectionPoint(FREE, np.array([[1 + second]])), 2)
+    assert place is not None
+    assert place.tangent[-1] == pytest.approx(0.0, abs=1e-6)
+    found = stated(family, place, place.value, smooth_finder("fold"))
+    if lacks:
+        assert not np.isfinite(found.error)
+    else:
+        assert found.error <= AIM
+        assert found.value == pytest.approx(value, abs=found.error)
