@@ -7,7 +7,7 @@ Deviations are (q, q') in the modes of the joint without contact, whose mass is 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -18,7 +18,7 @@ from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
 from fe_lapjoint.march.march import March, march
 from fe_lapjoint.march.model import Model
-from fe_lapjoint.march.tangent import carried, traced
+from fe_lapjoint.march.tangent import Carried
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
@@ -27,7 +27,7 @@ from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
-from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, Segment, period_pieces
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -230,15 +230,22 @@ class PeriodMap:
         if change is not None:
             into = np.concatenate([into, np.zeros((into.shape[0], 1))], axis=1)
 
+        whole = Carried(model, motion, into, change)
+
         def derivative() -> Derivative:
-            matrix = back @ carried(model, motion, into, change)
+            matrix = back @ whole.end
             return Derivative(matrix) if change is None else Derivative(matrix[:, :-1], matrix[:, -1].copy())
+
+        def alone(deviation: FloatArray) -> Sequence[Segment]:
+            columns = into[:, : deviation.size] @ deviation[:, None]
+            return Carried(model, motion, np.concatenate([columns, into[:, deviation.size :]], axis=1), change).segments
 
         return Linearised(
             self._section_point(motion.state, motion.y),
             derivative,
-            lambda: traced(model, motion, into, change),
-            lambda: traced(model, motion, into[:, :0]),
+            lambda: whole.segments,
+            lambda: Carried(model, motion, into[:, :0]).segments,
+            alone,
         )
 
     @in_one_thread
@@ -249,7 +256,7 @@ class PeriodMap:
         for i in range(periods):
             motion = march(model, point.state, self.modal(point), 0.0, self.period, peaks=False)
             there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
-            there = carried(model, motion, there)[:, 0]
+            there = Carried(model, motion, there).end[:, 0]
             deviation = (there.reshape(2, -1) @ model.transfer(motion.state, FREE).T).ravel()
             size = self.norm(deviation)
             growth[i], deviation = math.log(size), deviation / size

@@ -14,27 +14,33 @@ beyond the change of the forced motion Im sum_h A_h exp(i (w_h t + phase_h)),
 
 and at the end, whose time may depend on the number, the march goes on by its rates.  Gaps and S do not depend on it.
 
-The fast modes of a mesh die out within one state.  Once most coordinates are zero, all deviations are D = E R, with E
-the columns of the identity that belong to the others, and only what becomes of E is carried on.
+The fast modes of a mesh die out, so that all deviations come to be combinations of a few: D = E R, with as many
+columns of E as of D are independent.  Only what becomes of E is carried on.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
 import numpy as np
+from scipy.linalg import qr
 
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import free_response
 from fe_lapjoint.march.system import IndexArray, System
 from lapjoint.orbits.parameters import ExcitationChange
-from lapjoint.orbits.period_map import Segment, SegmentChange
+from lapjoint.orbits.period_map import MadeSegments, Segment, SegmentChange
 from lapjoint.problem import FloatArray
 
-_DEAD = 60.0
-"""Decay time constants after which a mode is zero: exp(-60) is below the rounding of all else, 1e-16, even after a
-change of unit by the ratio of the highest and the lowest frequency of a mesh, some 1e8."""
+_DEAD = 40.0
+"""Decay time constants after which a mode has died out: exp(-40) is below the rounding of all else."""
 _FEW = 0.5
-"""Share of the deviations from which on it saves time to carry the coordinates that are not zero instead of them."""
+"""Share of the columns that are carried, up to which the modes that are left make it worth while to look for fewer."""
+_DEPENDENT = 1e-17
+"""What a column adds to those before, over the largest, up to which it depends on them: it rounds by 1e-16."""
 
 
 def monodromy(model: Model, motion: March) -> FloatArray:
@@ -52,55 +58,124 @@ def monodromy(model: Model, motion: March) -> FloatArray:
     FloatArray, shape (2 n, 2 n)
         d(q, q') / d(q, q').
     """
-    return carried(model, motion, np.eye(motion.pieces[0].y.size))
+    return Carried(model, motion, np.eye(motion.pieces[0].y.size)).end
 
 
-def carried(model: Model, motion: March, deviations: FloatArray, change: ExcitationChange | None = None) -> FloatArray:
-    """What becomes of deviations from the start of a march by its end.
+@dataclass(frozen=True)
+class Carried:
+    """Deviations from the start of a march, carried along it."""
 
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    motion : March
-        A march by the exact method.
-    deviations : FloatArray, shape (2 n, m)
-        (dq, dq') at the start as columns, kg^1/2 m and kg^1/2 m/s, in the modes of the first state.
-    change : ExcitationChange, optional
-        How the excitation changes with a number; the last deviation is then over its unit, and zero at the start.
+    model: Model
+    """The problem on a mesh."""
+    motion: March
+    """A march by the exact method."""
+    deviations: FloatArray
+    """(dq, dq') at the start as columns, kg^1/2 m and kg^1/2 m/s, in the modes of the first state, ``(2 n, m)``."""
+    change: ExcitationChange | None = None
+    """How the excitation changes with a number; the last deviation is then over its unit, and zero at the start."""
 
-    Returns
-    -------
-    FloatArray, shape (2 n, m)
-        The same at the end, in the modes of the last state.
-    """
-    by_number, since, rest = int(change is not None), motion.pieces[0].start, None
-    for piece, following in zip(motion.pieces, (*motion.pieces[1:], None), strict=True):
-        system = model.system(piece.state)
-        deviations = _along(system, piece, deviations, change)
-        if rest is None:
-            alive = np.tile(system.slowest_decay * (piece.end - since) < _DEAD, 2)
-            if 0 < np.count_nonzero(alive) <= _FEW * (deviations.shape[1] - by_number):
-                deviations, rest = _fewer(deviations, np.flatnonzero(alive), by_number)
-        if piece.switched >= 0:
-            y, since = motion.y if following is None else following.y, piece.end
-            deviations = _jump(model, piece, y, deviations)
-    if change is not None:
-        end = motion.pieces[-1].end
-        deviations[:, -1] -= change.frequency * end * model.system(motion.state).rates(end, motion.y)
-    if rest is None:
-        return deviations
-    count = rest.shape[0]
-    return np.concatenate([deviations[:, :count] @ rest, deviations[:, count:]], axis=1)
+    @property
+    def end(self) -> FloatArray:
+        """The same at the end, in the modes of the last state, shape ``(2 n, m)``."""
+        there = self._steps[-1]
+        if self.change is not None:
+            end, columns = self.motion.pieces[-1].end, there.columns.copy()
+            columns[:, -1] -= (
+                self.change.frequency * end * self.model.system(self.motion.state).rates(end, self.motion.y)
+            )
+            there = replace(there, columns=columns)
+        return there.whole
+
+    @property
+    def segments(self) -> MadeSegments:
+        """The march as the sums of exponentials that its pieces are, and all deviations from it.
+
+        From window to window; a window ends at a switch at the latest.
+        """
+        pieces = self.motion.pieces
+        start, end = (np.array([getattr(piece, name) for piece in pieces]) for name in ("start", "end"))
+        return MadeSegments(start, end, self._segment)
+
+    def _segment(self, i: int) -> Segment:
+        """One of them."""
+        piece, here = self.motion.pieces[i], self._steps[i]
+        if self.change is None:
+            one = _segment(self.model, piece, here.columns)
+        else:
+            one = _segment_with_change(self.model, piece, here.columns, self.change)
+        if here.rest is None:
+            return one
+        return one._replace(deviations=one.deviations @ here.rest, drift=one.drift @ here.rest)
+
+    @cached_property
+    def _steps(self) -> tuple[_Deviations, ...]:
+        """The deviations at the start of each piece, and those at the end of the last, after its switch."""
+        start = since = self.motion.pieces[0].start
+        slow = 2 * math.pi / (self.motion.pieces[-1].end - start)
+        few = self.deviations.shape[1] - int(self.change is not None)
+        q, v = (np.linalg.norm(part, axis=0) for part in np.split(self.deviations[:, :few], 2))
+        there = _Deviations(self.deviations, few, np.hypot(slow * q, v))
+        steps = [there]
+        for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
+            system = self.model.system(piece.state)
+            there = replace(there, columns=_along(system, piece, there.columns, self.change))
+            alive = np.flatnonzero(np.tile(system.slowest_decay * (piece.end - since) < _DEAD, 2))
+            left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < _DEAD)
+            if 0 < alive.size <= _FEW * there.few:
+                there = there.of_alive(alive)
+            elif left <= _FEW * there.few and there.rest is not None:
+                there = there.of_independent(system, slow)
+            if piece.switched >= 0:
+                since, after = piece.end, self.motion.y if following is None else following.y
+                there = replace(there, columns=_jump(self.model, piece, after, there.columns))
+            steps.append(there)
+        return tuple(steps)
 
 
-def _fewer(deviations: FloatArray, alive: IndexArray, by_number: int) -> tuple[FloatArray, FloatArray]:
-    """Units of the coordinates that are not zero, beside the last `by_number` deviations; and the others in them."""
-    units = np.zeros((deviations.shape[0], alive.size + by_number))
-    units[alive, np.arange(alive.size)] = 1.0
-    count = deviations.shape[1] - by_number
-    units[:, alive.size :] = deviations[:, count:]
-    return units, deviations[alive, :count]
+@dataclass(frozen=True)
+class _Deviations:
+    """``m`` deviations, of which the first `few` are combinations of as many columns, and the others are themselves."""
+
+    columns: FloatArray
+    """(dq, dq'), kg^1/2 m and kg^1/2 m/s, shape ``(2 n, r)``."""
+    few: int
+    """How many of the columns the first deviations are combinations of."""
+    sizes: FloatArray
+    """Size of what each of these came from, shape ``(few,)``."""
+    rest: FloatArray | None = None
+    """The combinations as columns, shape ``(few, m - r + few)``; None where each is a column."""
+
+    @property
+    def whole(self) -> FloatArray:
+        """All of them, shape ``(2 n, m)``."""
+        if self.rest is None:
+            return self.columns
+        return np.concatenate([self.columns[:, : self.few] @ self.rest, self.columns[:, self.few :]], axis=1)
+
+    def of_alive(self, alive: IndexArray) -> _Deviations:
+        """The same as combinations of units of the coordinates that are not zero."""
+        units = np.zeros((self.columns.shape[0], alive.size))
+        units[alive, np.arange(alive.size)] = 1.0
+        own = self.columns[alive, : self.few]
+        columns = np.concatenate([units, self.columns[:, self.few :]], axis=1)
+        return _Deviations(columns, alive.size, np.ones(alive.size), own if self.rest is None else own @ self.rest)
+
+    def of_independent(self, system: System, slow: float) -> _Deviations:
+        """The same as combinations of columns that do not depend on each other, by a factorisation with pivots.
+
+        What they add is compared by energy, so that the displacements of all modes count alike; `slow` is the lowest
+        frequency, rad/s, at which a rigid-body motion counts.
+        """
+        weights = np.concatenate([np.maximum(system.omega, slow), np.ones(system.omega.size)])
+        own = self.columns[:, : self.few] * weights[:, None] / self.sizes
+        Q, R, order = qr(own, mode="economic", pivoting=True, overwrite_a=True, check_finite=False)
+        added = np.abs(np.diag(R))
+        count = int(np.count_nonzero(added > _DEPENDENT * added[0]))
+        made = np.empty((count, self.few))
+        made[:, order] = R[:count]
+        made *= self.sizes
+        columns = np.concatenate([Q[:, :count] / weights[:, None], self.columns[:, self.few :]], axis=1)
+        return _Deviations(columns, count, np.ones(count), made if self.rest is None else made @ self.rest)
 
 
 def _along(system: System, piece: Piece, deviations: FloatArray, change: ExcitationChange | None) -> FloatArray:
@@ -120,39 +195,6 @@ def _forced_change(system: System, t: float, change: ExcitationChange) -> FloatA
     waves = system.amplitudes * turn
     q = system.amplitude_change(change.frequency, change.sizes) * turn + 1j * t * rise * waves
     return np.concatenate([q.imag.sum(axis=1), (system.driven * q.real + rise * waves.real).sum(axis=1)])
-
-
-def traced(
-    model: Model, motion: March, deviations: FloatArray, change: ExcitationChange | None = None
-) -> tuple[Segment, ...]:
-    """A march as the sums of exponentials that its pieces are, and all deviations from it.
-
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    motion : March
-        A march by the exact method.
-    deviations : FloatArray, shape (2 n, m)
-        (q, q') at the start by each coordinate of a deviation, in the modes of the first state.
-    change : ExcitationChange, optional
-        How the excitation changes with a number; the last deviation is then over its unit, and zero at the start.
-
-    Returns
-    -------
-    tuple of Segment
-        The march from window to window; a window ends at a switch at the latest.
-    """
-    segments = []
-    for i, piece in enumerate(motion.pieces):
-        if change is None:
-            segments.append(_segment(model, piece, deviations))
-        else:
-            segments.append(_segment_with_change(model, piece, deviations, change))
-        deviations = _along(model.system(piece.state), piece, deviations, change)
-        if piece.switched >= 0 and i + 1 < len(motion.pieces):
-            deviations = _jump(model, piece, motion.pieces[i + 1].y, deviations)
-    return tuple(segments)
 
 
 def _segment_with_change(model: Model, piece: Piece, deviations: FloatArray, change: ExcitationChange) -> Segment:

@@ -79,7 +79,7 @@ class Return:
             return half_periods.linearised(start, count).linearised.segments
 
         known = self.linearised.known
-        light = replace(self.linearised, derivative=lambda: known, trace=again, outline=None)
+        light = replace(self.linearised, derivative=lambda: known, trace=again, outline=None, alone=None)
         return replace(self, linearised=light)
 
     @cached_property

@@ -13,7 +13,7 @@ them by the matrices that the solver gave.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol, overload, runtime_checkable
 
@@ -281,8 +281,36 @@ class Segment(NamedTuple):
     """How it moves with a number of the problem; None if that was not asked for."""
 
 
+class Timed(Sequence[Segment]):
+    """The ``S`` segments of an orbit, which know when each is."""
+
+    start: FloatArray
+    """`Segment.start` of each, s, shape ``(S,)``."""
+    end: FloatArray
+    """`Segment.end` of each, s, shape ``(S,)``."""
+
+    def __len__(self) -> int:
+        return self.start.size
+
+    def at(self, t: float) -> Segment:
+        """The segment at a time.
+
+        Parameters
+        ----------
+        t : float
+            s from the start of the orbit.
+
+        Returns
+        -------
+        Segment
+            The earlier one where two meet, and the last one if there is none.
+        """
+        there = np.flatnonzero((self.start <= t) & (t <= self.end))
+        return self[int(there[0]) if there.size else len(self) - 1]
+
+
 @dataclass(frozen=True, eq=False)
-class Segments(Sequence[Segment]):
+class Segments(Timed):
     """The ``S`` segments of an orbit, all their parts in arrays; each `Segment` is made when it is asked for.
 
     A segment with fewer terms than another has terms of no size instead, after its own.
@@ -351,9 +379,6 @@ class Segments(Sequence[Segment]):
             change=change,
         )
 
-    def __len__(self) -> int:
-        return self.start.size
-
     @overload
     def __getitem__(self, i: int) -> Segment: ...
     @overload
@@ -379,21 +404,30 @@ class Segments(Sequence[Segment]):
             else SegmentChange(change.waves[i, :, :K], change.secular[i, :, :K], change.polynomial[i]),
         )
 
-    def at(self, t: float) -> Segment:
-        """The segment at a time.
 
-        Parameters
-        ----------
-        t : float
-            s from the start of the orbit.
+@dataclass(frozen=True, eq=False)
+class MadeSegments(Timed):
+    """The ``S`` segments of an orbit, each of which is made when it is first asked for."""
 
-        Returns
-        -------
-        Segment
-            The earlier one where two meet, and the last one if there is none.
-        """
-        there = np.flatnonzero((self.start <= t) & (t <= self.end))
-        return self[int(there[0]) if there.size else len(self) - 1]
+    start: FloatArray
+    """`Segment.start` of each, s, shape ``(S,)``."""
+    end: FloatArray
+    """`Segment.end` of each, s, shape ``(S,)``."""
+    make: Callable[[int], Segment]
+    """Makes one by its index."""
+    _made: dict[int, Segment] = field(default_factory=dict, repr=False)
+
+    @overload
+    def __getitem__(self, i: int) -> Segment: ...
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Segment, ...]: ...
+    def __getitem__(self, i: int | slice) -> Segment | tuple[Segment, ...]:
+        if isinstance(i, slice):
+            return tuple(self[k] for k in range(*i.indices(len(self))))
+        i = range(len(self))[i]
+        if i not in self._made:
+            self._made[i] = self.make(i)
+        return self._made[i]
 
 
 def _padded(parts: list[ComplexArray], size: int) -> ComplexArray:
@@ -426,6 +460,8 @@ class Linearised:
     """Gives the march from switch to switch, without gaps in time; called only where it is asked for."""
     outline: Callable[[], Sequence[Segment]] | None = field(default=None, repr=False)
     """Gives the same as `trace` without deviations, for e of no coordinates, where that is less work."""
+    alone: Callable[[FloatArray], Sequence[Segment]] | None = field(default=None, repr=False)
+    """Gives the same for multiples of one deviation, whose one coordinate is e, where that is less work."""
 
     @cached_property
     def known(self) -> Derivative:
@@ -451,6 +487,24 @@ class Linearised:
     def arrays(self) -> Segments:
         """The same in arrays, if there are stops."""
         return Segments.of(self.segments)
+
+    def with_one(self, deviation: FloatArray) -> Segments:
+        """The same in arrays, if there are stops, for multiples of one deviation alone.
+
+        Parameters
+        ----------
+        deviation : FloatArray, shape (n,)
+            In the coordinates that belong to the start.
+
+        Returns
+        -------
+        Segments
+            Deviations have one coordinate.
+        """
+        if self.alone is not None:
+            return Segments.of(self.alone(deviation))
+        whole, column = self.arrays, deviation[:, None]
+        return replace(whole, deviations=whole.deviations @ column, drift=whole.drift @ column)
 
     @cached_property
     def motion(self) -> Segments:

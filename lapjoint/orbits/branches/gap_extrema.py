@@ -18,7 +18,7 @@ import numpy.typing as npt
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
-from lapjoint.orbits.period_map import Segment, Segments, Tangent
+from lapjoint.orbits.period_map import Segment, Segments, Tangent, Timed
 from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
 
@@ -263,10 +263,8 @@ def _polished(found: Return, extremum: Extremum) -> Extremum:
 
 
 def _segment_at(segments: Sequence[Segment], t: float) -> Segment:
-    """`Segments.at`, without the arrays where there are none."""
-    if isinstance(segments, Segments):
-        return segments.at(t)
-    return next((one for one in segments if one.start <= t <= one.end), segments[-1])
+    """The segment of an orbit at a time, s from its start."""
+    return (segments if isinstance(segments, Timed) else Segments.of(segments)).at(t)
 
 
 def slope_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum) -> float:

@@ -91,7 +91,7 @@ def _exact(family: Family, place: Place) -> Rates:
     motion, (stops, first) = motion_of(found), stops_of(problem.stops)
     by_number = place.tangent[-1] * family.scale(place.value)
     change = change_along(found, first, place.tangent[:-1] / place.weights, by_number)
-    segments = found.linearised.arrays
+    segments = found.linearised.motion
     which = np.flatnonzero(segments.switched >= 0)
     segment = np.searchsorted(motion.start, here.time, side="right") - 1
     at = np.concatenate([here.at, segments.switched[which]])
@@ -130,13 +130,13 @@ def change_along(
     polynomial : FloatArray, shape (S, U, 3)
         The same.
     """
-    segments = found.linearised.arrays
-    change, own = segments.change, segments.deviations @ point
+    segments = found.linearised.with_one(point)
+    change, own = segments.change, segments.deviations[:, :, 0]
     assert change is not None
     waves, secular = number * change.waves[:, first], number * change.secular[:, first]
     polynomial = number * change.polynomial[:, first]
     waves[:, :, : own.shape[1]] += segments.weights[:, first, : own.shape[1]] * own[:, None]
-    polynomial[:, :, :2] += segments.drift[:, first] @ point
+    polynomial[:, :, :2] += segments.drift[:, first][..., 0]
     return waves, secular, polynomial
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import fe_lapjoint
 from fe_lapjoint.march.march import march
-from fe_lapjoint.march.tangent import carried, monodromy
+from fe_lapjoint.march.tangent import Carried, monodromy
 from fe_lapjoint.period_map import PeriodMap
 from lapjoint import ModalDamping, ViscousDamping, paper_joint
 from lapjoint.orbits.exponent import exponent_of
@@ -38,7 +38,7 @@ def test_what_fast_modes_leave_out_of_the_monodromy_is_below_rounding() -> None:
     motion = march(model, point.state, period_map.modal(point), 0.0, 2 * math.pi / 100.0)
     together, n = monodromy(model, motion), motion.y.size // 2
     assert np.linalg.matrix_rank(together) <= n / 2
-    alone = np.concatenate([carried(model, motion, unit[:, None]) for unit in np.eye(2 * n)], axis=1)
+    alone = np.concatenate([Carried(model, motion, unit[:, None]).end for unit in np.eye(2 * n)], axis=1)
     size = np.repeat([100.0, 1.0], n)  # a velocity is compared with a displacement times the excitation's frequency
     apart, whole = ((one * size[:, None]) / size for one in (together - alone, alone))
     assert np.abs(apart).max() <= 1e-13 * np.abs(whole).max()
