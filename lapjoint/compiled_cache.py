@@ -43,10 +43,14 @@ class ContentCache(FunctionCache):  # type: ignore[misc]
         self._content = ""
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """The key of numba, the content, and names in tables; not before the first call, when all modules are there."""
+        """Types, processor, content, and names in tables; not before the first call, when all modules are there.
+
+        In place of the content, numba has digests of the function alone and of what it encloses; of a compiled function
+        that it encloses, that is another one in each process.
+        """
         if not self._content:
             self._content = content_of(self._dispatcher)
-        return (*super()._index_key(sig, codegen), self._content, tuple(_fields(one) for one in sig))
+        return sig, codegen.magic_tuple(), self._content, tuple(_fields(one) for one in sig)
 
 
 def content_of(dispatcher: Any) -> str:

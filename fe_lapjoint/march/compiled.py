@@ -208,15 +208,37 @@ def above_troughs(
         The sums of these distances at the beginnings and at the ends, m; 0 where no term swings so fast.
     """
     above = zeros((2, s.size))
+    for i in range(s.size):
+        above[0, i], above[1, i] = above_trough(terms, rates, speeds, side, s[i], width)
+    return above
+
+
+@njit_inner()
+def above_trough(
+    terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: float, width: float
+) -> tuple[float, float]:
+    """The same for one interval, which begins at `s`.
+
+    Parameters
+    ----------
+    terms, rates, speeds, side, width
+        As `above_troughs` takes them.
+    s : float
+        When it begins, since the start, s.
+
+    Returns
+    -------
+    tuple of float
+        The sums at its beginning and at its end, m.
+    """
+    begin, end = 0.0, 0.0
     for k in range(rates.size):
         if speeds[k] * width > SWINGS:
-            on = _wave(rates[k], width)
-            for i in range(s.size):
-                now = terms[k] * _wave(rates[k], s[i])
-                size = abs(now)
-                above[0, i] += size + side * now.real
-                above[1, i] += size + side * (now * on).real
-    return above
+            now = terms[k] * _wave(rates[k], s)
+            size = abs(now)
+            begin += size + side * now.real
+            end += size + side * (now * _wave(rates[k], width)).real
+    return begin, end
 
 
 @njit_called()

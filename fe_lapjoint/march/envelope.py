@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint.compiled_arrays import zeros
-from lapjoint.compiling import njit_called
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 
@@ -74,7 +74,7 @@ class Envelope:
             its rate may change, m/s.
         """
         since = t - self.start
-        stray, turn = _from_tangent(self.shares[place], self.fading, self.slope, self.curvature, since, width)
+        stray, turn = from_tangent(self.shares[place], self.fading, self.slope, self.curvature, since, width)
         return float(stray), float(turn)
 
 
@@ -84,19 +84,58 @@ def _from_chord(
 ) -> FloatArray:
     """See `Envelope.from_chord`; `since` is the time from the start of the motion, s, shape ``(i,)``."""
     result = zeros((shares.shape[0], since.size))
-    for i in range(since.size):
-        for k in range(fading.size):
-            now = min(2 * value[k], curvature[k] * (width**2 / 8)) * math.exp(-fading[k] * since[i])
-            for u in range(shares.shape[0]):
-                result[u, i] += shares[u, k] * now
+    for u in range(shares.shape[0]):
+        for i in range(since.size):
+            result[u, i] = from_chord(shares[u], fading, value, curvature, since[i], width)
     return result
 
 
+@njit_inner()
+def from_chord(
+    shares: FloatArray, fading: FloatArray, value: FloatArray, curvature: FloatArray, since: float, width: float
+) -> float:
+    """How far the motion of one place may rise above the higher end of an interval.
+
+    Parameters
+    ----------
+    shares, fading, value, curvature : FloatArray, shape (m,)
+        As in `Envelope`, of the place.
+    since : float
+        When the interval begins, s from the start.
+    width : float
+        Its width, s.
+
+    Returns
+    -------
+    float
+        m.
+    """
+    above = 0.0
+    for k in range(fading.size):
+        above += shares[k] * min(2 * value[k], curvature[k] * (width**2 / 8)) * math.exp(-fading[k] * since)
+    return above
+
+
 @njit_called()
-def _from_tangent(
+def from_tangent(
     shares: FloatArray, fading: FloatArray, slope: FloatArray, curvature: FloatArray, since: float, width: float
 ) -> tuple[float, float]:
-    """See `Envelope.from_tangent`; `shares` are those of one place, ``(m,)``."""
+    """How far the motion of one place, and its rate, may stray from their values at a time.
+
+    Parameters
+    ----------
+    shares, fading, slope, curvature : FloatArray, shape (m,)
+        As in `Envelope`, of the place.
+    since : float
+        The time, s from the start.
+    width : float
+        For how long after it, s.
+
+    Returns
+    -------
+    tuple of float
+        As `Envelope.from_tangent`, m and m/s.
+    """
     stray, turn = 0.0, 0.0
     for k in range(fading.size):
         now, steep, bent = shares[k] * math.exp(-fading[k] * since), 2 * slope[k], curvature[k] * width

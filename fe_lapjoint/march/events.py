@@ -9,18 +9,21 @@ crossing.  None of the bounds has a unit of its own: a motion a million times as
 A stop switches where h exceeds what rounding makes of a gap that is closed, its `level`, and the switch is where h
 passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch again.
 So rounding makes no contact, and a stop that rests on a gap of zero stays as it is.
+
+`searching` makes the search from the functions that read a motion: `in_python` asks any gap functions, and where all is
+compiled that a motion is read by, so is the search; see `fe_lapjoint.march.gaps`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.compiled_arrays import bool_zeros, int_zeros
+from lapjoint.compiled_arrays import bool_zeros, int_zeros, zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
@@ -141,108 +144,10 @@ class Gaps(BoundedGaps, Protocol):
         """
 
 
-@dataclass(frozen=True)
-class Switch:
-    """A stop opens or closes."""
-
-    time: float
-    """s."""
-    stop: int
-    """Which stop."""
-
-
-class Part(NamedTuple):
-    """A part of the time, with a gap function and its rate at both ends."""
-
-    start: float
-    """s."""
-    end: float
-    """s."""
-    h: float
-    """m."""
-    rate: float
-    """m/s."""
-    h_end: float
-    """m."""
-    rate_end: float
-    """m/s."""
-
-
-def first_switch(gaps: Gaps, t: FloatArray, h: FloatArray, rounding: FloatArray, fresh: BoolArray) -> Switch | None:
-    """The first crossing of any gap function between the first and the last of the times ``t``.
-
-    Parameters
-    ----------
-    gaps : Gaps
-        The gap functions of ``P`` stops.
-    t : FloatArray, shape (m + 1,)
-        Even grid that is searched, s, ascending.
-    h : FloatArray, shape (P, m + 1)
-        The gap functions there, m.
-    rounding : FloatArray, shape (P,)
-        What rounding makes of each gap function, m.
-    fresh : BoolArray, shape (P,)
-        Whether each stop may have switched at ``t[0]``, so that its gap function is zero there but for rounding.
-
-    Returns
-    -------
-    Switch or None
-        The first crossing, or None if there is none.
-    """
-    held, level, suspicious, steps = _first_look(h, rounding, fresh, gaps.curvature, float(t[1] - t[0]))
-    if steps.size > _FEW:
-        suspicious, steps = _second_look(gaps, t, h, level, suspicious, steps)
-    latest = max(abs(float(t[0])), abs(float(t[-1])))
-    for i, suspects in zip(steps.tolist(), suspicious[:, steps].T, strict=True):
-        begin, end = float(t[i]), float(t[i + 1])
-        first = first_in(
-            gaps,
-            {k: Part(begin, end, *gaps.at_step(k, i)) for k in suspects.nonzero()[0].tolist()},
-            level,
-            held & (i == 0),
-            latest,
-        )
-        if first is not None:
-            return first
-    return None
-
-
-def first_in(
-    gaps: BoundedGaps, parts: Mapping[int, Part], level: FloatArray, touching: BoolArray, latest: float
-) -> Switch | None:
-    """The first crossing of some gap functions in one part of the time.
-
-    Parameters
-    ----------
-    gaps : BoundedGaps
-        The gap functions of ``P`` stops.
-    parts : mapping of int to Part
-        The stops that may switch in it, and their gap functions at its ends.
-    level : FloatArray, shape (P,)
-        What each must exceed for the stop to switch, m.
-    touching : BoolArray, shape (P,)
-        Whether each stop has just switched where the part begins.
-    latest : float
-        Largest modulus of the times, s, to the rounding of which a crossing is located.
-
-    Returns
-    -------
-    Switch or None
-        The first crossing, or None if there is none.
-    """
-    resolution, first = _RESOLUTION * latest, None
-    for k, part in parts.items():
-        if first is not None:
-            part = Part(part.start, first.time, part.h, part.rate, *gaps.at(k, first.time))
-        time = _first_crossing(gaps, k, part, float(level[k]), bool(touching[k]), resolution)
-        first = first if time is None else Switch(time, k)
-    return first
-
-
 @njit_called()
 def _first_look(
     h: FloatArray, rounding: FloatArray, fresh: BoolArray, curvature: FloatArray, width: float
-) -> tuple[BoolArray, FloatArray, BoolArray, IndexArray]:
+) -> tuple[BoolArray, FloatArray, BoolArray, IndexArray, tuple[FloatArray, BoolArray, BoolArray]]:
     """Which stops may switch in which steps of the grid, by a bound on the curvature.
 
     Parameters
@@ -250,7 +155,7 @@ def _first_look(
     h : FloatArray, shape (P, m + 1)
         The gap functions on the grid, m.
     rounding, fresh : FloatArray, BoolArray, shape (P,)
-        See `first_switch`.
+        See `searching`.
     curvature : FloatArray, shape (P,)
         Bounds on \\|h''\\|, m/s2.
     width : float
@@ -266,6 +171,8 @@ def _first_look(
         Which stops may exceed their level in which steps, up to the first that is sure to have a crossing.
     steps : IndexArray, shape (s,)
         The steps in which any may.
+    room : tuple of FloatArray, shape (P, 4), and two of BoolArray, shape (P,)
+        New arrays, all zero, for what is found in a step.
     """
     stops, last = h.shape[0], h.shape[1] - 1
     held, level = bool_zeros(stops), rounding.copy()
@@ -287,84 +194,207 @@ def _first_look(
         if found:
             steps[count] = i
             count += 1
-    return held, level, suspicious, steps[:count]
+    return held, level, suspicious, steps[:count], (zeros((stops, 4)), bool_zeros(stops), bool_zeros(stops))
 
 
-def _second_look(
-    gaps: Gaps, t: FloatArray, h: FloatArray, level: FloatArray, suspicious: BoolArray, steps: IndexArray
-) -> tuple[BoolArray, IndexArray]:
-    """Which of the steps remain, and which stops in them: a bound for each excludes most.
-
-    As `_first_look` gives them.
-    """
-    top = np.maximum(h[:, steps], h[:, steps + 1]) - level[:, None]
-    suspicious[:, steps] = top > -gaps.from_chord(t[steps], float(t[1] - t[0]))
-    return suspicious, steps[suspicious[:, steps].any(axis=0)]
-
-
-def _first_crossing(
-    gaps: BoundedGaps, k: int, interval: Part, level: float, touching: bool, resolution: float
-) -> float | None:
-    """Where stop `k` first switches in an interval, or None; at once if it is above its level from the start."""
-    t, end, h, rate = interval.start, interval.end, interval.h, interval.rate
-    if h > level + _LATE * resolution * abs(rate):
-        return t
-    level, touching, width = max(h, level), touching or h > level, end - t
-    curvature = float(gaps.curvature[k])
-    while t < end:
-        last = width >= end - t
-        width, after = (end - t, end) if last else (width, t + width)
-        h_after, rate_after = (interval.h_end, interval.rate_end) if last else gaps.at(k, after)
-        stray, turn = curvature * width**2 / 2, curvature * width
-        if h + rate * width + stray > level and rate <= turn:  # neither clear nor rising all the way, at a first look
-            stray, turn = gaps.from_tangent(k, t, width)
-        if h_after <= level and (
-            h + rate * width + stray <= level
-            or gaps.ceiling(k, np.array([t]), width, np.array([[h], [h_after]]))[0] <= level
-        ):
-            t, h, rate, touching, width = after, h_after, rate_after, False, 2 * width
-        elif h_after > level and rate > turn:  # it rises all the way
-            if h >= 0 and not touching:
-                return t
-            rising = Part(t, after, h, rate, h_after, rate_after)
-            return _located(gaps, k, rising, 0.0 if h < 0 else level, resolution)
-        elif width > resolution:
-            width /= 2
-        elif h_after > level:
-            return after
-        else:
-            t, h, rate, touching = after, h_after, rate_after, False
-    return None
-
-
-def _located(gaps: BoundedGaps, k: int, rising: Part, level: float, resolution: float) -> float:
-    """Where a gap function that rises all the way passes a level: Newton's method, kept between the ends.
-
-    It is done when so short a step remains that the curvature moves the crossing by less than the resolution: a step s
-    at a rate of more than 2 B s, with B the bound on the curvature, misses the crossing by at most B s^2 / rate.
-    """
-    curvature = float(gaps.curvature[k])
-    lo, hi = rising.start, rising.end
-    t = min(max(_passed(rising, level), lo), hi)
-    for _ in range(_STEPS):
-        h, rate = gaps.at(k, t)
-        lo, hi = (t, hi) if h < level else (lo, t)
-        step = (level - h) / rate if rate > 0 else np.inf
-        if abs(step) <= resolution or hi - lo <= resolution:
-            break
-        within = lo < t + step < hi
-        t = t + step if within else (lo + hi) / 2
-        bent = curvature * abs(step)
-        if within and 2 * bent < rate and bent * abs(step) <= resolution * rate:
-            break
-    return float(t)
-
-
-def _passed(rising: Part, level: float) -> float:
+@njit_called()
+def _passed(rising: tuple[float, ...], level: float) -> float:
     """About when a rising gap function passes a level: time as a cubic in it, by its value and rate at both ends."""
-    width, rise = rising.end - rising.start, rising.h_end - rising.h
-    u = (level - rising.h) / rise
-    if not rising.rate_end > 0:  # estimates in place of bounds do not rule that out
-        return rising.start + u * width
-    slow, fast = rise / rising.rate, rise / rising.rate_end
-    return rising.start + u * (u * (3 - 2 * u) * width + (1 - u) * ((1 - u) * slow - u * fast))
+    start, end, h, rate, h_end, rate_end = rising
+    width, rise = end - start, h_end - h
+    u = (level - h) / rise
+    if not rate_end > 0:  # estimates in place of bounds do not rule that out
+        return start + u * width
+    slow, fast = rise / rate, rise / rate_end
+    return start + u * (u * (3 - 2 * u) * width + (1 - u) * ((1 - u) * slow - u * fast))
+
+
+Search = Callable[..., Any]
+"""One of the functions of a search, or one by which it reads a motion."""
+
+
+class Reads(NamedTuple):
+    """The functions by which a search reads gap functions; `gaps` is whatever these take."""
+
+    at: Search
+    """(gaps, k, t): as `BoundedGaps.at`."""
+    at_step: Search
+    """(gaps, k, i): as `Gaps.at_step`."""
+    from_chord: Search
+    """(gaps, k, t, width): as `BoundedGaps.from_chord`, for one stop and one interval."""
+    ceiling: Search
+    """(gaps, k, t, width, h, h_end): as `BoundedGaps.ceiling`, for one interval."""
+    from_tangent: Search
+    """(gaps, k, t, width): as `BoundedGaps.from_tangent`."""
+
+
+class Searches(NamedTuple):
+    """A search."""
+
+    first_switch: Search
+    """See `searching`."""
+    first_in: Search
+    """See `searching`."""
+
+
+def _as_it_is(function: Search) -> Search:
+    return function
+
+
+def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is) -> Searches:
+    """The search for the first switch, made from the functions that read a motion.
+
+    Both functions return the time, s, and the stop, which is -1 if none switches.
+
+    - ``first_switch(gaps, t, h, rounding, fresh, curvature)`` finds the first crossing of any gap function on an even
+      grid of times `t`, s, ascending, ``(m + 1,)``, with the gap functions `h` there, m, ``(P, m + 1)``; what rounding
+      makes of each, m, ``(P,)``; whether each stop may have switched at ``t[0]``, so that its gap function is zero
+      there but for rounding, ``(P,)``; and bounds on their curvature, m/s2, ``(P,)``.
+    - ``first_in(gaps, start, end, which, ends, level, touching, curvature, latest)`` finds it in one part of the time:
+      `which` stops may switch in it, ``(P,)``; their gap functions, m, and rates, m/s, at its start, and at its end,
+      ``(P, 4)``; what each must exceed, m, ``(P,)``; whether each has just switched where the part begins, ``(P,)``;
+      and the largest modulus of the times, s, to the rounding of which a crossing is located.
+
+    Parameters
+    ----------
+    reads : Reads
+        The functions.
+    inner, outer : callable
+        Decorators of what is called by the search alone, and by others.
+
+    Returns
+    -------
+    Searches
+        The functions.
+    """
+    at, at_step, from_chord, ceiling, from_tangent = reads
+
+    @inner
+    def located(
+        gaps: Any, k: int, rising: tuple[float, ...], level: float, curvature: float, resolution: float
+    ) -> float:
+        """Where a gap function that rises all the way passes a level: Newton's method, kept between the ends.
+
+        It is done when so short a step remains that the curvature moves the crossing by less than the resolution: a
+        step s at a rate of more than 2 B s, with B the bound on the curvature, misses the crossing by at most
+        B s^2 / rate.
+        """
+        lo, hi = rising[0], rising[1]
+        t: float = min(max(_passed(rising, level), lo), hi)
+        for _ in range(_STEPS):
+            h, rate = at(gaps, k, t)
+            if h < level:
+                lo = t
+            else:
+                hi = t
+            step = (level - h) / rate if rate > 0 else math.inf
+            if abs(step) <= resolution or hi - lo <= resolution:
+                break
+            within = lo < t + step < hi
+            t = t + step if within else (lo + hi) / 2
+            bent = curvature * abs(step)
+            if within and 2 * bent < rate and bent * abs(step) <= resolution * rate:
+                break
+        return t
+
+    @inner
+    def first_crossing(
+        gaps: Any, k: int, part: tuple[float, ...], level: float, touching: bool, curvature: float, resolution: float
+    ) -> float:
+        """Where a stop first switches in an interval, or NaN; at once if it is above its level from the start."""
+        t, end, h, rate, h_last, rate_last = part
+        if h > level + _LATE * resolution * abs(rate):
+            return t
+        touching = touching or h > level
+        level, width = max(h, level), end - t
+        while t < end:
+            last = width >= end - t
+            if last:
+                width, after, h_after, rate_after = end - t, end, h_last, rate_last
+            else:
+                after = t + width
+                h_after, rate_after = at(gaps, k, after)
+            stray, turn = curvature * width**2 / 2, curvature * width
+            if h + rate * width + stray > level and rate <= turn:  # neither clear nor rising all the way, at first
+                stray, turn = from_tangent(gaps, k, t, width)
+            if h_after <= level and (
+                h + rate * width + stray <= level or ceiling(gaps, k, t, width, h, h_after) <= level
+            ):
+                t, h, rate, touching, width = after, h_after, rate_after, False, 2 * width
+            elif h_after > level and rate > turn:  # it rises all the way
+                if h >= 0 and not touching:
+                    return t
+                rising = (t, after, h, rate, h_after, rate_after)
+                crossing: float = located(gaps, k, rising, 0.0 if h < 0 else level, curvature, resolution)
+                return crossing
+            elif width > resolution:
+                width /= 2
+            elif h_after > level:
+                return after
+            else:
+                t, h, rate, touching = after, h_after, rate_after, False
+        return math.nan
+
+    @outer
+    def first_in(
+        gaps: Any,
+        start: float,
+        end: float,
+        which: BoolArray,
+        ends: FloatArray,
+        level: FloatArray,
+        touching: BoolArray,
+        curvature: FloatArray,
+        latest: float,
+    ) -> tuple[float, int]:
+        """The first crossing in one part of the time."""
+        resolution, until, stop = _RESOLUTION * latest, end, -1
+        for k in range(which.size):
+            if which[k]:
+                h, rate = (ends[k, 2], ends[k, 3]) if stop < 0 else at(gaps, k, until)
+                part = (start, until, ends[k, 0], ends[k, 1], h, rate)
+                time = first_crossing(gaps, k, part, level[k], touching[k], curvature[k], resolution)
+                if not math.isnan(time):
+                    until, stop = time, k
+        return until, stop
+
+    @outer
+    def first_switch(
+        gaps: Any, t: FloatArray, h: FloatArray, rounding: FloatArray, fresh: BoolArray, curvature: FloatArray
+    ) -> tuple[float, int]:
+        """The first crossing on a grid."""
+        width, latest = t[1] - t[0], max(abs(t[0]), abs(t[-1]))
+        held, level, suspicious, steps, (ends, which, none) = _first_look(h, rounding, fresh, curvature, width)
+        more = steps.size > _FEW  # a bound for each excludes most of them
+        for i in steps:
+            found = False
+            for k in range(fresh.size):
+                which[k] = suspicious[k, i]
+                if which[k] and more:
+                    top = max(h[k, i], h[k, i + 1]) - level[k]
+                    which[k] = top > -from_chord(gaps, k, t[i], width)
+                if which[k]:
+                    found = True
+                    ends[k, 0], ends[k, 1], ends[k, 2], ends[k, 3] = at_step(gaps, k, i)
+            if found:
+                touching = held if i == 0 else none
+                time, stop = first_in(gaps, t[i], t[i + 1], which, ends, level, touching, curvature, latest)
+                if stop >= 0:
+                    return time, stop
+        return math.inf, -1
+
+    return Searches(first_switch, first_in)
+
+
+in_python = searching(
+    Reads(
+        at=lambda gaps, k, t: gaps.at(k, t),
+        at_step=lambda gaps, k, i: gaps.at_step(k, i),
+        from_chord=lambda gaps, k, t, width: float(gaps.from_chord(np.array([t]), width)[k, 0]),
+        ceiling=lambda gaps, k, t, width, h, h_end: float(
+            gaps.ceiling(k, np.array([t]), width, np.array([[h], [h_end]]))[0]
+        ),
+        from_tangent=lambda gaps, k, t, width: gaps.from_tangent(k, t, width),
+    )
+)
+"""The search in Python, in gap functions of any kind."""

@@ -1,15 +1,97 @@
-"""The gap functions of an integrated motion, for `fe_lapjoint.march.events`."""
+"""The gap functions of an integrated motion, for `fe_lapjoint.march.events`.
+
+Where every mode of a flow rings, its motion at the stops is a sum of exponentials and nothing else; the search is then
+compiled as a whole, and reads them in `FlowTerms`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
+from fe_lapjoint.march.compiled import above_trough, at_place, at_row
+from fe_lapjoint.march.envelope import from_chord, from_tangent
+from fe_lapjoint.march.events import BoolArray, Reads, in_python, searching
 from fe_lapjoint.march.propagator import Coordinates, Flow
-from fe_lapjoint.march.system import SAMPLES
+from fe_lapjoint.march.system import SAMPLES, ComplexArray, IndexArray
+from lapjoint.by_reference import by_reference
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
+
+
+@by_reference
+class FlowTerms(NamedTuple):
+    """The gap functions of ``P`` stops at ``p`` places, in a flow of ``m`` terms of which all but the constant ring."""
+
+    start: float
+    """s."""
+    terms: ComplexArray
+    """Amplitudes of the terms at the start in the motion of each place, m, shape ``(p, m)``."""
+    rates: ComplexArray
+    """Their rates r, 1/s, shape ``(m,)``."""
+    swinging: FloatArray
+    """\\|r\\| of the terms that may be taken for swinging, 1/s; 0 for the others; shape ``(m,)``."""
+    grid: FloatArray
+    """exp(r s) on the grid that is searched, conjugate, as pairs of real numbers, shape ``(SAMPLES + 1, 2 m)``."""
+    place_of: IndexArray
+    """Which place each stop is at, shape ``(P,)``."""
+    orientation: FloatArray
+    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
+    offset: FloatArray
+    """m, shape ``(P,)``; see `Model.offset`."""
+    shares: FloatArray
+    """As in `Envelope`, shape ``(p, m - 1)``."""
+    fading: FloatArray
+    """As in `Envelope`, 1/s, shape ``(m - 1,)``."""
+    value: FloatArray
+    """As in `Envelope`, shape ``(m - 1,)``."""
+    slope: FloatArray
+    """As in `Envelope`, shape ``(m - 1,)``."""
+    curvature: FloatArray
+    """As in `Envelope`, shape ``(m - 1,)``."""
+
+
+@njit_inner()
+def _at(it: FlowTerms, k: int, t: float) -> tuple[float, float]:
+    """See `fe_lapjoint.march.events.BoundedGaps.at`."""
+    z, rate = at_place(it.terms, it.rates, it.place_of[k], t - it.start)
+    return it.orientation[k] * z - it.offset[k], it.orientation[k] * rate
+
+
+@njit_inner()
+def _at_step(it: FlowTerms, k: int, i: int) -> tuple[float, float, float, float]:
+    """See `fe_lapjoint.march.events.Gaps.at_step`."""
+    u, sign, offset = it.place_of[k], it.orientation[k], it.offset[k]
+    z, rate = at_row(it.terms, it.rates, u, it.grid[i])
+    z_end, rate_end = at_row(it.terms, it.rates, u, it.grid[i + 1])
+    return sign * z - offset, sign * rate, sign * z_end - offset, sign * rate_end
+
+
+@njit_inner()
+def _from_chord(it: FlowTerms, k: int, t: float, width: float) -> float:
+    """See `fe_lapjoint.march.events.BoundedGaps.from_chord`."""
+    return from_chord(it.shares[it.place_of[k]], it.fading, it.value, it.curvature, t - it.start, width)
+
+
+@njit_inner()
+def _ceiling(it: FlowTerms, k: int, t: float, width: float, h: float, h_end: float) -> float:
+    """See `fe_lapjoint.march.events.BoundedGaps.ceiling`."""
+    u, sign = it.place_of[k], it.orientation[k]
+    begin, end = above_trough(it.terms[u], it.rates, it.swinging, sign, t - it.start, width)
+    return max(h - begin, h_end - end) + _from_chord(it, k, t, width)
+
+
+@njit_inner()
+def _from_tangent(it: FlowTerms, k: int, t: float, width: float) -> tuple[float, float]:
+    """See `fe_lapjoint.march.events.BoundedGaps.from_tangent`."""
+    return from_tangent(it.shares[it.place_of[k]], it.fading, it.slope, it.curvature, t - it.start, width)
+
+
+in_flows = searching(Reads(_at, _at_step, _from_chord, _ceiling, _from_tangent), njit_inner(), njit_called())
+"""The search in `FlowTerms`."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +145,23 @@ class FlowGaps:
         """What rounding makes of the gap functions, m, shape ``(P,)``."""
         return np.asarray(self.flow.rounding + np.finfo(float).eps * np.abs(self.offset))
 
+    @property
+    def flow_terms(self) -> FlowTerms | None:
+        """The same for the compiled search; None where not every mode rings."""
+        flow, it = self.flow, self.flow.system
+        if not it.all_ring:
+            return None
+        by, grid = flow.envelope, it.grid(self.step)
+        whole = flow.start, flow.terms, it.rates_of_terms, it.swinging, grid, it.place_of, self.orientation, self.offset
+        return FlowTerms(*whole, by.shares, by.fading, by.value, by.slope, by.curvature)
+
+    def first_switch(self, t: FloatArray, h: FloatArray, rounding: FloatArray, fresh: BoolArray) -> tuple[float, int]:
+        """The first switch on a grid of times. See `fe_lapjoint.march.events.searching`."""
+        terms = self.flow_terms
+        search, gaps = (in_python, self) if terms is None else (in_flows, terms)
+        time, stop = search.first_switch(gaps, t, h, rounding, fresh, self.curvature)
+        return float(time), int(stop)
+
 
 @dataclass(frozen=True)
 class SolutionGaps:
@@ -84,6 +183,12 @@ class SolutionGaps:
         """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
         z = self.stops @ self.coordinates(t, 0)
         return np.asarray(self.orientation[:, None] * z - self.offset[:, None])
+
+    def first_switch(self, rounding: FloatArray, fresh: BoolArray) -> tuple[float, int]:
+        """The first switch on the grid. See `fe_lapjoint.march.events.searching`."""
+        h = self(self.grid)
+        time, stop = in_python.first_switch(self, self.grid, h, rounding, fresh, self.curvature)
+        return float(time), int(stop)
 
     def at(self, k: int, t: float) -> tuple[float, float]:
         """One gap function and its rate. See `fe_lapjoint.march.events.Gaps.at`."""

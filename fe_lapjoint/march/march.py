@@ -16,7 +16,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from fe_lapjoint.march.crowding import Crowd
-from fe_lapjoint.march.events import Switch, first_switch
 from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
@@ -265,17 +264,16 @@ def _advance(
     until = min(t + count * step, end)
     if model.method == "exact":
         flow = Flow(system, t, *y.reshape(2, -1))
-        switch: Switch | None = None
+        time, stop = math.inf, -1
         if orientation.size:
             # The flow goes on beyond the end of the window, so the last step may, too.
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset, step)
             rounding = since.rounding_until_now(gaps.rounding)
-            switch = first_switch(gaps, grid, h, rounding, since.switch == t)
-        switch = switch if switch is not None and switch.time <= until else None
-        until = until if switch is None else switch.time
-        return Piece(state, t, until, y, flow, flow, -1 if switch is None else switch.stop), flow.at(until)
+            time, stop = gaps.first_switch(grid, h, rounding, since.switch == t)
+        until, stop = (time, stop) if time <= until else (until, -1)
+        return Piece(state, t, until, y, flow, flow, stop), flow.at(until)
     return _advance_by_library(model, state, t, until, y, since)
 
 
@@ -297,14 +295,13 @@ def _advance_by_library(
     """A window integrated by `solve_ivp`."""
     coordinates = integrate(model, state, t, end, y)
     gaps = SolutionGaps(model.system(state).stops, coordinates, t, end, model.orientation(state), model.offset(state))
-    switch: Switch | None = None
+    time, stop = math.inf, -1
     if model.sign.size:
-        rounding = since.rounding_until_now(gaps.rounding)
-        switch = first_switch(gaps, gaps.grid, gaps(gaps.grid), rounding, since.switch == t)
-    until = end if switch is None else switch.time
+        time, stop = gaps.first_switch(since.rounding_until_now(gaps.rounding), since.switch == t)
+    until = end if stop < 0 else time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
-    return Piece(state, t, until, y, coordinates, None, -1 if switch is None else switch.stop), y_end
+    return Piece(state, t, until, y, coordinates, None, stop), y_end
 
 
 def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) -> None:

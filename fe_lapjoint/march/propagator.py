@@ -95,7 +95,7 @@ class Flow:
     def __init__(self, system: System, start: float, q: FloatArray, v: FloatArray) -> None:
         self.system, self.start, self.q, self.v = system, start, q, v
         y, loads = np.concatenate([q, v]), (system.driven, system.phase)
-        self.free, self._amplitudes, self._moduli, self._terms, self._sizes = start_terms(
+        self.free, self._amplitudes, self._moduli, self.terms, self._sizes = start_terms(
             y, start, loads, system.motion_by_loads, system.which, system.parts_of_roots, *system.shares_and_moduli
         )
 
@@ -105,7 +105,7 @@ class Flow:
     """Those of the oscillating modes, of the loads at the start, and of the constant, 1, shape ``(terms,)``."""
     _moduli: FloatArray
     """Their moduli, shape ``(terms,)``."""
-    _terms: ComplexArray
+    terms: ComplexArray
     """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
     _sizes: FloatArray
     """Sum of the moduli of all that gives the displacement of each place, m, shape ``(p,)``."""
@@ -161,7 +161,7 @@ class Flow:
             m, m/s or m/s2.
         """
         it = self.system
-        terms = self._terms * it.rates_of_terms**dt if dt else self._terms
+        terms = self.terms * it.rates_of_terms**dt if dt else self.terms
         return self._with_others(terms.view(float) @ it.waves(t - self.start).T, t, dt)
 
     def at_grid(self, step: float, count: int) -> FloatArray:
@@ -179,7 +179,7 @@ class Flow:
         FloatArray, shape (P, count + 1)
             m.
         """
-        z = self._terms.view(float) @ self.system.grid(step)[: count + 1].T
+        z = self.terms.view(float) @ self.system.grid(step)[: count + 1].T
         if self.system.plain:
             return np.asarray(z[self.system.place_of])
         return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
@@ -200,7 +200,7 @@ class Flow:
             m and m/s.
         """
         it = self.system
-        both = at_place(self._terms, it.rates_of_terms, it.place_of[k], t - self.start)
+        both = at_place(self.terms, it.rates_of_terms, it.place_of[k], t - self.start)
         return self._with_other_rates(both, k, t)
 
     def at_step(self, k: int, step: float, i: int) -> tuple[float, float, float, float]:
@@ -221,7 +221,7 @@ class Flow:
             m and m/s at its beginning, m and m/s at its end.
         """
         it, grid = self.system, self.system.grid(step)
-        first, last = (at_row(self._terms, it.rates_of_terms, it.place_of[k], grid[j]) for j in (i, i + 1))
+        first, last = (at_row(self.terms, it.rates_of_terms, it.place_of[k], grid[j]) for j in (i, i + 1))
         begin, end = self.start + i * step, self.start + (i + 1) * step
         return *self._with_other_rates(first, k, begin), *self._with_other_rates(last, k, end)
 
@@ -296,7 +296,7 @@ class Flow:
             The sums of these distances at the beginnings and at the ends, m.
         """
         it = self.system
-        terms = self._terms[it.place_of[k]]
+        terms = self.terms[it.place_of[k]]
         return np.asarray(above_troughs(terms, it.rates_of_terms, it.swinging, side, t - self.start, width))
 
     def integral_at_stops(self, end: float) -> FloatArray:
@@ -315,7 +315,7 @@ class Flow:
         it, T = self.system, end - self.start
         if not it.plain:
             return np.asarray(it.stops @ self.integral(end))
-        return np.asarray(integrals(self._terms, it.rates_of_terms, T)[it.place_of])
+        return np.asarray(integrals(self.terms, it.rates_of_terms, T)[it.place_of])
 
     def integral(self, end: float) -> FloatArray:
         """The time integral of q from the start.

@@ -283,7 +283,7 @@ class System:
         ringing, near, creeping = self.bounded
         modes = np.abs(self.places[:, np.concatenate([ringing, near, creeping, creeping])])
         fall = [] if self.drift is None else [np.abs(self.places) @ np.abs(self.drift[1])[:, None]]
-        return np.concatenate([modes, np.abs(self.place_amplitudes), *fall], axis=1)
+        return np.ascontiguousarray(np.concatenate([modes, np.abs(self.place_amplitudes), *fall], axis=1))
 
     @cached_property
     def fading(self) -> FloatArray:

@@ -37,19 +37,27 @@ def low(x):
 HIGH = """
 from typing import NamedTuple
 import kept_low
-from lapjoint.compiling import njit_called
+from lapjoint.compiling import njit_called, njit_inner
 
 class Pair(NamedTuple):
     one: float
     two: float
 
+@njit_inner()
+def same(x):
+    return x
+
+def ten_times(function):
+    @njit_called()
+    def again(x):
+        return 10.0 * function(x.two)
+    return again
+
+again = ten_times(same)
+
 @njit_called()
 def high(x):
     return kept_low.low(x.one) + again(x)
-
-@njit_called()
-def again(x):
-    return 10.0 * x.two
 """
 SOURCES = {"kept_lowest": LOWEST, "kept_low": LOW, "kept_high": HIGH}
 FEW = ("a constant", "what is called by what is called", "its own file, of the same length")
@@ -60,7 +68,8 @@ CHANGES = {
     "a tuple": ("kept_lowest", "(1, 2.0)", "(1, 7.0)", 34.0),
     "what is called by what is called": ("kept_lowest", "x * LIMIT", "x + LIMIT", 30.0),
     "a constant within a function": ("kept_low", "+ 3.0", "+ 8.0", 34.0),
-    "its own file, of the same length": ("kept_high", "10.0 * x.two", "20.0 * x.two", 49.0),
+    "its own file, of the same length": ("kept_high", "10.0 * function", "20.0 * function", 49.0),
+    "what a function encloses": ("kept_high", "def same(x):\n    return x", "def same(x):\n    return 2 * x", 49.0),
     "the sequence of a table": ("kept_high", "one: float\n    two: float", "two: float\n    one: float", 21.0),
 }
 

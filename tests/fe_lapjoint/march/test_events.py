@@ -119,7 +119,8 @@ def test_steady_states_of_other_units_are_the_same(speed: float) -> None:
 
 
 def counted_evaluations(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """How often a gap function is asked for at one time, from now on."""
+    """How often a gap function is asked for at one time, from now on: by the search in Python, which is the same."""
+    monkeypatch.setattr(FlowGaps, "flow_terms", None)
     asked: Counter[str] = Counter()
     plain = FlowGaps.at
 
@@ -129,6 +130,19 @@ def counted_evaluations(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
     monkeypatch.setattr(FlowGaps, "at", counted)
     return asked
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_compiled_search_is_that_in_python(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(seed)
+    stops = (tip(1e-3 * rng.uniform(0, 2)), tip(1e-3 * rng.uniform(0, 2), "bottom"))
+    damping = ModalDamping(ratio=(0.01, rng.uniform(0.01, 0.5), 0.02))
+    problem = shaken(*stops, damping=damping, phase=rng.uniform(0, 6))
+    problem = problem.replace(supports=(*problem.supports, Support(x=0.5, translational=10.0 ** rng.uniform(0, 4))))
+    compiled = simulated(problem, 8).contacts
+    monkeypatch.setattr(FlowGaps, "flow_terms", None)
+    assert len(compiled) > 4
+    assert simulated(problem, 8).contacts == compiled
 
 
 def test_what_the_grid_tells_is_not_asked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:
