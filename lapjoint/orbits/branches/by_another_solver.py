@@ -74,6 +74,8 @@ class _Search:
     """What each self has found, by its number, the coarsest first."""
     missed: set[int] = field(default_factory=set)
     """Which selves have looked for it from the motions of the first solver, and not found it so."""
+    came_past: dict[int, Again | None] = field(default_factory=dict)
+    """What each self has found along its own curve."""
 
     def __post_init__(self) -> None:
         assert self.one.found is not None
@@ -164,6 +166,12 @@ class _Search:
 
     def _found_along(self, i: int) -> Again | None:
         """What a self finds along its own curve."""
+        if i not in self.came_past:
+            self.came_past[i] = self._looked_along(i)
+        return self.came_past[i]
+
+    def _looked_along(self, i: int) -> Again | None:
+        """`_found_along`, before it is kept."""
         here = self._before(0.0)
         if self.one.way is None or self.one.found is None or here is None:
             return None

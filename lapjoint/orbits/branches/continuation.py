@@ -129,6 +129,12 @@ class _Follower:
             else:
                 self._advance()
                 self._look_back()
+                if not self._end and self._limits.enough is not None and self._limits.enough(self._so_far):
+                    self._end = "enough"
+        return self._so_far
+
+    @property
+    def _so_far(self) -> Run:
         return Run(self._places, self._grazes, self._jumps, self._end)
 
     @property
@@ -154,7 +160,7 @@ class _Follower:
                 self._end_at(i, there, "until")
                 break
             missed = 1.0 if new.missed is None else float(np.linalg.norm(new.missed))
-            back = self._marks.come_back(self._places, i)
+            back = None if self._limits.enough is not None else self._marks.come_back(self._places, i)
             if back is not None:
                 self._end_at(*back, "closed")
                 break

@@ -160,29 +160,59 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
 
     def find(family: Family, place: Place) -> Again | None:
         for start in starts.starts:
-            run = _followed(family, start)
-            there = [] if run is None else list(_like(one, family, run, place))
-            apart = [float(np.linalg.norm(other.place.chord(family, place))) for other in there]
-            if there and min(apart) <= NEAR:
-                return there[int(np.argmin(apart))]
+            look = _Look(one, family, place)
+            _follow(family, start, look)
+            if look.found is not None:
+                return look.found
         return None
 
     return find
 
 
-def _like(one: Located | Graze, family: Family, run: Run, place: Place) -> Iterator[Again]:
-    """Those bifurcations of a curve that may be a given one, and may lie near a place."""
-    if isinstance(one, Graze):
-        yield from (
-            Again(other.before.place, other.value, other.left) for other in run.grazes if _same_graze(one, other)
-        )
-        return
-    for _, a, b in run.smooth_parts:
-        criterion = criteria_of(a)[one.kind]
-        if criterion.count(a) != criterion.count(b) and _passes_by(family, a, b, place):
-            found = located(family, a, b, criterion)
-            if found is not None and is_same(one.kind, found, one.place):
-                yield Again(found, found.value)
+class _Look:
+    """Looks at a curve while it is followed for the bifurcation that is nearest to where it is looked for.
+
+    Parameters
+    ----------
+    one : Located or Graze
+        The bifurcation, by the solver that has it.
+    family : Family
+        The period maps of the solver whose curve it is.
+    place : Place
+        Where it is looked for.
+    """
+
+    def __init__(self, one: Located | Graze, family: Family, place: Place) -> None:
+        self._one, self._family, self._place = one, family, place
+        self._places, self._grazes, self._apart = 1, 0, NEAR
+        self.found: Again | None = None
+        """What it has found, within `NEAR`."""
+
+    def __call__(self, run: Run) -> bool:
+        """Look at what is new of a curve; whether what has been found is nearer than where the curve has come to."""
+        for other in self._new(run):
+            apart = self._away(other.place)
+            if apart <= self._apart:
+                self.found, self._apart = other, apart
+        return self.found is not None and self._away(run.places[-1]) > self._apart
+
+    def _away(self, place: Place) -> float:
+        return float(np.linalg.norm(place.chord(self._family, self._place)))
+
+    def _new(self, run: Run) -> Iterator[Again]:
+        """Bifurcations that may be the one that is looked for, and may lie near its place."""
+        grazes, self._grazes = run.grazes[self._grazes :], len(run.grazes)
+        first, self._places = self._places, len(run.places)
+        one = self._one
+        if isinstance(one, Graze):
+            yield from (Again(it.before.place, it.value, it.left) for it in grazes if _same_graze(one, it))
+            return
+        for i, a, b in run.smooth_parts:
+            criterion = criteria_of(a)[one.kind]
+            if i >= first and criterion.count(a) != criterion.count(b) and _passes_by(self._family, a, b, self._place):
+                found = located(self._family, a, b, criterion)
+                if found is not None and is_same(one.kind, found, one.place):
+                    yield Again(found, found.value)
 
 
 def _passes_by(family: Family, a: Place, b: Place, near: Place) -> bool:
@@ -203,11 +233,10 @@ def _same_graze(one: Graze, other: Graze) -> bool:
     return same and abs(later - round(later)) <= _PHASE
 
 
-def _followed(family: Family, start: Approach) -> Run | None:
-    """The curve of another solver from a place of a branch on; None if that solver has no such motion there."""
+def _follow(family: Family, start: Approach, look: _Look) -> None:
+    """Look along the curve of another solver from a place of a branch on, if that solver has such a motion there."""
     place = start.place
     near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
-    if near is None or near.extrema.closings != place.extrema.closings:
-        return None
-    farthest = min(_PAST * start.length, start.length + 2 * NEAR)
-    return follow(family, near.going_on_from(place), Limits(most=_MOST, length=farthest))
+    if near is not None and near.extrema.closings == place.extrema.closings:
+        farthest = min(_PAST * start.length, start.length + 2 * NEAR)
+        look(follow(family, near.going_on_from(place), Limits(most=_MOST, length=farthest, enough=look)))

@@ -23,6 +23,9 @@ class Limits:
     """Arc length of its first step at most."""
     until: Place | None = None
     """A motion at which it ends."""
+    enough: Callable[[Run], bool] | None = None
+    """Called with the curve so far, whether it has led to what is looked for, and may end; it is then not asked whether
+    it goes round in a ring."""
     progress: Callable[[float], None] | None = None
     """Called with the share of the range, or of the effort, that is behind."""
 
