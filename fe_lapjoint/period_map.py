@@ -233,8 +233,11 @@ class PeriodMap:
         whole = Carried(model, motion, into, change)
 
         def derivative() -> Derivative:
-            matrix = back @ whole.end
-            return Derivative(matrix) if change is None else Derivative(matrix[:, :-1], matrix[:, -1].copy())
+            columns, rest = whole.combinations
+            columns = back @ columns
+            by_number = None if change is None else columns[:, -1].copy()
+            own = columns[:, : columns.shape[1] - int(change is not None)]
+            return Derivative(own, by_number) if rest is None else Derivative(own @ rest, by_number, (own, rest))
 
         def alone(deviation: FloatArray) -> Sequence[Segment]:
             columns = into[:, : deviation.size] @ deviation[:, None]

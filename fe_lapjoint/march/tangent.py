@@ -37,8 +37,10 @@ from lapjoint.problem import FloatArray
 
 _DEAD = 40.0
 """Decay time constants after which a mode has died out: exp(-40) is below the rounding of all else."""
+_ALIVE = 0.75
+"""Share of the columns that are carried, up to which units of the coordinates that are not zero are carried instead."""
 _FEW = 0.5
-"""Share of the columns that are carried, up to which the modes that are left make it worth while to look for fewer."""
+"""The same of the modes that are left since the start, for combinations that do not depend on each other."""
 _DEPENDENT = 1e-17
 """What a column adds to those before, over the largest, up to which it depends on them: it rounds by 1e-16."""
 
@@ -74,17 +76,29 @@ class Carried:
     change: ExcitationChange | None = None
     """How the excitation changes with a number; the last deviation is then over its unit, and zero at the start."""
 
+    @cached_property
+    def combinations(self) -> tuple[FloatArray, FloatArray | None]:
+        """The same at the end, in the modes of the last state.
+
+        As columns, ``(2 n, r)``, of which the first are combined to all deviations but the one by a number, which is
+        the last; and the combinations, ``(r, m)`` without it.  None where each deviation is a column.
+        """
+        there = self._steps[-1]
+        columns = there.columns
+        if self.change is not None:
+            end, columns = self.motion.pieces[-1].end, columns.copy()
+            rates = self.model.system(self.motion.state).rates(end, self.motion.y)
+            columns[:, -1] -= self.change.frequency * end * rates
+        return columns, there.rest
+
     @property
     def end(self) -> FloatArray:
-        """The same at the end, in the modes of the last state, shape ``(2 n, m)``."""
-        there = self._steps[-1]
-        if self.change is not None:
-            end, columns = self.motion.pieces[-1].end, there.columns.copy()
-            columns[:, -1] -= (
-                self.change.frequency * end * self.model.system(self.motion.state).rates(end, self.motion.y)
-            )
-            there = replace(there, columns=columns)
-        return there.whole
+        """The same, shape ``(2 n, m)``."""
+        columns, rest = self.combinations
+        if rest is None:
+            return columns
+        count = rest.shape[0]
+        return np.concatenate([columns[:, :count] @ rest, columns[:, count:]], axis=1)
 
     @property
     def segments(self) -> MadeSegments:
@@ -115,16 +129,16 @@ class Carried:
         few = self.deviations.shape[1] - int(self.change is not None)
         q, v = (np.linalg.norm(part, axis=0) for part in np.split(self.deviations[:, :few], 2))
         there = _Deviations(self.deviations, few, np.hypot(slow * q, v))
-        steps = [there]
+        steps, expected = [there], few
         for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
             system = self.model.system(piece.state)
             there = replace(there, columns=_along(system, piece, there.columns, self.change))
             alive = np.flatnonzero(np.tile(system.slowest_decay * (piece.end - since) < _DEAD, 2))
             left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < _DEAD)
-            if 0 < alive.size <= _FEW * there.few:
+            if 0 < alive.size <= _ALIVE * there.few:
                 there = there.of_alive(alive)
-            elif left <= _FEW * there.few and there.rest is not None:
-                there = there.of_independent(system, slow)
+            elif left <= _FEW * min(there.few, expected) and there.rest is not None:
+                there, expected = there.of_independent(system, slow), left
             if piece.switched >= 0:
                 since, after = piece.end, self.motion.y if following is None else following.y
                 there = replace(there, columns=_jump(self.model, piece, after, there.columns))
@@ -144,13 +158,6 @@ class _Deviations:
     """Size of what each of these came from, shape ``(few,)``."""
     rest: FloatArray | None = None
     """The combinations as columns, shape ``(few, m - r + few)``; None where each is a column."""
-
-    @property
-    def whole(self) -> FloatArray:
-        """All of them, shape ``(2 n, m)``."""
-        if self.rest is None:
-            return self.columns
-        return np.concatenate([self.columns[:, : self.few] @ self.rest, self.columns[:, self.few :]], axis=1)
 
     def of_alive(self, alive: IndexArray) -> _Deviations:
         """The same as combinations of units of the coordinates that are not zero."""

@@ -9,7 +9,7 @@ from typing import cast
 
 import numpy as np
 
-from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.parameters import FieldDerivatives
 from lapjoint.orbits.period_map import Linearised, PeriodMap, Segment, Tangent, UnitNorms
@@ -58,6 +58,12 @@ class Return:
     def matrix(self) -> FloatArray:
         """Derivative of the end by the start, in the coordinates that belong to the start, shape ``(n, n)``."""
         return -self.linearised.matrix if self.count % 2 else self.linearised.matrix
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """Eigenvalues of `matrix`, shape ``(n,)``; of a pair the one with the positive imaginary part comes first."""
+        own = self.linearised.multipliers
+        return -own.conj() if self.count % 2 else own
 
     @property
     def by_number(self) -> FloatArray | None:

@@ -59,7 +59,7 @@ class Orbit:
     @cached_property
     def values(self) -> ComplexArray:
         """Multipliers over `half_periods`, largest modulus first, shape ``(n,)``."""
-        values = np.linalg.eigvals(self.last.matrix).astype(complex)
+        values = self.last.multipliers
         return values[np.argsort(-np.abs(values), kind="stable")]
 
     @cached_property

@@ -446,6 +446,8 @@ class Derivative(NamedTuple):
     by_number: FloatArray | None = None
     """By a number of the problem, while the start stays where it is, over the number's unit, shape ``(n,)``; None if it
     was not asked for."""
+    factors: tuple[FloatArray, FloatArray] | None = None
+    """Two matrices of which `matrix` is the product, of shapes ``(n, r)`` and ``(r, n)`` with few r; None if r is n."""
 
 
 @dataclass(frozen=True)
@@ -477,6 +479,18 @@ class Linearised:
     def by_number(self) -> FloatArray | None:
         """See `Derivative.by_number`."""
         return self.known.by_number
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """Eigenvalues of `matrix`, shape ``(n,)``: those of its factors the other way round, and 0.
+
+        Of a pair the one with the positive imaginary part comes first.
+        """
+        matrix, _, factors = self.known
+        if factors is None:
+            return np.linalg.eigvals(matrix).astype(complex)
+        own = np.linalg.eigvals(factors[1] @ factors[0])
+        return np.concatenate([own, np.zeros(matrix.shape[0] - own.size)])
 
     @cached_property
     def segments(self) -> Sequence[Segment]:
