@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+_UNSURE = 2
+"""Most finer selves of the other solver that look for what the first one states no error of, and so cannot agree on."""
+
+
 @dataclass(frozen=True)
 class Row:
     """A bifurcation of the file."""
@@ -130,7 +134,8 @@ class ConfirmPlan:
             one = restored(family_of(self.branches.at(row.also)), row.bifurcation)
             if one is None:
                 return Confirmed(message="the first solver does not find it again from the motion in the file"), None
-            found = by_another(one, family_of(self.other.at(row.also)))
+            other = family_of(self.other.at(row.also))
+            found = by_another(one, other) if np.isfinite(row.error) else by_another(one, other, _UNSURE)
         except SolverError as error:
             return Confirmed(message=str(error)), None
         if found is None:
