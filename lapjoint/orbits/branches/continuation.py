@@ -16,6 +16,7 @@ from lapjoint.orbits.branches.grazing import beyond_graze, leaves_at, located_gr
 from lapjoint.orbits.branches.jumping import WIDTHS, across_jump, jumped
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
+from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.problem import FloatArray
 
 _FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
@@ -72,6 +73,9 @@ _TOO_NEAR = 1e-5
 turns before a graze, it is found from nearer in one of three cases."""
 _VANISHED = 1e-3
 """Share of the most that a motion of the curve misses to repeat in half the time, up to which one misses nothing."""
+_TOLD = math.sqrt(RESIDUAL)
+"""Least that a motion misses to repeat in half the time, over its size, by which it is told from one that does: beside
+the bifurcation at which they part, the number changes as the square of this, and motions close to `RESIDUAL`."""
 _BOTH_SIDES = 3.0
 """Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
 nothing: 2 on a straight way."""
@@ -165,14 +169,14 @@ class _Follower:
                 self._end_at(*back, "closed")
                 break
             if missed <= _VANISHED * self._missed:
-                self._end_at(i, new, "bifurcation")
+                self._end_at(i, new if missed > _TOLD else None, "bifurcation")
                 break
             self._missed = max(self._missed, missed)
         self._looked = len(self._places) - 1
 
-    def _end_at(self, i: int, last: Place, why: str) -> None:
-        """End the curve at a place that follows the one with number `i`."""
-        self._places[i + 1 :] = [last]
+    def _end_at(self, i: int, last: Place | None, why: str) -> None:
+        """End the curve at a place that follows the one with number `i`, or at that."""
+        self._places[i + 1 :] = [] if last is None else [last]
         self._grazes = [graze for graze in self._grazes if graze.index <= i]
         self._jumps = [jump for jump in self._jumps if jump.index <= i]
         self._end = why
@@ -285,6 +289,8 @@ class _Follower:
         for part in _UP_TO:  # so near to where two curves meet, Newton's method may find neither
             last = between_two(self._family, here, beyond, part * share, length)
             if last is None or last.extrema.closings != here.extrema.closings:
+                continue
+            if last.missed is None or float(np.linalg.norm(last.missed)) <= _TOLD:
                 continue
             if last.tangent[-1] * here.tangent[-1] > 0:  # else it is beyond, where the curve comes back
                 self._places.append(last)

@@ -3,7 +3,9 @@
 Close to a graze, where a map of few modes jumps or turns sharply, a coarse solver may have bifurcations that a finer
 one has not, or none at all.  What is not confirmed there says nothing of the joint.  So each such part, with a little
 of the curve before and behind it, is followed by the finer solver from the motion before to the one behind; its
-motions and bifurcations take the place of the others, if less of them is in doubt.
+motions and bifurcations take the place of the others, if less of them is in doubt.  Where the branch springs from
+another beside such a part, the finer solver begins at that bifurcation as it has it, or ends there; a branch that is
+all in doubt is followed from one to the other.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.listing import Listed, listed
 from lapjoint.orbits.branches.run import Limits, Run
+from lapjoint.orbits.branches.switching import sprung
 from lapjoint.orbits.branches.value_errors import AIM
 
 _LISTED = 0.3
@@ -43,6 +46,10 @@ _POINTS = 100
 """Most points of the finer solver's curve, besides twice as many as there were."""
 _NEAR = 0.05
 """Largest distance of the motions of two solvers over their size."""
+_SPRINGS = "bifurcation"
+"""Why a curve ends where its branch springs from another."""
+_BESIDE = 0.1
+"""Share of a part that the finer solver's first step from such a bifurcation is at most."""
 
 
 @dataclass(frozen=True)
@@ -151,27 +158,42 @@ def _followed(
     known = family.finer(run.places[first].value)
     if known is None or last >= before_index:
         return None
-    finer, taken = known[1], {one.index for one in bifurcations}
-    tried = 0
+    finer, taken, tried = known[1], {one.index for one in bifurcations}, list[tuple[int, int]]()
     for margin in _MARGINS:
-        if tried == levels:
+        if len(tried) == levels:
             break
         before = _end(family, finer, run, range(first - 1, max(first - 2 - _FARTHEST, -1), -1), margin, taken)
         behind = _end(family, finer, run, range(last + 1, min(last + 2 + _FARTHEST, before_index)), margin, taken)
-        if before is None or behind is None:
+        i, j = 0 if before is None else before[0], len(run.places) - 1 if behind is None else behind[0]
+        if (before is None and run.begin != _SPRINGS) or (behind is None and run.end != _SPRINGS):
             continue
-        (i, begin), (j, end) = before, behind
+        if (i, j) in tried or j >= before_index:
+            continue
+        begin = sprung(family, finer, run.places[0]) if before is None else before[1]
+        if begin is None:
+            break
         length = sum(float(np.linalg.norm(b.chord(family, a))) for a, b in pairwise(run.places[i : j + 1]))
-        limits = Limits(most=_POINTS + 2 * (j - i), length=_LONGER * length, until=end)
+        until = None if behind is None else behind[1]
+        limits = Limits(most=_POINTS + 2 * (j - i), length=_LONGER * length, until=until)
+        if before is None:
+            limits = replace(limits, first=_BESIDE * length)
         there = follow(finer, begin, limits)
-        if there.end != "until":
+        if not _comes_to(finer, there, run.places[j], until):
             continue
+        there = replace(there, begin=run.begin if before is None else "")
         found = _resolved(finer, there, levels - 1)
         own = [one for one in bifurcations if i < one.index <= j]
         if _doubt(found.bifurcations) < _doubt(own):
             return i, j, found
-        tried += 1
+        tried.append((i, j))
     return None
+
+
+def _comes_to(finer: Family, there: Run, place: Place, until: Place | None) -> bool:
+    """Whether a finer solver's curve comes to where a part ends: to a motion, or else to where the branch springs."""
+    if until is not None:
+        return there.end == "until"
+    return there.end == _SPRINGS and float(np.linalg.norm(there.places[-1].chord(finer, place))) <= _NEAR
 
 
 def _end(

@@ -76,6 +76,8 @@ class Run:
     """Where it could not be resolved."""
     end: str
     """Why it ends."""
+    begin: str = ""
+    """Why it does not go on before its start, where that is known."""
 
     @property
     def smooth_parts(self) -> Iterator[tuple[int, Place, Place]]:

@@ -81,6 +81,34 @@ def sprung_from(family: Family, near: Place) -> Place | None:
     return None if found is None else found.place
 
 
+def sprung(family: Family, finer: Family, near: Place) -> Place | None:
+    """A motion beside the bifurcation from which a branch springs, as a finer solver has both.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    finer : Family
+        Those of the finer solver.
+    near : Place
+        A place of the branch near the bifurcation.
+
+    Returns
+    -------
+    Place, or None
+        Its tangent points away from the bifurcation; of the motion's section points half of its period apart, it is at
+        the one that is nearer to the place.  None if the finer solver has no such bifurcation.
+    """
+    mother = sprung_from(family, near)
+    known = None if mother is None else smooth_finder(flip_of(mother))(finer, mother)
+    new = None if known is None else switched(finer, known.place)
+    if known is None or new is None:
+        return None
+    later = corrected(finer, new.value, new.half_periods.marched(new.point, known.place.count), new.count, fixed=True)
+    both = [new] if later is None else [new, later.along(later.chord(finer, known.place))]
+    return min(both, key=lambda one: float(np.linalg.norm(one.chord(finer, near))))
+
+
 def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: float) -> Place | None:
     """The motion of twice the half periods whose distance along a direction is `length`."""
     count, value = 2 * bifurcation.count, bifurcation.value

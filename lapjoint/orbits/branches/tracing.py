@@ -181,7 +181,7 @@ def _joined(back: Run, ahead: Run) -> Run:
     jumps = [replace(one, index=first - one.index) for one in back.jumps]
     grazes += [replace(one, index=one.index + first - 1) for one in ahead.grazes]
     jumps += [replace(one, index=one.index + first - 1) for one in ahead.jumps]
-    return Run([*turned, *ahead.places[1:]], grazes, jumps, ahead.end)
+    return Run([*turned, *ahead.places[1:]], grazes, jumps, ahead.end, back.end)
 
 
 def _point(family: Family, place: Place) -> BranchPoint:
