@@ -26,8 +26,8 @@ LOOK = 1.0
 PATIENCE = 5.0
 """Time within which the thread of a pool notices that its processes have ended, however busy the machine is, s."""
 _RARELY = 50_000
-"""Objects that a process makes until Python looks for cyclic garbage, seventy times as many as usual: following a branch
-makes hardly any, and looking takes 5 % of its time."""
+"""Objects that a process makes until Python looks for cyclic garbage, seventy times as many as usual: following a
+branch makes hardly any, and looking takes 5 % of its time."""
 MOST_STARTS = 3
 """Number of times that a pool is started, if its processes die before they do anything; one death may be chance."""
 

@@ -16,7 +16,6 @@ from lapjoint.orbits.branches.grazing import beyond_graze, leaves_at, located_gr
 from lapjoint.orbits.branches.jumping import WIDTHS, across_jump, jumped
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
-from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.problem import FloatArray
 
 _FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
@@ -71,17 +70,19 @@ _AT_GRAZE = 1e-5
 _TOO_NEAR = 1e-5
 """Arc length to a graze that cannot be located within which what lies around it is left out: from 1e-4, where the curve
 turns before a graze, it is found from nearer in one of three cases."""
-_VANISHED = 1e-3
-"""Share of the most that a motion of the curve misses to repeat in half the time, up to which one misses nothing."""
-_TOLD = math.sqrt(RESIDUAL)
+_TOLD = 1e-4
 """Least that a motion misses to repeat in half the time, over its size, by which it is told from one that does: beside
-the bifurcation at which they part, the number changes as the square of this, and motions close to `RESIDUAL`."""
+the bifurcation at which they part, what is left of a motion that does not close is the cube of this, and rounds."""
 _BOTH_SIDES = 3.0
 """Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
 nothing: 2 on a straight way."""
+_CLOSER, _MOST_CLOSER = 0.7, 8
+"""Share of the way to a motion that repeats sooner that a step takes which would lead past it; most such in turn."""
+_AT_LAST = 1.3
+"""What the last motion before such a one misses, at most, over what tells the two apart."""
 _UP_TO = (0.99, 0.995, 0.98, 0.95, 0.9)
-"""Shares of the way to a motion that repeats sooner at which a curve ends, in the sequence in which they are tried: the
-number then lacks some 1e-4 of its way."""
+"""Shares of the way to a motion that repeats sooner at which a curve ends if a graze lies between, in the sequence in
+which they are tried: the number then lacks some 1e-4 of its way."""
 _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
@@ -117,7 +118,7 @@ class _Follower:
         self._ceiling = _LONGEST
         self._refused = math.inf
         self._before_fold: Jump | None = None
-        self._expected = 0.0
+        self._expected, self._closer = 0.0, 0
         self._end, self._tries = "", 0
         self._marks, self._looked, self._missed = Marks(family, start), 0, 0.0
         self._until = None if limits.until is None else Start(family, limits.until, itself=True)
@@ -168,8 +169,8 @@ class _Follower:
             if back is not None:
                 self._end_at(*back, "closed")
                 break
-            if missed <= _VANISHED * self._missed:
-                self._end_at(i, new if missed > _TOLD else None, "bifurcation")
+            if missed <= _TOLD < self._missed:
+                self._end_at(i, None, "bifurcation")
                 break
             self._missed = max(self._missed, missed)
         self._looked = len(self._places) - 1
@@ -200,7 +201,8 @@ class _Follower:
             rates = rates_of(self._family, new)
             seen = passed(self._here, self._rates, new, rates, self._step)
             if seen.nothing:
-                self._take(new, rates, angle)
+                if not self._comes_closer_to_shorter(new):
+                    self._take(new, rates, angle)
                 return
             if (len(seen.grazes) == 1 or (seen.grazes and self._step <= _DISTINCT)) and self._cross(
                 seen.grazes[0], self._step
@@ -209,7 +211,9 @@ class _Follower:
         turned = angle > _WIDEST  # not so if it is not known
         self._ceiling = max(_SHORTER * self._step, _AFRESH)
         self._step *= max(_TURN / angle, _SHORTEST_SHARE) if turned else _SHORTER
-        if self._step < _SHORTEST:
+        if self._step < _SHORTEST and self._closer:
+            self._end = "bifurcation"
+        elif self._step < _SHORTEST:
             self._pass_what_is_near()
 
     def _cross(self, graze: Coming, farthest: float) -> bool:
@@ -273,11 +277,31 @@ class _Follower:
         if not self._family.low <= new.value <= self._family.high:
             self._places += _at_boundary(self._family, self._here, new)
             self._end = "boundary"
-        elif not self._ends_at_shorter(new) and not (self._turned_back(new) and self._leave_out_more()):
+        elif not (self._turned_back(new) and self._leave_out_more()):
             self._bend = _bend(self._family, self._here, new)
             self._come_to(new, rates)
             grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
             self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
+
+    def _comes_closer_to_shorter(self, beyond: Place) -> bool:
+        """Whether a motion that repeats sooner lies before a place; then the next step is a shorter one, or the last.
+
+        Beside it, the number changes as the square of the way, so that it is come to step by step.
+        """
+        here = self._here
+        if here.missed is None or beyond.missed is None or not self._family.low <= beyond.value <= self._family.high:
+            return False
+        missed, there = (float(np.linalg.norm(one)) for one in (here.missed, beyond.missed))
+        share = _share_to_shorter(self._family, here, beyond)
+        if share is None and not there <= _TOLD < missed:  # else Newton's method came to such a motion itself
+            return False
+        self._closer += 1
+        if missed <= _AT_LAST * _TOLD or self._closer > _MOST_CLOSER:
+            self._end = "bifurcation"
+        closer = min(_CLOSER, 1 - _AT_LAST * _TOLD / missed)
+        way = 1.0 if share is None else share
+        self._step = closer * way * float(np.linalg.norm(beyond.chord(self._family, here)))
+        return True
 
     def _ends_at_shorter(self, beyond: Place) -> bool:
         """End the curve just before a motion that repeats sooner, if one lies between here and a place beyond."""
@@ -334,6 +358,7 @@ class _Follower:
         for i in range(max(len(self._places) - _WHOLE, 0), len(self._places)):
             self._places[i] = self._places[i].light()
         self._places.append(place)
+        self._closer = 0
         if self._limits.progress is not None:
             self._limits.progress(self._share())
         self._rates = rates_of(self._family, place) if rates is None else rates

@@ -23,8 +23,8 @@ from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.listing import Listed, listed
-from lapjoint.orbits.branches.run import Limits, Run
-from lapjoint.orbits.branches.switching import sprung
+from lapjoint.orbits.branches.run import Limits, Run, joined
+from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung
 from lapjoint.orbits.branches.value_errors import AIM
 
 _LISTED = 0.3
@@ -48,8 +48,6 @@ _NEAR = 0.05
 """Largest distance of the motions of two solvers over their size."""
 _SPRINGS = "bifurcation"
 """Why a curve ends where its branch springs from another."""
-_BESIDE = 0.1
-"""Share of a part that the finer solver's first step from such a bifurcation is at most."""
 
 
 @dataclass(frozen=True)
@@ -169,18 +167,21 @@ def _followed(
             continue
         if (i, j) in tried or j >= before_index:
             continue
-        begin = sprung(family, finer, run.places[0]) if before is None else before[1]
-        if begin is None:
+        sprang = sprung(family, finer, run.places[0]) if before is None else None
+        if before is None and sprang is None:
             break
         length = sum(float(np.linalg.norm(b.chord(family, a))) for a, b in pairwise(run.places[i : j + 1]))
         until = None if behind is None else behind[1]
         limits = Limits(most=_POINTS + 2 * (j - i), length=_LONGER * length, until=until)
-        if before is None:
-            limits = replace(limits, first=_BESIDE * length)
-        there = follow(finer, begin, limits)
+        if before is not None:
+            there = follow(finer, before[1], limits)
+        else:
+            assert sprang is not None
+            there = follow(finer, sprang[0], replace(limits, first=sprang[1]))
         if not _comes_to(finer, there, run.places[j], until):
             continue
-        there = replace(there, begin=run.begin if before is None else "")
+        if sprang is not None:
+            there = joined(back_to_where_it_springs(finer, sprang[0].turned(), sprang[1]), there)
         found = _resolved(finer, there, levels - 1)
         own = [one for one in bifurcations if i < one.index <= j]
         if _doubt(found.bifurcations) < _doubt(own):

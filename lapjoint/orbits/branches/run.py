@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from lapjoint.orbits.branches.corrector import Place
@@ -86,3 +86,26 @@ class Run:
         for i, (a, b) in enumerate(pairwise(self.places), start=1):
             if i not in apart and a.extrema.closings == b.extrema.closings:
                 yield i, a, b
+
+
+def joined(back: Run, ahead: Run) -> Run:
+    """Two runs from one start as one, in the direction of the second.
+
+    Parameters
+    ----------
+    back, ahead : Run
+        The two; the first in the opposite direction.
+
+    Returns
+    -------
+    Run
+        From the end of the first to that of the second.
+    """
+    turned = [place.turned() for place in reversed(back.places)]
+    first = len(back.places)
+    # A graze is at the place of its index, and a jump before it; what was before lies behind when it is turned.
+    grazes = [replace(one, index=first - 1 - one.index) for one in back.grazes]
+    jumps = [replace(one, index=first - one.index) for one in back.jumps]
+    grazes += [replace(one, index=one.index + first - 1) for one in ahead.grazes]
+    jumps += [replace(one, index=one.index + first - 1) for one in ahead.jumps]
+    return Run([*turned, *ahead.places[1:]], grazes, jumps, ahead.end, back.end)

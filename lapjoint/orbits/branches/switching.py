@@ -14,14 +14,18 @@ import numpy as np
 
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.bifurcations import crosses_minus_one, flip_of
+from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
+from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.newton import RESIDUAL
 
 _LENGTHS = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-2)
 """Arc lengths eps, tried in turn: from long ones Newton's method leads back to the old branch.  With light damping one
 bifurcation in four is so near to a graze that only motions within 3e-4 of it are smooth."""
+_FEW, _LONGER = 50, 2.0
+"""Most points of a branch back to where it springs, and the largest ratio of its length and of the way to there."""
 _STEPS = 10
 """Most steps of Newton's method."""
 
@@ -81,7 +85,28 @@ def sprung_from(family: Family, near: Place) -> Place | None:
     return None if found is None else found.place
 
 
-def sprung(family: Family, finer: Family, near: Place) -> Place | None:
+def back_to_where_it_springs(family: Family, place: Place, length: float) -> Run:
+    """A branch from one of its first motions back to the bifurcation from which it springs.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    place : Place
+        The motion, with its tangent towards the bifurcation.
+    length : float
+        Arc length to there.
+
+    Returns
+    -------
+    Run
+        The motion alone, if it does not lead there.
+    """
+    found = follow(family, place, Limits(most=_FEW, length=_LONGER * length, first=0.5 * length))
+    return found if found.end == "bifurcation" else Run([place], [], [], "bifurcation")
+
+
+def sprung(family: Family, finer: Family, near: Place) -> tuple[Place, float] | None:
     """A motion beside the bifurcation from which a branch springs, as a finer solver has both.
 
     Parameters
@@ -95,9 +120,10 @@ def sprung(family: Family, finer: Family, near: Place) -> Place | None:
 
     Returns
     -------
-    Place, or None
-        Its tangent points away from the bifurcation; of the motion's section points half of its period apart, it is at
-        the one that is nearer to the place.  None if the finer solver has no such bifurcation.
+    tuple of Place and float, or None
+        The motion, with its tangent away from the bifurcation, and the arc length from there; of its section points
+        half of its period apart, it is at the one that is nearer to the place.  None if the finer solver has no such
+        bifurcation.
     """
     mother = sprung_from(family, near)
     known = None if mother is None else smooth_finder(flip_of(mother))(finer, mother)
@@ -106,7 +132,8 @@ def sprung(family: Family, finer: Family, near: Place) -> Place | None:
         return None
     later = corrected(finer, new.value, new.half_periods.marched(new.point, known.place.count), new.count, fixed=True)
     both = [new] if later is None else [new, later.along(later.chord(finer, known.place))]
-    return min(both, key=lambda one: float(np.linalg.norm(one.chord(finer, near))))
+    nearer = min(both, key=lambda one: float(np.linalg.norm(one.chord(finer, near))))
+    return nearer, float(np.linalg.norm(new.chord(finer, known.place)))
 
 
 def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: float) -> Place | None:

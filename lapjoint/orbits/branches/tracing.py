@@ -18,8 +18,8 @@ from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.resolving import resolved, unrefined
-from lapjoint.orbits.branches.run import Limits, Run
-from lapjoint.orbits.branches.switching import sprung_from, switched
+from lapjoint.orbits.branches.run import Limits, Run, joined
+from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung_from, switched
 from lapjoint.orbits.steady_state import periodic_state
 
 _FOLLOWED = 0.4
@@ -95,7 +95,7 @@ def trace(
     followed_at = _FOLLOWED if errors else 1.0
     own = replace(limits, progress=_part_of(limits.progress, 0.0, followed_at))
     ahead, back = _both_ways(family, start, seed, own)
-    run = _joined(back, ahead)
+    run = joined(back, ahead)
     later = _part_of(limits.progress, followed_at, 1.0)
     found = resolved(family, run, progress=later) if errors else unrefined(family, run)
     points = tuple(_point(*one) for one in zip(found.families, found.places, strict=True))
@@ -165,23 +165,11 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
     start, behind = start.along(up), start.along(-up)
     ahead = followed(family, start, limits)
     if seed.away_from is not None:
-        return ahead, Run([behind], [], [], "bifurcation")
+        return ahead, back_to_where_it_springs(family, behind, limits.first)
     if ahead.end == "closed":
         return ahead, Run([behind], [], [], "closed")
     left = replace(limits, most=max(limits.most - len(ahead.places), 1))
     return ahead, followed(family, behind, left)
-
-
-def _joined(back: Run, ahead: Run) -> Run:
-    """Two runs from one start as one, in the direction of the second."""
-    turned = [place.turned() for place in reversed(back.places)]
-    first = len(back.places)
-    # A graze is at the place of its index, and a jump before it; what was before lies behind when it is turned.
-    grazes = [replace(one, index=first - 1 - one.index) for one in back.grazes]
-    jumps = [replace(one, index=first - one.index) for one in back.jumps]
-    grazes += [replace(one, index=one.index + first - 1) for one in ahead.grazes]
-    jumps += [replace(one, index=one.index + first - 1) for one in ahead.jumps]
-    return Run([*turned, *ahead.places[1:]], grazes, jumps, ahead.end, back.end)
 
 
 def _point(family: Family, place: Place) -> BranchPoint:

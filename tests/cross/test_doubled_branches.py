@@ -1,0 +1,135 @@
+"""Branches that double the period, beside where they spring: maps whose motions, and whose multipliers, are known.
+
+The first coordinate y has y' = -(1 + s(p)) y + y^3: y = 0 flips where s passes zero, and between, where s > 0, lies
+the doubled motion y^2 = s.  Two more coordinates have a matrix that depends on the side of y, so that over both periods
+their multipliers have a given sum T and the product 1/2: the doubled motion flips where T passes -3/2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from made_map import MadeMap, made_problem, of_trace
+
+from lapjoint import FREE, BaseMotion, Problem
+from lapjoint.answers import SectionPoint
+from lapjoint.answers.branches import Bifurcation
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits import Passage
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.tracing import Seed, Traced, trace
+from lapjoint.orbits.period_map import Derivative, Linearised
+from lapjoint.orbits.refinement import Refinement
+
+LOW, HIGH, FIRST, LAST = 1.0, 2.0, 1.3, 1.7
+AMPLITUDE = "base_motion.amplitude"
+SIDE, DEPTH = 1e-5, 1e-3
+"""Distances of y from zero from which on the matrix is that of its side, and T is as deep as it gets."""
+
+
+@dataclass(frozen=True)
+class DoublingMap(MadeMap):
+    """The map at one number; `total` is T."""
+
+    s: float = 0.0
+    total: float = 0.0
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        """See `MadeMap`."""
+        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """See `MadeMap`."""
+        x, matrix = start.coordinates[0] - 1, np.eye(3)
+        for _ in range(half_periods // 2):
+            here, y, rest = np.zeros((3, 3)), x[0], x[1:]
+            here[0, 0] = -(1 + self.s) + 3 * y**2
+            side = np.tanh(y / SIDE)
+            mean, half = (of_trace(self.total, 0.5) + np.eye(2)) / 2, (of_trace(self.total, 0.5) - np.eye(2)) / 2
+            here[1:, 1:] = mean + side * half
+            here[1:, 0] = (1 - side**2) / SIDE * half @ rest
+            x = np.concatenate([[-(1 + self.s) * y + y**3], here[1:, 1:] @ rest])
+            matrix = here @ matrix
+        end = SectionPoint(FREE, 1 + x[None])
+        return Linearised(end, lambda: Derivative(matrix), tuple)
+
+
+@dataclass(frozen=True)
+class Doubling:
+    """A solver that gives such maps."""
+
+    most: float
+    """The largest s."""
+    true: float = 0.0
+    """How far T lies below -1.4 on the doubled motion, once that is 1e-3 away from the other."""
+    deep: float = 0.0
+    """What a coarse solver adds to this."""
+    share: float = 1.0
+    """Share of that which the solver adds."""
+
+    @property
+    def name(self) -> str:
+        """As it says."""
+        return f"with {self.share} of what a coarse solver adds"
+
+    def period_map(self, problem: Problem) -> DoublingMap:
+        """The map at the amplitude of a problem."""
+        assert isinstance(problem.base_motion, BaseMotion)
+        p = problem.base_motion.amplitude
+        s = self.most * 4 * (p - FIRST) * (LAST - p) / (LAST - FIRST) ** 2
+        total = -1.4 - (self.true + self.share * self.deep) * np.tanh(max(s, 0.0) / DEPTH**2)
+        return DoublingMap(problem, np.eye(3), s=s, total=float(total))
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Doubling]:
+        """The next one, of second order."""
+        other = replace(self, share=self.share / 4)
+        return Refinement(other.name, 2.0, 2.0), other
+
+
+def doubled(solver: Doubling) -> list[Traced]:
+    """The branches that double the motion that stands still."""
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    family = Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    mother = trace(family, Seed(LOW, SectionPoint(FREE, np.ones((1, 3))), 2), most_multiple=2)
+    assert mother is not None
+    assert [round(one.value, 9) for one in flips(mother)] == [FIRST, LAST]
+    found = [trace(family, seed, most_multiple=2) for seed in mother.seeds]
+    assert len(found) == 2
+    return [one for one in found if one is not None]
+
+
+def flips(found: Traced) -> list[Bifurcation]:
+    assert {one.kind for one in found.branch.bifurcations} <= {"flip"}
+    return list(found.branch.bifurcations)
+
+
+@pytest.mark.parametrize("most", [0.1, 1e-2, 1e-3, 1e-4])
+def test_a_branch_ends_where_its_motions_can_be_told_from_those_it_springs_from(most: float) -> None:
+    """Nearer to there, the sign of its direction is rounding, and makes folds."""
+    for one in doubled(Doubling(most)):
+        assert flips(one) == []
+        assert one.branch.ends == ("bifurcation", "bifurcation")
+        for point in one.branch.points:
+            y = point.motion.section_point.coordinates[0, 0] - 1
+            s = Doubling(most).period_map(made_problem(point.value)).s
+            assert abs(y) == pytest.approx(np.sqrt(s), rel=0.1)  # 1e-9 of p is up to a tenth of the least s
+            assert 2 * abs(y) > 1e-4 * np.sqrt(3)  # what it misses to repeat in half the time, over its size
+
+
+def test_what_a_coarse_solver_has_beside_both_ends_of_a_branch_is_not_listed() -> None:
+    """No motion of the branch lies before the flips; the finer solver, which has none, begins where it springs."""
+    for one in doubled(Doubling(1e-4, deep=0.2)):
+        assert one.branch.ends == ("bifurcation", "bifurcation")
+        assert flips(one) == []
+
+
+def test_what_is_true_beside_both_ends_of_a_branch_is_listed() -> None:
+    solver = Doubling(1e-4, true=1.0)
+    for one in doubled(solver):
+        found = flips(one)
+        assert sorted(round(it.value) for it in found) == [1, 2]
+        for it in found:
+            assert it.error <= 1e-6
+            assert solver.period_map(made_problem(it.value)).total == pytest.approx(-1.5, abs=1e-3)
