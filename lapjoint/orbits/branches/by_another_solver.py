@@ -87,8 +87,12 @@ class _Search:
             self.selves.append(finer[1])
 
     def run(self) -> Stated | None:
-        """From the motion at the bifurcation, or else along the curve of the other solver."""
-        best = self._direct()
+        """From the motion at the bifurcation, or else along the curve of the other solver.
+
+        A finer self of the first solver has looked for it from that motion already.
+        """
+        own = self.family.is_a_self_of(self.one.family)
+        best = None if own else self._direct()
         if best is None or not np.isfinite(best.error):
             best = self._along() or best
         return best

@@ -234,7 +234,7 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
         step = _newton_step(J, weights * r, fixed)
         if residual <= RESIDUAL:
             closed = place_from(value, point, residual, found, J, weights)
-            if float(np.linalg.norm(step)) <= max(_SETTLED, _HARDLY * float(np.linalg.norm(weights * r))):
+            if settled(step, weights * r):
                 return closed
         point = half.map.moved(point, step[:-1] / weights)
         if step[-1]:
@@ -242,6 +242,24 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
             point = family.adopted(value, point)
         allowed = _SLOWEST * residual if closed is not None else max(_SLOWEST * residual, 10 * RESIDUAL)
     return closed
+
+
+def settled(step: FloatArray, left: FloatArray) -> bool:
+    """Whether a motion that closes is found: not so beside a motion from which it springs, where all motions close.
+
+    Parameters
+    ----------
+    step : FloatArray, shape (n + 1,)
+        Newton's next step (u, w), scaled.
+    left : FloatArray, shape (n,)
+        By how much the motion does not close, scaled.
+
+    Returns
+    -------
+    bool
+        Whether the step is short, or not much longer than what is left.
+    """
+    return float(np.linalg.norm(step)) <= max(_SETTLED, _HARDLY * float(np.linalg.norm(left)))
 
 
 def _newton_step(J: FloatArray, F: FloatArray, fixed: bool) -> FloatArray:

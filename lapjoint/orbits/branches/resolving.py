@@ -36,8 +36,8 @@ _ASKED = 2
 _TOGETHER = 8
 """Most places between two bifurcations in doubt that belong to one part."""
 _MARGINS = (1e-3, 1e-2, 5e-2)
-"""Arc lengths before and behind a part from which on the finer solver may begin and end, in turn.  One that comes from
-end to end tries a wider one only if a finer one is left to be asked: of 75 tries without, one left less in doubt."""
+"""Arc lengths before and behind a part from which on the finer solver may begin and end, in turn, until it comes from
+end to end: of 78 wider tries after that, two left less in doubt."""
 _FARTHEST = 30
 """Most places before and behind a part at which it may begin and end."""
 _LONGER = 2.0
@@ -156,16 +156,14 @@ def _followed(
     known = family.finer(run.places[first].value)
     if known is None or last >= before_index:
         return None
-    finer, taken, tried = known[1], {one.index for one in bifurcations}, list[tuple[int, int]]()
+    finer, taken = known[1], {one.index for one in bifurcations}
     for margin in _MARGINS:
-        if len(tried) == levels:
-            break
         before = _end(family, finer, run, range(first - 1, max(first - 2 - _FARTHEST, -1), -1), margin, taken)
         behind = _end(family, finer, run, range(last + 1, min(last + 2 + _FARTHEST, before_index)), margin, taken)
         i, j = 0 if before is None else before[0], len(run.places) - 1 if behind is None else behind[0]
         if (before is None and run.begin != _SPRINGS) or (behind is None and run.end != _SPRINGS):
             continue
-        if (i, j) in tried or j >= before_index:
+        if j >= before_index:
             continue
         sprang = sprung(family, finer, run.places[0]) if before is None else None
         if before is None and sprang is None:
@@ -184,9 +182,7 @@ def _followed(
             there = joined(back_to_where_it_springs(finer, sprang[0].turned(), sprang[1]), there)
         found = _resolved(finer, there, levels - 1)
         own = [one for one in bifurcations if i < one.index <= j]
-        if _doubt(found.bifurcations) < _doubt(own):
-            return i, j, found
-        tried.append((i, j))
+        return (i, j, found) if _doubt(found.bifurcations) < _doubt(own) else None
     return None
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.bifurcations import crosses_minus_one, flip_of
 from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling
+from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling, settled
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.run import Limits, Run
@@ -141,22 +141,25 @@ def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: f
     count, value = 2 * bifurcation.count, bifurcation.value
     border = np.append(direction, 0.0)
     value, point = bifurcation.moved(family, length * border)
-    residual = np.inf
+    residual, closed = np.inf, None
     for i in range(_STEPS):
         half = family.at(value)
         found = family.linearised(value, point, count)
         r = half.map.difference(found.end, point)
-        if r.size != direction.size or half.relative(r, point) > max(0.5 * residual, 1e-2 if i < 3 else 0.0):
-            return None
-        residual = half.relative(r, point)
+        left = half.relative(r, point)
+        if r.size != direction.size or left > max(0.5 * residual, 1e-2 if i < 3 else 0.0):
+            return closed
+        residual = left
         weights = scaling(half, point, r.size)
         column = family.derivative(value, point, count) if found.by_number is None else found.by_number
         J = jacobian(found, column * family.scale(value), weights)
-        if residual <= RESIDUAL:
-            return place_from(value, point, residual, found, J, weights)
         away = half.map.difference(point, half.map.adopted(bifurcation.point)) * weights
         step = np.linalg.solve(np.vstack([J, border]), np.append(-weights * r, length - float(direction @ away)))
+        if residual <= RESIDUAL:
+            closed = place_from(value, point, residual, found, J, weights)
+            if settled(step, weights * r):
+                return closed
         point = half.map.moved(point, step[:-1] / weights)
         value += float(step[-1]) * family.scale(value)
         point = family.adopted(value, point)
-    return None
+    return closed
