@@ -17,12 +17,13 @@ the distance of one of them from the circle, or would pass it on the way if they
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from itertools import product
 from typing import Literal, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -218,19 +219,32 @@ def signature(place: Place) -> tuple[int, int, int]:
 def _may_come_back(family: Family, first: Place, last: Place, around: Around) -> bool:
     """Whether a modulus changes by more than its distance from 1, or det(1 + M) by more than its own size.
 
-    A multiplier may then pass the circle, or -1, and come back; or if it went on as it comes to either place.  The k-th
-    largest modulus changes steadily: one that passes 1 is the least of those outside the circle, or the largest of
-    those within, or the next where a pair does.
+    A multiplier may then pass the circle, or -1, and come back; or if it went on as it comes to either place, unless it
+    rises or falls from the place before both to the one behind.  The k-th largest modulus changes steadily: one that
+    passes 1 is the least of those outside the circle, or the largest of those within, or the next where a pair does.
     """
     count = _outside(first, _ROUNDING)
     near = slice(max(count - _PAIR, 0), count + _PAIR)
-    a, b = (np.abs(place.orbit.values[near]) for place in (first, last))
+    places = around[0], first, last, around[1]
+    moduli = [None if place is None else np.abs(place.orbit.values[near]) for place in places]
+    a, b = np.abs(first.orbit.values[near]), np.abs(last.orbit.values[near])
     if bool((np.abs(b - a) > np.minimum(np.abs(a - 1), np.abs(b - 1))).any()):
         return True
-    det = [_near_minus_one(place) for place in (first, last)]
-    if abs(det[1] - det[0]) > min(det):
+    here, there = _near_minus_one(first), _near_minus_one(last)
+    if abs(there - here) > min(here, there):
         return True
-    return _goes_on_past(family, around[0], first, last, near) or _goes_on_past(family, around[1], last, first, near)
+    turns = ~_steady(moduli)
+    ways = (around[0], first, last), (around[1], last, first)
+    return bool(turns.any()) and any(_goes_on_past(family, *way, near, turns) for way in ways)
+
+
+def _steady(values: Sequence[FloatArray | None]) -> npt.NDArray[np.bool_]:
+    """Whether numbers at four places in turn rise or fall all the way; not if they are not known at all of them."""
+    known = [one for one in values if one is not None]
+    if len(known) < len(values) or len({one.shape for one in known}) > 1:
+        return np.zeros(known[0].shape, dtype=bool)
+    steps = np.diff(known, axis=0)
+    return np.asarray((steps > 0).all(axis=0) | (steps < 0).all(axis=0))
 
 
 def _near_minus_one(place: Place) -> float:
@@ -239,15 +253,20 @@ def _near_minus_one(place: Place) -> float:
     return float(np.prod(np.abs(values + 1) / np.maximum(np.abs(values), 1)))
 
 
-def _goes_on_past(family: Family, before: Place | None, here: Place, other: Place, near: slice) -> bool:
-    """Whether a modulus passes 1 on the way to another place, if it goes on as from the one before.
+def _goes_on_past(
+    family: Family, before: Place | None, here: Place, other: Place, near: slice, which: npt.NDArray[np.bool_]
+) -> bool:
+    """Whether one of some moduli passes 1 on the way to another place, if it goes on as from the one before.
 
     It may grow by as much as before, or as many times: where a contact is light, as one over the root of its depth.
     """
     if before is None:
         return False
     now, then = (np.maximum(np.abs(place.orbit.values[near]), _TINY) for place in (here, before))
-    if now.shape != then.shape or not _passes(now, then, _GOES_ON):
+    if now.shape != then.shape:
+        return False
+    now, then = (one[which] if which.size == one.size else one for one in (now, then))
+    if not _passes(now, then, _GOES_ON):
         return False
     way, came = (float(np.linalg.norm(other.chord(family, here))), float(np.linalg.norm(here.chord(family, before))))
     return _passes(now, then, min(way / max(came, 1e-300), _GOES_ON))
