@@ -221,10 +221,16 @@ def above_trough(
 
     Parameters
     ----------
-    terms, rates, speeds, side, width
-        As `above_troughs` takes them.
+    terms : ComplexArray, shape (m,)
+        As `above_troughs` takes them, m.
+    rates, speeds : ndarray, shape (m,)
+        The same, 1/s.
+    side : float
+        +1 or -1.
     s : float
         When it begins, since the start, s.
+    width : float
+        How long it is, s.
 
     Returns
     -------

@@ -17,7 +17,7 @@ def test_both_solvers_agree_on_bars_that_do_not_ring() -> None:
 
 def test_an_overdamped_mode_that_forgets_when_it_began_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     def forgetful(self: Flow, step: float, count: int) -> FloatArray:
-        z = self._terms.view(float) @ self.system.grid(step)[: count + 1].T
+        z = self.terms.view(float) @ self.system.grid(step)[: count + 1].T
         return self._with_others(z, step * np.arange(count + 1.0), 0)
 
     monkeypatch.setattr(Flow, "at_grid", forgetful)
