@@ -5,7 +5,6 @@ A process of the pool ignores Ctrl-C, which a terminal sends to it too, so that 
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import os
 import signal
@@ -25,9 +24,6 @@ LOOK = 1.0
 """Time between two looks at the processes of a pool, while no task is finished, s: seldom enough to cost nothing."""
 PATIENCE = 5.0
 """Time within which the thread of a pool notices that its processes have ended, however busy the machine is, s."""
-_RARELY = 50_000
-"""Objects that a process makes until Python looks for cyclic garbage, seventy times as many as usual: following a
-branch makes hardly any, and looking takes 5 % of its time."""
 MOST_STARTS = 3
 """Number of times that a pool is started, if its processes die before they do anything; one death may be chance."""
 
@@ -218,9 +214,8 @@ def interrupts_held() -> Iterator[None]:
 
 
 def _begin() -> None:
-    """In a new process: leave Ctrl-C to the parent, end with it however it ends, and look for garbage seldom."""
+    """In a new process: leave Ctrl-C to the parent, and end with it however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.set_threshold(_RARELY, *gc.get_threshold()[1:])
     parent = multiprocessing.parent_process()
     assert parent is not None
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from lapjoint.answers.branches import Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.collecting import seldom_collected
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bridging import followed
@@ -60,6 +61,7 @@ class Traced:
 
 
 @in_one_thread
+@seldom_collected
 def trace(
     family: Family, seed: Seed, *, most_multiple: int, errors: bool = True, limits: Limits | None = None
 ) -> Traced | None:
