@@ -292,6 +292,19 @@ class Timed(Sequence[Segment]):
     def __len__(self) -> int:
         return self.start.size
 
+    @overload
+    def __getitem__(self, i: int) -> Segment: ...
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Segment, ...]: ...
+    def __getitem__(self, i: int | slice) -> Segment | tuple[Segment, ...]:
+        if isinstance(i, slice):
+            return tuple(self[k] for k in range(*i.indices(len(self))))
+        return self._one(range(len(self))[i])
+
+    def _one(self, i: int) -> Segment:
+        """The segment with an index, which is not negative."""
+        raise NotImplementedError
+
     def at(self, t: float) -> Segment:
         """The segment at a time.
 
@@ -379,13 +392,7 @@ class Segments(Timed):
             change=change,
         )
 
-    @overload
-    def __getitem__(self, i: int) -> Segment: ...
-    @overload
-    def __getitem__(self, i: slice) -> tuple[Segment, ...]: ...
-    def __getitem__(self, i: int | slice) -> Segment | tuple[Segment, ...]:
-        if isinstance(i, slice):
-            return tuple(self[k] for k in range(*i.indices(len(self))))
+    def _one(self, i: int) -> Segment:
         K, own = self.terms[i].tolist()
         change = self.change
         return Segment(
@@ -417,14 +424,7 @@ class MadeSegments(Timed):
     """Makes one by its index."""
     _made: dict[int, Segment] = field(default_factory=dict, repr=False)
 
-    @overload
-    def __getitem__(self, i: int) -> Segment: ...
-    @overload
-    def __getitem__(self, i: slice) -> tuple[Segment, ...]: ...
-    def __getitem__(self, i: int | slice) -> Segment | tuple[Segment, ...]:
-        if isinstance(i, slice):
-            return tuple(self[k] for k in range(*i.indices(len(self))))
-        i = range(len(self))[i]
+    def _one(self, i: int) -> Segment:
         if i not in self._made:
             self._made[i] = self.make(i)
         return self._made[i]
