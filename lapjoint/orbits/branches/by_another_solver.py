@@ -81,6 +81,7 @@ class _Search:
     def __post_init__(self) -> None:
         assert self.one.found is not None
         self.motion, self.direct = motion_at(self.one.found), directly(self.one.found)
+        self.from_motion = directly(self.one.found, like=self.motion)  # where the other solver's is not critical yet
         self.selves, self.known = [self.family], list[Refinement]()
         while len(self.known) < self.finer and (finer := self.selves[-1].finer(self.motion.value)) is not None:
             self.known.append(finer[0])
@@ -136,7 +137,7 @@ class _Search:
             before = self._before(back)
             near = None if before is None else before.carried(self.selves[i])
             if near is not None:
-                found = self.direct(self.selves[i], near)
+                found = self.from_motion(self.selves[i], near)
                 return self._kept(i, found if found is not None and self._is_it(i, near, found) else None)
         return None
 

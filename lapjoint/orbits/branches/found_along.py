@@ -124,13 +124,15 @@ def motion_at(one: Located | Graze) -> Place:
     return one.before.place if isinstance(one, Graze) else one.place
 
 
-def directly(one: Located | Graze) -> Finder:
+def directly(one: Located | Graze, like: Place | None = None) -> Finder:
     """Finds a bifurcation by another solver from the motion there.
 
     Parameters
     ----------
     one : Located or Graze
         The bifurcation.
+    like : Place, optional
+        As `smooth_finder` has it.
 
     Returns
     -------
@@ -138,7 +140,7 @@ def directly(one: Located | Graze) -> Finder:
         The function.
     """
     if isinstance(one, Located):
-        return smooth_finder(one.kind)
+        return smooth_finder(one.kind, like)
     return graze_finder(one.before.extremum, one.rate, one.before.place.extrema.duration)
 
 

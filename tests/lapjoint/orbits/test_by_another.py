@@ -1,0 +1,88 @@
+"""A bifurcation is found by another solver whose motion, where the first one has it, is no longer critical.
+
+Maps are made: a fixed point that stands still, with a pair of multipliers that leaves the circle, elsewhere by each
+self of the other solver, and the nearer the finer that is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from made_map import Blocks, Made, MadeMap, made_problem, of_trace, pair
+
+from lapjoint import Problem
+from lapjoint.answers.branches import Bifurcation
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches.bifurcations import Located
+from lapjoint.orbits.branches.by_another_solver import by_another
+from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.refinement import Refinement
+
+AMPLITUDE, LOW, HIGH, AT = "base_motion.amplitude", 0.9, 1.1, 1.0
+ORDER, RATIO = 2.0, 1.5
+LEFT = 3.1  # largest error over the shift: thrice what the coarsest self has it apart, and rounding
+FINER = 1  # with more, the finer ones come so near that their pair is critical
+
+
+@dataclass(frozen=True)
+class Shifted(Made):
+    """A solver that has all of a made map at a number that is larger by `shift`."""
+
+    shift: float = 0.0
+    name = "shifted"
+
+    def period_map(self, problem: Problem) -> MadeMap:
+        """The map at the amplitude of a problem."""
+        return Made(lambda p: self.blocks(p - self.shift)).period_map(problem)
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Shifted]:
+        """One finer solver."""
+        return Refinement("made", RATIO, ORDER), replace(self, shift=self.shift / RATIO**ORDER)
+
+
+def found_by_another(blocks: Blocks, shift: float) -> tuple[float, float]:
+    """Value and error of the Neimark-Sacker bifurcation at `AT`, by a solver that has it elsewhere."""
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    own, other = (
+        Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+        for solver in (Made(blocks), Shifted(blocks, shift))
+    )
+    place = corrected(own, AT, own.at(AT).map.initial(), 2)
+    assert place is not None
+    one = Listed(own, Bifurcation("neimark-sacker", AT, 0.0, 0), Located("neimark-sacker", place))
+    stated = by_another(one, other, FINER)
+    assert stated is not None
+    return stated.value, stated.error
+
+
+def judge(blocks: Blocks, shift: float) -> None:
+    value, error = found_by_another(blocks, shift)
+    assert abs(value - AT) <= error <= LEFT * abs(shift)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_pair_that_is_off_the_circle_there_is_followed_to_it(seed: int) -> None:
+    rng = np.random.default_rng((81, seed))
+    rate, shift, angle = rng.choice([-1, 1]) * rng.uniform(200, 500), rng.choice([-1, 1]) * 1e-3, rng.uniform(0.5, 2.5)
+    judge(lambda p: [pair(float(np.exp(rate * (p - AT))), angle), pair(0.3, 1.0)], shift)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_pair_that_is_real_there_is_found_beside_it(seed: int) -> None:
+    """It is critical as it leaves the circle near -1; a little farther, it is two real numbers."""
+    rng = np.random.default_rng((82, seed))
+    side, shift = rng.choice([-1, 1]), 1e-4
+    trace_rate, product_rate, trace = rng.uniform(6e3, 1e4), rng.uniform(5e2, 2e3), rng.uniform(-1.7, -1.5)
+
+    def blocks(p: float) -> list[np.ndarray]:
+        d = side * (p - AT)
+        return [
+            of_trace(float(np.clip(trace + trace_rate * d, -3.0, 3.0)), float(np.exp(product_rate * d))),
+            pair(0.3, 1.0),
+        ]
+
+    judge(blocks, side * shift)
