@@ -27,7 +27,8 @@ from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
-from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, Segment, period_pieces
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress

@@ -1,6 +1,6 @@
 r"""The displacement at the stops along a recorded motion, and along its neighbours, as sums of exponentials.
 
-What `lapjoint.orbits.period_map.Segment` asks for: the free terms of the state come first, their weights real and in
+What `lapjoint.orbits.segments.Segment` asks for: the free terms of the state come first, their weights real and in
 kg^-1/2, then the harmonics with lambda = i Omega.  Deviations (dq, dv) from the start of the whole motion have the free
 terms alone; what undamped rigid-body modes add to them is the drift.  The times at which segments begin and end move
 too; that is in the deviations, by the saltation matrices of `analytic.march.tangent`.  A number p of the problem moves
@@ -21,7 +21,7 @@ from analytic.march.terms import drift_at_stops, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
-from lapjoint.orbits.period_map import SegmentChange, Segments
+from lapjoint.orbits.segments import SegmentChange, Segments
 from lapjoint.problem import FloatArray
 
 

@@ -32,7 +32,7 @@ from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import free_response
 from fe_lapjoint.march.system import IndexArray, System
 from lapjoint.orbits.parameters import ExcitationChange
-from lapjoint.orbits.period_map import MadeSegments, Segment, SegmentChange
+from lapjoint.orbits.segments import MadeSegments, Segment, SegmentChange
 from lapjoint.problem import FloatArray
 
 _DEAD = 40.0

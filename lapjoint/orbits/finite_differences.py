@@ -9,7 +9,8 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.orbits.period_map import Derivative, Followed, Linearised, PeriodMap, Segment
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, PeriodMap
+from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 _STEP = 1e-6

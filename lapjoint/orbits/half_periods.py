@@ -12,7 +12,8 @@ import numpy as np
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.parameters import FieldDerivatives
-from lapjoint.orbits.period_map import Linearised, PeriodMap, Segment, Tangent, UnitNorms
+from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent, UnitNorms
+from lapjoint.orbits.segments import Segment
 from lapjoint.orbits.watch import SegmentWatch, Watch
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins

@@ -31,7 +31,7 @@ from lapjoint.orbits.compiled_intervals import (
     spacings,
 )
 from lapjoint.orbits.compiled_watch import largest_motion, terms_at_points
-from lapjoint.orbits.period_map import Segment, Segments
+from lapjoint.orbits.segments import Segment, Segments
 from lapjoint.problem import FloatArray, Problem
 
 _PER_HALF_PERIOD = 16

@@ -18,7 +18,8 @@ import numpy.typing as npt
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
-from lapjoint.orbits.period_map import Segment, Segments, Tangent, Timed
+from lapjoint.orbits.period_map import Tangent
+from lapjoint.orbits.segments import Segment, Segments, Timed
 from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
 

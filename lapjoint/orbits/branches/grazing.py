@@ -29,8 +29,9 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum, slope_of
 from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.newton import RESIDUAL
-from lapjoint.orbits.period_map import Segment, Tangent
+from lapjoint.orbits.period_map import Tangent
 from lapjoint.orbits.refinement import SAFETY
+from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 _STEPS = 12

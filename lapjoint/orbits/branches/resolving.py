@@ -157,14 +157,17 @@ def _followed(
     if known is None or last >= before_index:
         return None
     finer, taken = known[1], {one.index for one in bifurcations}
+    tried = set[tuple[int | None, ...]]()
     for margin in _MARGINS:
         before = _end(family, finer, run, range(first - 1, max(first - 2 - _FARTHEST, -1), -1), margin, taken)
         behind = _end(family, finer, run, range(last + 1, min(last + 2 + _FARTHEST, before_index)), margin, taken)
         i, j = 0 if before is None else before[0], len(run.places) - 1 if behind is None else behind[0]
         if (before is None and run.begin != _SPRINGS) or (behind is None and run.end != _SPRINGS):
             continue
-        if j >= before_index:
+        ends = tuple(None if end is None else end[0] for end in (before, behind))
+        if j >= before_index or ends in tried:
             continue
+        tried.add(ends)
         sprang = sprung(family, finer, run.places[0]) if before is None else None
         if before is None and sprang is None:
             break

@@ -23,7 +23,7 @@ from lapjoint import (
     ViscousDamping,
     paper_joint,
 )
-from lapjoint.orbits.period_map import Segment
+from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)

@@ -23,7 +23,8 @@ from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.run import Limits, Run
-from lapjoint.orbits.period_map import Derivative, Linearised, Segment
+from lapjoint.orbits.period_map import Derivative, Linearised
+from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.7, 1.3
