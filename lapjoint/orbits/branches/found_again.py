@@ -11,7 +11,7 @@ from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, si
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
-from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
+from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze, sharper
 
 _REACHES = (1e-4, 1e-3, 1e-2, 5e-2)
 """Arc lengths, to both sides of where the coarser solver has it, within which a bifurcation is looked for."""
@@ -43,8 +43,13 @@ class Again(NamedTuple):
     """The number, in its SI unit."""
     left: float = 0.0
     """What the motion's distance from it may leave of the number, in the same unit."""
+    by_one_motion: Shift | None = None
+    """How far off other solvers have it, by one motion of theirs; None if how fast something vanishes is not known."""
 
 
+Shift = Callable[[Family], float | None]
+"""By how much a number is larger by another solver, to first order, in its SI unit; None if its motion has other
+contacts."""
 Finder = Callable[[Family, Place], Again | None]
 """Finds a bifurcation by another solver from where one has it."""
 
@@ -145,10 +150,11 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
         if near is None:
             return None
         vanishes = critical(kind, like or place)
-        found = _root(family, near, vanishes) or _between_ends(family, near, kind)
+        root = _root(family, near, vanishes)
+        found = _between_ends(family, near, kind) if root is None else root[0]
         if found is None or not is_same(kind, found, like or place):
             return None
-        return Again(found, found.value)
+        return Again(found, found.value, by_one_motion=None if root is None else _shift(*root, vanishes))
 
     return find
 
@@ -226,20 +232,40 @@ def is_same(kind: Kind, found: Place, place: Place) -> bool:
     return abs(mu - other) <= _SAME_MULTIPLIER
 
 
-def _root(family: Family, near: Place, vanishes: Callable[[Place], float]) -> Place | None:
-    """The place of a curve at which something vanishes, by secants from a place near it."""
+def _shift(found: Place, rate: float, vanishes: Callable[[Place], float]) -> Shift:
+    """How far off other solvers have what vanishes at a place, from its change with the arc length there."""
+
+    def shift(family: Family) -> float | None:
+        near = _same_contacts(family, found)
+        if near is None:
+            return None
+        step = (vanishes(found) - vanishes(near)) / rate
+        return near.moved(family, step * near.tangent)[0] - found.value
+
+    return shift
+
+
+def _same_contacts(family: Family, place: Place) -> Place | None:
+    """The motion nearest to another solver's, its tangent the same way, if it has the same contacts."""
+    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+    same = near is not None and near.extrema.closings == place.extrema.closings
+    return near.going_on_from(place) if near is not None and same else None
+
+
+def _root(family: Family, near: Place, vanishes: Callable[[Place], float]) -> tuple[Place, float] | None:
+    """The place at which something vanishes, by secants from a place near it, and its change with the arc length."""
     before, here, length = near, _beside(family, near, _FIRST), _FIRST
     for _ in range(_SECANTS):
         if here is None:
             return None
         a, b = vanishes(before), vanishes(here)
-        if abs(b) <= _LOCATED:
-            return here
         if a == b:
             return None
+        if abs(b) <= _LOCATED:
+            return here, (b - a) / length
         step = float(np.clip(-b * length / (b - a), -_GROWS * abs(length), _GROWS * abs(length)))
         if abs(step) <= _LOCATED:
-            return here
+            return here, (b - a) / length
         before, here, length = here, _beside(family, here, step), step
         if here is not None and float(np.linalg.norm(here.chord(family, near))) > _REACHES[-1]:
             return None
@@ -293,7 +319,20 @@ def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
             if graze is not None:
                 beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
                 best = sharper(family, graze, beyond, rate)
-                return Again(graze.place, best.value, best.left)
+                return Again(graze.place, best.value, best.left, _graze_shift(graze, duration))
         return None
 
     return find
+
+
+def _graze_shift(graze: OnExtremum, duration: float) -> Shift:
+    """How far off other solvers have a graze, from the change of the number with the extremum's value."""
+
+    def shift(family: Family) -> float | None:
+        near = _same_contacts(family, graze.place)
+        mine = None if near is None else near.extrema.matching(graze.extremum, duration)
+        if near is None or mine is None:
+            return None
+        return near.value - graze.place.value - graze.rate * (mine.value - graze.extremum.value)
+
+    return shift
