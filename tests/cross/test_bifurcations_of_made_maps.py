@@ -29,6 +29,9 @@ _GRID = np.linspace(LOW, HIGH, 4001)
 NEAR = 0.05
 """Of the number, a fifth of the longest step: two bifurcations that undo each other within it may be overlooked."""
 EXACT = 1e-7  # of the number: a multiplier is off by 1e-9 at most, and moves a hundredth as fast as the number at least
+HARD = 17, 427
+"""Seeds of maps of which a step has flips of two multipliers that undo each other: beside a Neimark-Sacker that makes
+up all that changes, and alone, while both ends of the step look alike."""
 Curve = Callable[[float], float]
 
 
@@ -130,7 +133,20 @@ def test_a_pair_that_leaves_the_circle_and_comes_back_within_a_step_is_found() -
     assert check([(lambda p: 0.3, lambda p: 0.9 + 0.13 * float(np.cos(8 * (p - 1.4))))]) == 2
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("third", ["neimark-sacker", "flip"])
+def test_two_flips_that_undo_each_other_beside_what_makes_up_all_that_changes_are_found(third: str) -> None:
+    # Between 1.56 and 1.99, which is one step, a multiplier comes in through -1 at 1.73 and another goes out at 1.85.
+    def passes(slope: float, where: float) -> tuple[Curve, Curve]:
+        def own(p: float) -> float:
+            return -1 + 0.6 * float(np.tanh(slope * (p - where)))
+
+        return lambda p: own(p) + 0.1, lambda p: 0.1 * own(p)
+
+    pair: tuple[Curve, Curve] = lambda p: 0.3, lambda p: 1 + 0.6 * (p - 1.92)
+    assert check([passes(3.0, 1.73), passes(-3.0, 1.85), pair if third == "neimark-sacker" else passes(3.0, 1.92)]) == 3
+
+
+@pytest.mark.parametrize("seed", [*range(12), *HARD])
 def test_the_bifurcations_of_a_random_map_are_found_and_no_others(seed: int) -> None:
     check(random_blocks(seed))
 

@@ -11,7 +11,10 @@ The sign of w, that of det(1 + M) and the number of mu outside the circle tell t
 between two places: the first changes the first and the third by one, the second the other two, the last the third by
 two.  Where anything else changes, where other mu are outside the circle at the bifurcation than at both places, or
 where one of them may go out and come back, the place in the middle is looked at, too: where moduli change by more than
-the distance of one of them from the circle, or would pass it on the way if they went on as they come.
+the distance of one of them from the circle, or would pass it on the way if they went on as they come, and where
+det(1 + M) may vanish twice, by the same rules.  Beside one bifurcation that makes up all that changes, two others may
+undo each other, such as flips of two mu of which one goes out and the other comes in: so the ways to it from both
+places are judged likewise, by the mu that do not pass there.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.problem import FloatArray
@@ -120,18 +124,17 @@ def _within(
     if known is not None and (known.kind != single or not _lies_between(family, first, last, known.place)):
         known = None
     found = [known] if known is not None else [] if single is None else _at_changes(family, first, last, {single})
-    if found and _accounts(found, first, last):
-        yield from found
-        return
-    looked = _LOOKS if change == _NONE else _HALVINGS
-    if halvings < looked and (change != _NONE or _may_come_back(family, first, last, around)):
+    told = change == _NONE or (bool(found) and _accounts(found, first, last))
+    looked = _LOOKS if told else _HALVINGS
+    if halvings < looked and (not told or _two_more_may_lie(family, first, last, around, found)):
         middle = _middle(family, first, last)
         if middle is not None:
             known = found[0] if found else None
             yield from _within(family, first, middle, (around[0], last), halvings + 1, known)
             yield from _within(family, middle, last, (first, around[1]), halvings + 1, known)
             return
-    found += _at_changes(family, first, last, _kinds_in(change, first, besides=bool(found)) - {single})
+    if not told:
+        found += _at_changes(family, first, last, _kinds_in(change, first, besides=bool(found)) - {single})
     yield from found
     if not _accounts(found, first, last):
         yield NotLocated(first.value, last.value)
@@ -216,26 +219,61 @@ def signature(place: Place) -> tuple[int, int, int]:
     return _goes_up(place), _above_minus_one(place), _outside(place, _ROUNDING)
 
 
-def _may_come_back(family: Family, first: Place, last: Place, around: Around) -> bool:
-    """Whether a modulus changes by more than its distance from 1, or det(1 + M) by more than its own size.
+def _two_more_may_lie(family: Family, first: Place, last: Place, around: Around, found: list[Located]) -> bool:
+    """Whether two bifurcations that undo each other may lie between two places, besides one that may be found."""
+    if not found:
+        return _may_come_back(family, first, last, around, None)
+    one, here = found[0], found[0].place
+    if _may_come_back(family, first, here, (around[0], last), one):
+        return True
+    return _may_come_back(family, here, last, (first, around[1]), one)
 
-    A multiplier may then pass the circle, or -1, and come back; or if it went on as it comes to either place, unless it
-    rises or falls from the place before both to the one behind.  The k-th largest modulus changes steadily: one that
-    passes 1 is the least of those outside the circle, or the largest of those within, or the next where a pair does.
+
+def _may_come_back(family: Family, first: Place, last: Place, around: Around, besides: Located | None) -> bool:
+    """Whether a modulus may pass 1 between two places and come back, or det(1 + M) zero.
+
+    The k-th largest modulus changes steadily: one that passes 1 is the least of those outside the circle, or the
+    largest of those within, or the next where a pair does.  One of the places may be a bifurcation, `besides` which
+    others are looked for: the multipliers that pass there are left out of both.
     """
-    count = _outside(first, _ROUNDING)
+    passing = None if besides is None else _passing(besides)
+    count = int(np.count_nonzero(np.abs(_multipliers(first, passing)) > 1 + _ROUNDING))
     near = slice(max(count - _PAIR, 0), count + _PAIR)
-    places = around[0], first, last, around[1]
-    moduli = [None if place is None else np.abs(place.orbit.values[near]) for place in places]
-    a, b = np.abs(first.orbit.values[near]), np.abs(last.orbit.values[near])
-    if bool((np.abs(b - a) > np.minimum(np.abs(a - 1), np.abs(b - 1))).any()):
+    if _may_pass(family, first, last, around, lambda place: np.abs(_multipliers(place, passing)[near]), 1.0):
         return True
-    here, there = _near_minus_one(first), _near_minus_one(last)
-    if abs(there - here) > min(here, there):
+    return _may_pass(family, first, last, around, lambda place: np.array([_near_minus_one(place, passing)]), 0.0)
+
+
+def _passing(one: Located) -> slice:
+    """The numbers of the multipliers that pass the circle at a bifurcation, among all by descending modulus.
+
+    Before it and behind it those with the same numbers are taken for them.
+    """
+    others = _others_outside(one)
+    return slice(others, others + (_PAIR if one.kind == "neimark-sacker" else 1))
+
+
+def _multipliers(place: Place, without: slice | None = None) -> ComplexArray:
+    """The multipliers, largest modulus first, shape ``(n,)``, or fewer where some are left out."""
+    values = place.orbit.values
+    return values if without is None else np.delete(values, without)
+
+
+def _may_pass(
+    family: Family, first: Place, last: Place, around: Around, of: Callable[[Place], FloatArray], bound: float
+) -> bool:
+    """Whether one of the numbers that are given `of` each place may pass a bound between two places and come back.
+
+    It may if it changes by more than its distance from the bound, or would pass that if it went on as it comes to
+    either place, unless it rises or falls from the place before both to the one behind.
+    """
+    a, b = of(first), of(last)
+    if bool((np.abs(b - a) > np.minimum(np.abs(a - bound), np.abs(b - bound))).any()):
         return True
-    turns = ~_steady(moduli)
-    ways = (around[0], first, last), (around[1], last, first)
-    return bool(turns.any()) and any(_goes_on_past(family, *way, near, turns) for way in ways)
+    before, after = (None if place is None else of(place) for place in around)
+    turns = ~_steady((before, a, b, after))
+    ways = ((around[0], first, last), (before, a)), ((around[1], last, first), (after, b))
+    return bool(turns.any()) and any(_goes_on_past(family, *way, *numbers, bound, turns) for way, numbers in ways)
 
 
 def _steady(values: Sequence[FloatArray | None]) -> npt.NDArray[np.bool_]:
@@ -247,35 +285,40 @@ def _steady(values: Sequence[FloatArray | None]) -> npt.NDArray[np.bool_]:
     return np.asarray((steps > 0).all(axis=0) | (steps < 0).all(axis=0))
 
 
-def _near_minus_one(place: Place) -> float:
-    """The size of det(1 + M), over that of multipliers which are far outside the circle."""
-    values = place.orbit.values
+def _near_minus_one(place: Place, without: slice | None = None) -> float:
+    """The size of det(1 + M), over that of multipliers which are far outside the circle; some may be left out."""
+    values = _multipliers(place, without)
     return float(np.prod(np.abs(values + 1) / np.maximum(np.abs(values), 1)))
 
 
 def _goes_on_past(
-    family: Family, before: Place | None, here: Place, other: Place, near: slice, which: npt.NDArray[np.bool_]
+    family: Family,
+    before: Place | None,
+    here: Place,
+    other: Place,
+    then: FloatArray | None,
+    now: FloatArray,
+    bound: float,
+    which: npt.NDArray[np.bool_],
 ) -> bool:
-    """Whether one of some moduli passes 1 on the way to another place, if it goes on as from the one before.
+    """Whether one of some numbers passes a bound on the way to another place, if it goes on as from the one before.
 
-    It may grow by as much as before, or as many times: where a contact is light, as one over the root of its depth.
+    `then` they are at the place before, `now` here.  One may grow by as much as before, or as many times: where a
+    contact is light, as one over the root of its depth.
     """
-    if before is None:
+    if before is None or then is None or now.shape != then.shape:
         return False
-    now, then = (np.maximum(np.abs(place.orbit.values[near]), _TINY) for place in (here, before))
-    if now.shape != then.shape:
-        return False
-    now, then = (one[which] if which.size == one.size else one for one in (now, then))
-    if not _passes(now, then, _GOES_ON):
+    now, then = (np.maximum(one[which] if which.size == one.size else one, _TINY) for one in (now, then))
+    if not _passes(now, then, bound, _GOES_ON):
         return False
     way, came = (float(np.linalg.norm(other.chord(family, here))), float(np.linalg.norm(here.chord(family, before))))
-    return _passes(now, then, min(way / max(came, 1e-300), _GOES_ON))
+    return _passes(now, then, bound, min(way / max(came, 1e-300), _GOES_ON))
 
 
-def _passes(now: FloatArray, then: FloatArray, steps: float) -> bool:
-    """Whether a number passes 1 that goes on for so many times the way from one to the other, either way."""
+def _passes(now: FloatArray, then: FloatArray, bound: float, steps: float) -> bool:
+    """Whether a number passes a bound that goes on for so many times the way from one to the other, either way."""
     ahead = now + steps * (now - then), now * (now / then) ** (_SHARPER * steps)
-    return any(bool(((now > 1) != (one > 1)).any()) for one in ahead)
+    return any(bool(((now > bound) != (one > bound)).any()) for one in ahead)
 
 
 def _middle(family: Family, first: Place, last: Place) -> Place | None:
