@@ -1,0 +1,82 @@
+"""The stated error of a bifurcation holds where solvers converge irregularly, and two agree by chance.
+
+Maps are made: a fixed point that stands still, whose multipliers pass the circle at a number which is off by a random
+part of what the order of convergence allows, for each self of the solver anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from made_map import Blocks, Made, MadeMap, made_problem, pair
+
+from lapjoint import Problem
+from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches.bifurcations import Kind
+from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import smooth_finder
+from lapjoint.orbits.branches.value_errors import AIM, Stated, stated
+from lapjoint.orbits.refinement import Refinement
+
+AMPLITUDE, LOW, HIGH, AT = "base_motion.amplitude", 0.9, 1.1, 1.0
+ORDER, RATIO = 3.0, 1.5
+LARGEST = 1e-6  # shift of the coarsest self, at most: all agree to 1e-5
+MANY = 400
+BY_CHANCE = 0.01  # largest difference of two selves that agree by chance, over how far both are off
+
+
+@dataclass(frozen=True)
+class Irregular(Made):
+    """A solver that has all of a made map at a number that is larger by the shift of its level."""
+
+    shifts: tuple[float, ...] = ()
+    name = "irregular"
+
+    def period_map(self, problem: Problem) -> MadeMap:
+        """The map at the amplitude of a problem."""
+        return Made(lambda p: self.blocks(p - self.shifts[0])).period_map(problem)
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Irregular] | None:
+        """One finer solver."""
+        return (Refinement("made", RATIO, ORDER), replace(self, shifts=self.shifts[1:])) if self.shifts[1:] else None
+
+
+def shifts_of(rng: np.random.Generator, by_chance: bool) -> tuple[float, ...]:
+    """Shifts that fall with the order of convergence or faster; the two coarsest selves may agree by chance."""
+    shifts = LARGEST * RATIO ** (-ORDER * np.arange(5)) * rng.uniform(-1, 1, 5)
+    if by_chance:
+        shifts[0] = shifts[1] * (1 + BY_CHANCE * rng.uniform(-1, 1))
+    return tuple(shifts.tolist())
+
+
+def blocks_of(kind: Kind, rate: float) -> Blocks:
+    """Multipliers that pass the circle at `AT`."""
+    if kind == "flip":
+        return lambda p: [np.array([[-np.exp(rate * (p - AT))]]), pair(0.3, 1.0)]
+    return lambda p: [pair(float(np.exp(rate * (p - AT))), 1.2), np.array([[0.4]])]
+
+
+@pytest.mark.parametrize("kind", ["flip", "neimark-sacker"])
+@pytest.mark.parametrize(("by_chance", "share"), [(False, 0.01), (True, 0.1)])
+def test_errors_hold_where_two_solvers_agree_by_chance(kind: Kind, by_chance: bool, share: float) -> None:
+    """All but a share of them: for three may agree by chance, too."""
+    too_small = 0
+    for seed in range(MANY):
+        rng = np.random.default_rng((83, seed))
+        shifts, rate = shifts_of(rng, by_chance), rng.choice([-1, 1]) * rng.uniform(1, 50)
+        found = stated_of(kind, Irregular(blocks_of(kind, rate), shifts), AT + shifts[0])
+        assert found.error <= AIM
+        too_small += abs(found.value - AT) > found.error
+    assert too_small <= share * MANY
+
+
+def stated_of(kind: Kind, solver: Irregular, value: float) -> Stated:
+    """A bifurcation of a solver with its error."""
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    family = Family(solver, lambda number: grid.with_values((number,)), AMPLITUDE, LOW, HIGH)
+    place = corrected(family, value, family.at(value).map.initial(), 2)
+    assert place is not None
+    return stated(family, place, value, smooth_finder(kind))
