@@ -23,6 +23,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import Again, comes_back, leads_back
 from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at
 from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import SampledShape
@@ -102,7 +103,7 @@ class _Search:
         """From the motion at the bifurcation: by a self and the next finer one, up to the finest."""
         best, last = None, len(self.known)
         for i in range(1, last + 1):
-            here = self._at_motion(i)
+            here = self._at_motion(i) or self._from_coarser(i)
             if here is None or (i < last and (i - 1 in self.missed or self._will_not_do(i, here))):
                 continue
             best = self._stated(i, here, self._again(i - 1, here)) or best
@@ -143,11 +144,18 @@ class _Search:
 
     def _is_it(self, i: int, near: Place, found: Again) -> bool:
         """Whether what a self finds is the bifurcation, and not a neighbour: from there, the first solver finds it."""
-        if found.place.extrema.closings != self.motion.extrema.closings:
+        if not self._has_contacts(found.place):
             return False
         way = float(np.linalg.norm(found.place.chord(self.selves[i], near)))
         there = Carrier(self.selves[i], found.place)
         return comes_back(way, self.one.family, self.motion, lambda: there.carried(self.one.family), self.direct)
+
+    def _has_contacts(self, place: Place) -> bool:
+        """Whether a motion has the contacts of that at the bifurcation; at a graze it may lie on the other side."""
+        apart = np.abs(np.subtract(place.extrema.closings, self.motion.extrema.closings))
+        if isinstance(self.one.found, Graze) and apart[self.one.found.stop] == 1:
+            apart[self.one.found.stop] = 0
+        return not apart.any()
 
     def _again(self, i: int, finer: Again) -> Again | None:
         """What a self finds from the motion of the next finer one."""
@@ -156,6 +164,15 @@ class _Search:
             if found is not None and leads_back(self.selves[i + 1], finer.place, self.selves[i], found, self.direct):
                 self._kept(i, found)
         return self._at_motion(i)
+
+    def _from_coarser(self, i: int) -> Again | None:
+        """What a self finds from what the next coarser one has found."""
+        coarser = self.found.get(i - 1)
+        found = None if coarser is None else self.direct(self.selves[i], coarser.place)
+        if coarser is None or found is None:
+            return None
+        back = leads_back(self.selves[i - 1], coarser.place, self.selves[i], found, self.direct)
+        return self._kept(i, found if back else None)
 
     def _along(self) -> Stated | None:
         """Along the curve of a self, from motions beside the bifurcation; the coarser one from there, or likewise."""

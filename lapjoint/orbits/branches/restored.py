@@ -10,7 +10,7 @@ import numpy as np
 
 from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.errors import SolverError
-from lapjoint.orbits.branches.bifurcations import Located
+from lapjoint.orbits.branches.bifurcations import Kind, Located
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -24,6 +24,8 @@ from lapjoint.orbits.branches.run import Graze, Limits
 
 _FINER = 2
 """Most finer selves of the solver that are asked: its branches are resolved by so many."""
+_SHARPER = 2
+"""Most selves finer than that which found it by which it is located again: the third one's motion is hardly nearer."""
 _ABOUT = Limits(most=60, length=0.03)
 """How far the branch about it is followed, either way, if it is asked for: a little more than another solver needs."""
 
@@ -43,15 +45,46 @@ def restored(family: Family, one: Bifurcation) -> Listed | None:
     Listed or None
         By this solver, or a finer self of it; None if none finds it from that motion.
     """
-    if one.motion is None:
-        return None
-    places = list(_places(family, one.motion))
+    found = None if one.motion is None else _restored(family, one, one.motion)
+    return None if found is None else _sharper(found)
+
+
+def _restored(family: Family, one: Bifurcation, motion: MotionThere) -> Listed | None:
+    """`restored` by the self that found it, or else the first one that finds it."""
+    places = list(_places(family, motion))
     for own, place in places:
-        if place.value == one.motion.value:  # it closes as it is: this is the self that found it
+        if place.value == motion.value:  # it closes as it is: this is the self that found it
             found = _as_it_is(own, one, place)
             if found is not None:
                 return found
     return next((found for own, place in places if (found := _found(own, one, place)) is not None), None)
+
+
+def _sharper(one: Listed) -> Listed:
+    """The same by finer selves, as far as they have it where the file does: their motions are nearer to the truth."""
+    for _ in range(_SHARPER):
+        known = one.family.finer(one.bifurcation.value)
+        there = None if known is None else _again(one, known[1])
+        if there is None or there.found is None:
+            break
+        value = there.found.place.value if isinstance(there.found, Located) else there.found.value
+        if not abs(value - one.bifurcation.value) <= one.bifurcation.error < np.inf:
+            break
+        one = there
+    return one
+
+
+def _again(one: Listed, family: Family) -> Listed | None:
+    """The bifurcation by another self, from the motion at it."""
+    assert one.found is not None
+    place = motion_at(one.found)
+    try:
+        if isinstance(one.found, Located):
+            return _smooth(family, one.bifurcation, one.found.kind, place)
+        near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+        return None if near is None else _found(family, one.bifurcation, near.going_on_from(place))
+    except SolverError:
+        return None
 
 
 def _places(family: Family, motion: MotionThere) -> Iterator[tuple[Family, Place]]:
@@ -84,14 +117,19 @@ def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
     """The bifurcation from a place near it; the tangent of a graze's motion leads towards it."""
     assert one.kind != "unresolved"
     if one.kind != "grazing":
-        there = smooth_finder(one.kind)(family, place)
-        return None if there is None else _listed(family, one, Located(one.kind, there.place))
+        return _smooth(family, one, one.kind, place)
     near = _towards(family, one, place)
     found = None if near is None else located_graze(family, *near)
     if near is None or found is None:
         return None
     found = replace(found, place=found.place.going_on_from(near[0]))
     return _listed(family, one, _graze(one, found, near[2]))
+
+
+def _smooth(family: Family, one: Bifurcation, kind: Kind, place: Place) -> Listed | None:
+    """The bifurcation of a smooth part from a place near it, which need not be of the same self."""
+    there = smooth_finder(kind)(family, place)
+    return None if there is None else _listed(family, one, Located(kind, there.place))
 
 
 def _listed(family: Family, one: Bifurcation, found: Located | Graze) -> Listed:
