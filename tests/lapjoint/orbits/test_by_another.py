@@ -1,5 +1,7 @@
 """A bifurcation is found by another solver whose motion, where the first one has it, is no longer critical.
 
+The first solver restores it by its finer selves, as far as they have it where it is said to be.
+
 Maps are made: a fixed point that stands still, with a pair of multipliers that leaves the circle, elsewhere by each
 self of the other solver, and the nearer the finer that is.
 """
@@ -13,13 +15,14 @@ import pytest
 from made_map import Blocks, Made, MadeMap, made_problem, of_trace, pair
 
 from lapjoint import Problem
-from lapjoint.answers.branches import Bifurcation
+from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.bifurcations import Located
+from lapjoint.orbits.branches.bifurcations import Kind, Located
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.refinement import Refinement
 
 AMPLITUDE, LOW, HIGH, AT = "base_motion.amplitude", 0.9, 1.1, 1.0
@@ -44,13 +47,15 @@ class Shifted(Made):
         return Refinement("made", RATIO, ORDER), replace(self, shift=self.shift / RATIO**ORDER)
 
 
+def family_of(solver: Made) -> Family:
+    """Its maps over the range."""
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    return Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+
+
 def found_by_another(blocks: Blocks, shift: float) -> tuple[float, float]:
     """Value and error of the Neimark-Sacker bifurcation at `AT`, by a solver that has it elsewhere."""
-    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
-    own, other = (
-        Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
-        for solver in (Made(blocks), Shifted(blocks, shift))
-    )
+    own, other = family_of(Made(blocks)), family_of(Shifted(blocks, shift))
     place = corrected(own, AT, own.at(AT).map.initial(), 2)
     assert place is not None
     one = Listed(own, Bifurcation("neimark-sacker", AT, 0.0, 0), Located("neimark-sacker", place))
@@ -86,3 +91,24 @@ def test_a_pair_that_is_real_there_is_found_beside_it(seed: int) -> None:
         ]
 
     judge(blocks, side * shift)
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("kind", ["flip", "neimark-sacker"])
+def test_a_bifurcation_is_restored_where_it_is_said_to_be(kind: Kind, seed: int) -> None:
+    """The motion is that of the coarsest self, the number that of the next; a number that is wrong changes nothing."""
+    rng = np.random.default_rng((84, seed))
+    shift, angle, rate = rng.choice([-1, 1]) * 10 ** rng.uniform(-5, -3), rng.uniform(0.5, 2.5), rng.uniform(5, 50)
+    family = family_of(Shifted(lambda p: [critical(kind, rate * (p - AT), angle), pair(0.3, 1.0)], shift))
+    motion = MotionThere(AT + shift, family.at(AT + shift).map.initial(), 2)
+    finest = shift * RATIO ** (-2 * ORDER)
+    for value, off in ((AT + shift / RATIO**ORDER, finest), (AT - shift, shift)):
+        one = restored(family, Bifurcation(kind, value, abs(shift), 0, motion=motion))
+        assert one is not None
+        assert isinstance(one.found, Located)
+        assert one.found.place.value - AT == pytest.approx(off, rel=1e-3)
+
+
+def critical(kind: Kind, logarithm: float, angle: float) -> np.ndarray:
+    """The multiplier, or the pair, whose modulus has a logarithm."""
+    return np.array([[-np.exp(logarithm)]]) if kind == "flip" else pair(float(np.exp(logarithm)), angle)
