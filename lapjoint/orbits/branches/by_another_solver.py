@@ -20,7 +20,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import Again, comes_back, leads_back
+from lapjoint.orbits.branches.found_again import NEAR, Again, comes_back, leads_back
 from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.run import Graze
@@ -32,6 +32,9 @@ _SAMPLES = 401
 """Number of places at which a motion is sampled: Newton's method does the rest."""
 _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 """Arc lengths before a bifurcation from which it is looked for, in turn: a graze may come before for another solver."""
+_SURE = 3e-4
+"""Arc length within which what another solver finds on a smooth part is not asked to lead back: a flip 1e-3 off was
+taken for another, and motions on the other side of a graze are not carried back."""
 _ALONG = 2
 """Number of the first self that follows the curve, the coarsest being 0: of coarser ones it often leads elsewhere."""
 _FINER = 5
@@ -148,7 +151,9 @@ class _Search:
             return False
         way = float(np.linalg.norm(found.place.chord(self.selves[i], near)))
         there = Carrier(self.selves[i], found.place)
-        return comes_back(way, self.one.family, self.motion, lambda: there.carried(self.one.family), self.direct)
+        sure = NEAR if isinstance(self.one.found, Graze) else _SURE
+        own = self.one.family
+        return comes_back(way, own, self.motion, lambda: there.carried(own), self.from_motion, sure)
 
     def _has_contacts(self, place: Place) -> bool:
         """Whether a motion has the contacts of that at the bifurcation; at a graze it may lie on the other side."""

@@ -17,8 +17,9 @@ _REACHES = (1e-4, 1e-2, 5e-2)
 """Arc lengths, to both sides of where the coarser solver has it, within which a bifurcation is looked for."""
 _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 """Arc lengths before a graze from which it is looked for, in turn: by another solver, it may lie before."""
-_FIRST = 1e-5
-"""Arc length of the first step of a search by secants: most bifurcations of two solvers are about so far apart."""
+_FIRST = (1e-5, 1e-7)
+"""Arc lengths of the first step of a search by secants, until there is a motion: most bifurcations of two solvers are
+about as far apart as the first; a hairpin beside a graze may be shorter."""
 _SECANTS = 15
 """Most secants: five are enough where a multiplier is smooth; beside a graze it changes as a square root."""
 _GROWS = 30.0
@@ -79,7 +80,14 @@ def leads_back(family: Family, place: Place, other: Family, found: Again, finder
     return comes_back(way, family, place, lambda: found.place, finder)
 
 
-def comes_back(way: float, family: Family, place: Place, there: Callable[[], Place | None], finder: Finder) -> bool:
+def comes_back(
+    way: float,
+    family: Family,
+    place: Place,
+    there: Callable[[], Place | None],
+    finder: Finder,
+    sure: float = NEAR,
+) -> bool:
     """The same with the way to what was found, and the motion there.
 
     Parameters
@@ -94,13 +102,15 @@ def comes_back(way: float, family: Family, place: Place, there: Callable[[], Pla
         Gives the motion at what was found, by a solver of which that one can adopt motions; None if there is none.
     finder : callable
         What found it.
+    sure : float
+        Arc length within which no other one of its kind is to be expected.
 
     Returns
     -------
     bool
         As `leads_back`.
     """
-    if way <= NEAR:
+    if way <= sure:
         return True
     found = there()
     back = None if found is None else finder(family, found)
@@ -254,7 +264,9 @@ def _same_contacts(family: Family, place: Place) -> Place | None:
 
 def _root(family: Family, near: Place, vanishes: Callable[[Place], float]) -> tuple[Place, float] | None:
     """The place at which something vanishes, by secants from a place near it, and its change with the arc length."""
-    before, here, length = near, _beside(family, near, _FIRST), _FIRST
+    first = ((step, _beside(family, near, step)) for step in _FIRST)
+    length, here = next(((step, there) for step, there in first if there is not None), (0.0, None))
+    before = near
     for _ in range(_SECANTS):
         if here is None:
             return None
