@@ -13,7 +13,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze, sharper
 
-_REACHES = (1e-4, 1e-2, 5e-2)
+_REACHES = (1e-4, 1e-2)
 """Arc lengths, to both sides of where the coarser solver has it, within which a bifurcation is looked for."""
 _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 """Arc lengths before a graze from which it is looked for, in turn: by another solver, it may lie before."""
