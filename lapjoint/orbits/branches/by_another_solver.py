@@ -147,20 +147,21 @@ class _Search:
 
     def _is_it(self, i: int, near: Place, found: Again) -> bool:
         """Whether what a self finds is the bifurcation, and not a neighbour: from there, the first solver finds it."""
-        if not self._has_contacts(found.place):
+        beyond = self._contacts_beyond(found.place)
+        if beyond is None:
             return False
         way = float(np.linalg.norm(found.place.chord(self.selves[i], near)))
         there = Carrier(self.selves[i], found.place)
-        sure = NEAR if isinstance(self.one.found, Graze) else _SURE
+        sure = 0.0 if beyond else NEAR if isinstance(self.one.found, Graze) else _SURE
         own = self.one.family
         return comes_back(way, own, self.motion, lambda: there.carried(own), self.from_motion, sure)
 
-    def _has_contacts(self, place: Place) -> bool:
-        """Whether a motion has the contacts of that at the bifurcation; at a graze it may lie on the other side."""
+    def _contacts_beyond(self, place: Place) -> bool | None:
+        """Whether a motion has the contacts of those beyond the graze, instead of before; None if it has neither."""
         apart = np.abs(np.subtract(place.extrema.closings, self.motion.extrema.closings))
-        if isinstance(self.one.found, Graze) and apart[self.one.found.stop] == 1:
-            apart[self.one.found.stop] = 0
-        return not apart.any()
+        if not apart.any():
+            return False
+        return True if isinstance(self.one.found, Graze) and apart.sum() == apart[self.one.found.stop] == 1 else None
 
     def _again(self, i: int, finer: Again) -> Again | None:
         """What a self finds from the motion of the next finer one."""
