@@ -166,19 +166,20 @@ class _Search:
     def _again(self, i: int, finer: Again) -> Again | None:
         """What a self finds from the motion of the next finer one."""
         if i not in self.found:
-            found = self.direct(self.selves[i], finer.place)
-            if found is not None and leads_back(self.selves[i + 1], finer.place, self.selves[i], found, self.direct):
-                self._kept(i, found)
+            self._from_another(i, i + 1, finer)
         return self._at_motion(i)
 
     def _from_coarser(self, i: int) -> Again | None:
         """What a self finds from what the next coarser one has found."""
         coarser = self.found.get(i - 1)
-        found = None if coarser is None else self.direct(self.selves[i], coarser.place)
-        if coarser is None or found is None:
+        return None if coarser is None else self._from_another(i, i - 1, coarser)
+
+    def _from_another(self, i: int, other: int, there: Again) -> Again | None:
+        """What a self finds from what another one has found, if it leads back to that."""
+        found = self.direct(self.selves[i], there.place)
+        if found is None or not leads_back(self.selves[other], there.place, self.selves[i], found, self.direct):
             return None
-        back = leads_back(self.selves[i - 1], coarser.place, self.selves[i], found, self.direct)
-        return self._kept(i, found if back else None)
+        return self._kept(i, found)
 
     def _along(self) -> Stated | None:
         """Along the curve of a self, from motions beside the bifurcation; the coarser one from there, or likewise."""

@@ -139,6 +139,26 @@ def alike(family: Family, place: Place) -> Place | None:
     return near if signature(near) == signature(place) else None
 
 
+def with_same_contacts(family: Family, place: Place) -> Place | None:
+    """The motion of another solver that is nearest to one, with its tangent the same way along the curve.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of the other solver, which can adopt motions of the first one.
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    Place, or None
+        The number may be another one; None if it has other contacts.
+    """
+    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+    same = near is not None and near.extrema.closings == place.extrema.closings
+    return near.going_on_from(place) if near is not None and same else None
+
+
 def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
     """Finds a bifurcation of a smooth part of a curve: the same one, by the multiplier that is critical there.
 
@@ -246,20 +266,13 @@ def _shift(found: Place, rate: float, vanishes: Callable[[Place], float]) -> Shi
     """How far off other solvers have what vanishes at a place, from its change with the arc length there."""
 
     def shift(family: Family) -> float | None:
-        near = _same_contacts(family, found)
+        near = with_same_contacts(family, found)
         if near is None:
             return None
         step = (vanishes(found) - vanishes(near)) / rate
         return near.moved(family, step * near.tangent)[0] - found.value
 
     return shift
-
-
-def _same_contacts(family: Family, place: Place) -> Place | None:
-    """The motion nearest to another solver's, its tangent the same way, if it has the same contacts."""
-    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
-    same = near is not None and near.extrema.closings == place.extrema.closings
-    return near.going_on_from(place) if near is not None and same else None
 
 
 def _root(family: Family, near: Place, vanishes: Callable[[Place], float]) -> tuple[Place, float] | None:
@@ -341,7 +354,7 @@ def _graze_shift(graze: OnExtremum, duration: float) -> Shift:
     """How far off other solvers have a graze, from the change of the number with the extremum's value."""
 
     def shift(family: Family) -> float | None:
-        near = _same_contacts(family, graze.place)
+        near = with_same_contacts(family, graze.place)
         mine = None if near is None else near.extrema.matching(graze.extremum, duration)
         if near is None or mine is None:
             return None

@@ -16,9 +16,17 @@ import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import Located, criteria_of, located
 from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import NEAR, Again, Finder, graze_finder, is_same, smooth_finder
+from lapjoint.orbits.branches.found_again import (
+    NEAR,
+    Again,
+    Finder,
+    graze_finder,
+    is_same,
+    smooth_finder,
+    with_same_contacts,
+)
 from lapjoint.orbits.branches.run import Graze, Limits, Run
 
 _FROM = (1e-4, 1e-3, 1e-2)
@@ -237,8 +245,7 @@ def _same_graze(one: Graze, other: Graze) -> bool:
 
 def _follow(family: Family, start: Approach, look: _Look) -> None:
     """Look along the curve of another solver from a place of a branch on, if that solver has such a motion there."""
-    place = start.place
-    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
-    if near is not None and near.extrema.closings == place.extrema.closings:
+    near = with_same_contacts(family, start.place)
+    if near is not None:
         farthest = min(_PAST * start.length, start.length + 2 * NEAR)
-        look(follow(family, near.going_on_from(place), Limits(most=_MOST, length=farthest, enough=look)))
+        look(follow(family, near, Limits(most=_MOST, length=farthest, enough=look)))

@@ -10,7 +10,7 @@ import numpy as np
 
 from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.errors import SolverError
-from lapjoint.orbits.branches.bifurcations import Kind, Located
+from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -80,7 +80,7 @@ def _again(one: Listed, family: Family) -> Listed | None:
     place = motion_at(one.found)
     try:
         if isinstance(one.found, Located):
-            return _smooth(family, one.bifurcation, one.found.kind, place)
+            return _found(family, one.bifurcation, place)
         near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
         return None if near is None else _found(family, one.bifurcation, near.going_on_from(place))
     except SolverError:
@@ -114,22 +114,17 @@ def _as_it_is(family: Family, one: Bifurcation, place: Place) -> Listed | None:
 
 
 def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
-    """The bifurcation from a place near it; the tangent of a graze's motion leads towards it."""
+    """The bifurcation from a place near it; that of a graze is this self's own, and its tangent leads towards it."""
     assert one.kind != "unresolved"
     if one.kind != "grazing":
-        return _smooth(family, one, one.kind, place)
+        there = smooth_finder(one.kind)(family, place)
+        return None if there is None else _listed(family, one, Located(one.kind, there.place))
     near = _towards(family, one, place)
     found = None if near is None else located_graze(family, *near)
     if near is None or found is None:
         return None
     found = replace(found, place=found.place.going_on_from(near[0]))
     return _listed(family, one, _graze(one, found, near[2]))
-
-
-def _smooth(family: Family, one: Bifurcation, kind: Kind, place: Place) -> Listed | None:
-    """The bifurcation of a smooth part from a place near it, which need not be of the same self."""
-    there = smooth_finder(kind)(family, place)
-    return None if there is None else _listed(family, one, Located(kind, there.place))
 
 
 def _listed(family: Family, one: Bifurcation, found: Located | Graze) -> Listed:
