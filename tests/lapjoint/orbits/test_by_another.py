@@ -23,6 +23,7 @@ from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.restored import restored
+from lapjoint.orbits.branches.value_errors import Stated
 from lapjoint.orbits.refinement import Refinement
 
 AMPLITUDE, LOW, HIGH, AT = "base_motion.amplitude", 0.9, 1.1, 1.0
@@ -53,20 +54,19 @@ def family_of(solver: Made) -> Family:
     return Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
 
 
-def found_by_another(blocks: Blocks, shift: float) -> tuple[float, float]:
-    """Value and error of the Neimark-Sacker bifurcation at `AT`, by a solver that has it elsewhere."""
-    own, other = family_of(Made(blocks)), family_of(Shifted(blocks, shift))
+def found_by_another(blocks: Blocks, solver: Shifted) -> Stated | None:
+    """The Neimark-Sacker bifurcation at `AT`, by a solver that has it elsewhere, or not at all."""
+    own, other = family_of(Made(blocks)), family_of(solver)
     place = corrected(own, AT, own.at(AT).map.initial(), 2)
     assert place is not None
     one = Listed(own, Bifurcation("neimark-sacker", AT, 0.0, 0), Located("neimark-sacker", place))
-    stated = by_another(one, other, FINER)
-    assert stated is not None
-    return stated.value, stated.error
+    return by_another(one, other, FINER)
 
 
 def judge(blocks: Blocks, shift: float) -> None:
-    value, error = found_by_another(blocks, shift)
-    assert abs(value - AT) <= error <= LEFT * abs(shift)
+    found = found_by_another(blocks, Shifted(blocks, shift))
+    assert found is not None
+    assert abs(found.value - AT) <= found.error <= LEFT * abs(shift)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -91,6 +91,19 @@ def test_a_pair_that_is_real_there_is_found_beside_it(seed: int) -> None:
         ]
 
     judge(blocks, side * shift)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_neighbour_is_not_taken_for_one_that_the_other_solver_lacks(seed: int) -> None:
+    """Both have the same angle at the circle, and nothing else tells them apart but the way back."""
+    rng = np.random.default_rng((85, seed))
+    angle, rate, beside = rng.uniform(0.5, 2.5), rng.uniform(5, 50), rng.choice([-1, 1]) * rng.uniform(6e-4, 2e-3)
+
+    def neighbour(p: float) -> np.ndarray:
+        return pair(float(np.exp(rate * (p - AT - beside))), angle)
+
+    lacking = Shifted(lambda p: [pair(0.3, angle), neighbour(p)])
+    assert found_by_another(lambda p: [pair(float(np.exp(-rate * (p - AT))), angle), neighbour(p)], lacking) is None
 
 
 @pytest.mark.parametrize("seed", range(20))
