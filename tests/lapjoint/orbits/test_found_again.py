@@ -1,7 +1,7 @@
 """A bifurcation that a finer solver has not is not taken for a neighbour of its kind that it has.
 
 The curves are made: p = 1 + g(y) with the coordinate 1 + y, whose slope is a cubic of the coarse solver with two folds,
-and one of the finer solver with the first of them alone.
+and one of the finer solver with the first of them alone.  A hairpin may be shorter than a first step of the search.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from made_map import MadeMap, made_problem
 from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
+from lapjoint.errors import SolverError
 from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
@@ -24,6 +25,7 @@ from lapjoint.orbits.period_map import Derivative, Linearised
 from lapjoint.orbits.refinement import Refinement
 
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.9, 1.1
+SHORT = 5e-6  # below the first step of a search by secants
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,52 @@ class FoldMap(MadeMap):
         g, rise = (-K * a * y**2 / 2, -K * a * y) if alone else (K * (y**3 / 3 - a * y**2 / 2), K * y * (y - a))
         end = SectionPoint(FREE, np.array([[1 + y + self.p - g]]))
         return Linearised(end, lambda: Derivative(np.array([[1 - rise]])), tuple)
+
+
+@dataclass(frozen=True)
+class Hairpin(MadeMap):
+    """y -> y + p - 1 + K y^2 / 2, which cannot be marched from farther than `SHORT` from its fold at y = 0."""
+
+    steep: float = 0.0
+    p: float = 0.0
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        """See `MadeMap`."""
+        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """See `MadeMap`."""
+        y = start.coordinates[0, 0] - 1
+        if abs(y) > SHORT:
+            raise SolverError("too far")
+        end = SectionPoint(FREE, np.array([[1 + y + self.p - 1 + self.steep * y**2 / 2]]))
+        return Linearised(end, lambda: Derivative(np.array([[1 + self.steep * y]])), tuple)
+
+
+@dataclass(frozen=True)
+class Short:
+    """A solver that gives such maps."""
+
+    steep: float
+    name = "short"
+
+    def period_map(self, problem: Problem) -> Hairpin:
+        """The map at the amplitude of a problem."""
+        assert isinstance(problem.base_motion, BaseMotion)
+        return Hairpin(problem, np.eye(1), self.steep, problem.base_motion.amplitude)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_a_fold_in_a_hairpin_that_is_shorter_than_a_first_step_is_found(seed: int) -> None:
+    rng = np.random.default_rng((72, seed))
+    steep, y = 10 ** rng.uniform(4, 4.5), rng.choice([-1, 1]) * rng.uniform(0.3, 0.5) * SHORT
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    family = Family(Short(steep), lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    place = corrected(family, 1 - steep * y**2 / 2, SectionPoint(FREE, np.array([[1 + y]])), 2)
+    assert place is not None
+    found = smooth_finder("fold")(family, place)
+    assert found is not None
+    assert abs(found.place.point.coordinates[0, 0] - 1) <= 1e-8
 
 
 @pytest.mark.parametrize("lacks", [True, False])
