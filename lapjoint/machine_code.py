@@ -4,6 +4,9 @@ numba makes machine code of each function that it compiles, though of one that o
 it: they have it in their own, and optimise it there once more.  Here such a function is neither optimised nor made
 machine code of by itself; it is kept as LLVM's bitcode, for those that call it.  That halves LLVM's time.
 
+What a function has of those that it calls is its own: numba lets all of a process share the copy that is loaded first,
+and what that was compiled for, with loops vectorised or not, then decides the last bits of the others.
+
 This stands on how the releases `KNOWN` of numba are built inside.  With any other, `spare_llvm` leaves all as it is.
 """
 
@@ -12,6 +15,7 @@ from __future__ import annotations
 from typing import Any
 
 import numba
+from llvmlite.binding import Linkage
 from numba.core import codegen
 
 _NEEDED = {
@@ -66,14 +70,24 @@ def _only_for_compiled(library: Any) -> bool:
     return not any(it.name.startswith(_WRAPPERS) and not it.is_declaration for it in functions)
 
 
+def _own_copies(library: Any) -> None:
+    """Keep to a library what it has of the functions that it calls."""
+    for function in library._final_module.functions:
+        if not function.is_declaration and function.linkage == Linkage.linkonce_odr:
+            function.linkage = Linkage.internal
+
+
 def _spare_libraries(kind: Any) -> None:
     """Optimise and make machine code of a library only where that is used."""
     optimise, finalise = kind._optimize_final_module, kind._finalize_final_module
     address, serialise = kind.get_pointer_to_function, kind.serialize_using_object_code
 
     def _optimize_final_module(self: Any) -> None:
-        if not (Sparing.on and _only_for_compiled(self)):
-            optimise(self)
+        if Sparing.on and _only_for_compiled(self):
+            return
+        if Sparing.on:
+            _own_copies(self)
+        optimise(self)
 
     def _finalize_final_module(self: Any) -> None:
         self.only_for_compiled = Sparing.on and _only_for_compiled(self)

@@ -9,8 +9,10 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
+from llvmlite.binding import Linkage
 from numba import njit
 from numba.core import codegen, config
+from numba.core.caching import NullCache
 
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.machine_code import KNOWN, Sparing, spare_llvm
@@ -68,12 +70,34 @@ def _half(x: float) -> float:
     return x / 2
 
 
+@njit_inner(inline="never")
+def _all_halves(x: np.ndarray) -> float:
+    total = 0.0
+    for i in range(x.size):
+        total += x[i] / 2
+    return total
+
+
 @njit_called()
 def _sum_of_halves(x: np.ndarray) -> float:
     total = 0.0
     for i in range(x.size):
         total += _half(x[i])
     return total
+
+
+def test_a_function_has_its_own_copies_of_what_it_calls() -> None:
+    """Else the one that is loaded first gives its copies to the others, which may be compiled otherwise."""
+
+    @njit_called(vectorised=True)
+    def called(x: np.ndarray) -> float:
+        return _all_halves(x) + x[0]
+
+    called._cache = NullCache()
+    assert called(np.ones(3)) == 2.5
+    (compiled,) = called.overloads.values()
+    shared = [it.name for it in compiled.library._final_module.functions if it.linkage == Linkage.linkonce_odr]
+    assert not shared
 
 
 def test_only_what_python_calls_becomes_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
