@@ -3,7 +3,8 @@
 The other solver finds it by its own marches, derivatives and multipliers.  Of its selves, each finer than the one
 before, a finer one begins, as its motion is nearer to that of the first solver; the next coarser one begins from the
 finer one's motion, and how far apart both are gives the error.  The first solver's number decides only which two are
-asked first.  Where none comes from the motion at the bifurcation, they follow the curve from motions beside it.
+asked first.  Where none comes from the motion at the bifurcation, they follow the curve from motions beside it, or
+begin at the graze next to it as they have that.
 
 A bifurcation that the next finer self of the first solver does not find is looked for in the same way by its selves.
 """
@@ -12,24 +13,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
-from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.branches.carrier import Carrier
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import NEAR, Again, comes_back, leads_back
-from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at
+from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at, same_graze
+from lapjoint.orbits.branches.found_beside import Beside
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
-from lapjoint.problem import SampledShape
 
-_SAMPLES = 401
-"""Number of places at which a motion is sampled: Newton's method does the rest."""
 _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 """Arc lengths before a bifurcation from which it is looked for, in turn: a graze may come before for another solver."""
 _SURE = 3e-4
@@ -81,6 +79,8 @@ class _Search:
     """Which selves have looked for it from the motions of the first solver, and not found it so."""
     came_past: dict[int, Again | None] = field(default_factory=dict)
     """What each self has found along its own curve."""
+    beside: dict[tuple[int, int], Again | None] = field(default_factory=dict)
+    """What each self has found beside each graze."""
 
     def __post_init__(self) -> None:
         assert self.one.found is not None
@@ -92,7 +92,7 @@ class _Search:
             self.selves.append(finer[1])
 
     def run(self) -> Stated | None:
-        """From the motion at the bifurcation, or else along the curve of the other solver.
+        """From the motion at the bifurcation, along the curve of the other solver, or from a graze beside it.
 
         A finer self of the first solver has looked for it from that motion already.
         """
@@ -100,6 +100,8 @@ class _Search:
         best = None if own else self._direct()
         if best is None or not np.isfinite(best.error):
             best = self._along() or best
+        if best is None or not np.isfinite(best.error):
+            best = self._beside() or best
         return best
 
     def _direct(self) -> Stated | None:
@@ -209,6 +211,28 @@ class _Search:
         at = replace(self.motion, orbit=replace(self.motion.orbit, point=here.started(family)))
         return along(self.one.found, CarriedWay(self.one.way, self.one.family, family))(family, at)
 
+    def _beside(self) -> Stated | None:
+        """Beside a graze: by a self and the next finer one that agree, each from the graze as it has that."""
+        one, way = self.one.found, self.one.way
+        assert one is not None
+        for k, graze in enumerate(() if way is None else way.grazes):
+            if isinstance(one, Graze) and same_graze(one, graze):
+                continue
+            for i in range(1, len(self.known) + 1):
+                here = self._found_beside(i, k, graze)
+                coarser = None if here is None else self._found_beside(i - 1, k, graze)
+                best = None if coarser is None else self._stated(i, here, coarser)
+                if best is not None and best.error <= AIM * self.family.scale(best.value):
+                    return best
+        return None
+
+    def _found_beside(self, i: int, k: int, graze: Graze) -> Again | None:
+        """What a self finds beside one of the grazes."""
+        if (i, k) not in self.beside:
+            assert self.one.found is not None
+            self.beside[i, k] = Beside(self.one.family, self.one.found, graze).found_by(self.selves[i])
+        return self.beside[i, k]
+
     def _kept(self, i: int, found: Again | None) -> Again | None:
         if found is not None:
             self.found[i] = found
@@ -243,64 +267,3 @@ class CarriedWay:
             place = Carrier(self.own, start.place).carried(self.family)
             if place is not None:
                 yield Approach(place, start.length)
-
-
-@dataclass(frozen=True)
-class Carrier:
-    """Takes a motion of one solver to others."""
-
-    family: Family
-    """The period maps of the solver that has it."""
-    place: Place
-    """The motion."""
-
-    @cached_property
-    def _shape(self) -> SampledShape:
-        """The displacement, m, and the velocity, m/s, with which the motion begins, along the beam."""
-        map_ = self.place.half_periods.map
-        history, length = map_.history(self.place.point, 1), map_.problem.beam.length
-        x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # close at the ends, for their slopes
-        x[0], x[-1] = 0.0, length
-        z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
-        return SampledShape(x=tuple(x.tolist()), displacement=tuple(z.tolist()), velocity=tuple(v.tolist()))
-
-    def started(self, other: Family) -> SectionPoint:
-        """The section point with which the motion begins by another solver.
-
-        Parameters
-        ----------
-        other : Family
-            The period maps of that one.
-
-        Returns
-        -------
-        SectionPoint
-            On the map at the same number.
-        """
-        value = self.place.value
-        problem = other.problem_at(value).replace(initial=self._shape)
-        return other.adopted(value, other.solver_at(value).period_map(problem).initial())
-
-    def carried(self, other: Family) -> Place | None:
-        """The motion by another solver, with its tangent the same way along the curve.
-
-        Parameters
-        ----------
-        other : Family
-            The period maps of that one.
-
-        Returns
-        -------
-        Place or None
-            None if that solver has no motion like it.
-        """
-        own = other.is_a_self_of(self.family)  # it need not take samples of a shape to come near the motion
-        return self._like(other, other.adopted(self.place.value, self.place.point) if own else self.started(other))
-
-    def _like(self, other: Family, guess: SectionPoint) -> Place | None:
-        """The motion by another solver, found from a guess."""
-        place = self.place
-        near = corrected(other, place.value, guess, place.count)
-        if near is None or near.extrema.closings != place.extrema.closings:
-            return None
-        return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()

@@ -7,6 +7,7 @@ too, with the same contacts, its own branch is followed, across grazes, until it
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -37,6 +38,8 @@ _PAST = 3.0
 """Arc length followed by the other solver over that from where it begins to the bifurcation, at most."""
 _MOST = 30
 """Most points of the other solver's curve: most bifurcations come within ten."""
+_SHORT = 0.2
+"""First step over the arc length to a bifurcation beside a graze: the curve may turn on the way."""
 _LONGER = 1.2
 """Largest ratio of a curve's length between two neighbours and of their distance: it turns by some 0.45 at most, which
 makes it 1.02, and coordinates are scaled a little otherwise at each place."""
@@ -61,6 +64,14 @@ class Starts(Protocol):
         """Places from which it does, in the sequence in which they are tried."""
 
 
+class About(Starts, Protocol):
+    """The branch about a bifurcation."""
+
+    @property
+    def grazes(self) -> Iterable[Graze]:
+        """Grazes of the branch beside the bifurcation, in the sequence in which it is looked for from them."""
+
+
 @dataclass(frozen=True)
 class Way:
     """The part of a branch about a bifurcation."""
@@ -81,6 +92,11 @@ class Way:
         ahead = approaches(self.family, [places[i] for i in self._connected(self.before, -1)])
         return ahead + approaches(self.family, [places[i].turned() for i in self._connected(self.after, 1)])
 
+    @property
+    def grazes(self) -> tuple[Graze, ...]:
+        """The last graze before the bifurcation, and the first one behind it, the nearer one first."""
+        return beside(self.run, self.before, self.after)
+
     def _connected(self, here: int, step: int) -> list[int]:
         """Indices from one on, one way, up to where the curve is not resolved."""
         apart, found = {jump.index for jump in self.run.jumps}, list[int]()
@@ -90,6 +106,27 @@ class Way:
                 break
             here += step
         return found
+
+
+def beside(run: Run, before: int, after: int) -> tuple[Graze, ...]:
+    """The grazes of a branch next to one of its parts.
+
+    Parameters
+    ----------
+    run : Run
+        The branch.
+    before, after : int
+        Indices of the places at which the part begins and ends.
+
+    Returns
+    -------
+    tuple of Graze
+        The last one before it, and the first one behind it, the one with fewer places between first.
+    """
+    ahead = [(before - one.index, one) for one in run.grazes if one.index <= before]
+    behind = [(one.index - after, one) for one in run.grazes if one.index >= after]
+    nearest = [min(some, key=lambda it: it[0]) for some in (ahead, behind) if some]
+    return tuple(one for _, one in sorted(nearest, key=lambda it: it[0]))
 
 
 def approaches(family: Family, places: Sequence[Place]) -> tuple[Approach, ...]:
@@ -179,6 +216,34 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
     return find
 
 
+def around(one: Located | Graze, family: Family, start: Place, near: Place, length: float) -> Again | None:
+    """Find a bifurcation by another solver along its curve, both ways from one of its motions, in short steps.
+
+    Parameters
+    ----------
+    one : Located or Graze
+        The bifurcation, by the solver that has it.
+    family : Family
+        The period maps of the other solver.
+    start : Place
+        The motion at which the other solver begins.
+    near : Place
+        Where the bifurcation is looked for.
+    length : float
+        Arc length from the one to the other, about.
+
+    Returns
+    -------
+    Again or None
+        The one nearest to there.
+    """
+    looks = list[_Look]()
+    for place in (start, start.turned()):
+        looks.append(look := _Look(one, family, near))
+        look(follow(family, place, Limits(most=_MOST, length=_PAST * length, first=_SHORT * length, enough=look)))
+    return min(looks, key=lambda look: look.apart).found
+
+
 class _Look:
     """Looks at a curve while it is followed for the bifurcation that is nearest to where it is looked for.
 
@@ -194,17 +259,17 @@ class _Look:
 
     def __init__(self, one: Located | Graze, family: Family, place: Place) -> None:
         self._one, self._family, self._place = one, family, place
-        self._places, self._grazes, self._apart = 1, 0, NEAR
+        self._places, self._grazes, self.apart = 1, 0, math.inf
         self.found: Again | None = None
-        """What it has found, within `NEAR`."""
+        """What it has found, within `NEAR`; `apart` is how far off."""
 
     def __call__(self, run: Run) -> bool:
         """Look at what is new of a curve; whether what has been found is nearer than where the curve has come to."""
         for other in self._new(run):
             apart = self._away(other.place)
-            if apart <= self._apart:
-                self.found, self._apart = other, apart
-        return self.found is not None and self._away(run.places[-1]) > self._apart
+            if apart <= min(self.apart, NEAR):
+                self.found, self.apart = other, apart
+        return self.found is not None and self._away(run.places[-1]) > self.apart
 
     def _away(self, place: Place) -> float:
         return float(np.linalg.norm(place.chord(self._family, self._place)))
@@ -215,7 +280,7 @@ class _Look:
         first, self._places = self._places, len(run.places)
         one = self._one
         if isinstance(one, Graze):
-            yield from (Again(it.before.place, it.value, it.left) for it in grazes if _same_graze(one, it))
+            yield from (Again(it.before.place, it.value, it.left) for it in grazes if same_graze(one, it))
             return
         for i, a, b in run.smooth_parts:
             criterion = criteria_of(a)[one.kind]
@@ -234,8 +299,19 @@ def _passes_by(family: Family, a: Place, b: Place, near: Place) -> bool:
     return to_a + to_b <= _LONGER * length + 2 * NEAR
 
 
-def _same_graze(one: Graze, other: Graze) -> bool:
-    """Whether two grazes are one: of one extremum, and come to from the same side."""
+def same_graze(one: Graze, other: Graze) -> bool:
+    """Whether two grazes are one: of one extremum, and come to from the same side.
+
+    Parameters
+    ----------
+    one, other : Graze
+        The two, of one solver or of two.
+
+    Returns
+    -------
+    bool
+        Whether they are.
+    """
     mine, its = one.before.extremum, other.before.extremum
     here, there = one.before.place.extrema, other.before.place.extrema
     later = its.time / there.duration - mine.time / here.duration

@@ -11,7 +11,7 @@ from lapjoint.answers.branches import Bifurcation, BifurcationKind, MotionThere
 from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_along import Starts, Way, directly, motion_at
+from lapjoint.orbits.branches.found_along import About, Way, directly, motion_at
 from lapjoint.orbits.branches.run import Graze, Jump, Run
 from lapjoint.orbits.branches.value_errors import Stated, stated
 
@@ -29,7 +29,7 @@ class Listed:
     """The bifurcation, with the index of the place that follows it or lies at it."""
     found: Located | Graze | None = field(default=None, repr=False)
     """What was found; None if it is not resolved."""
-    way: Starts | None = field(default=None, repr=False)
+    way: About | None = field(default=None, repr=False)
     """The branch about it; None if it is not resolved."""
 
     @property

@@ -20,7 +20,7 @@ from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import OnExtremum, located_graze
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
-from lapjoint.orbits.branches.run import Graze, Limits
+from lapjoint.orbits.branches.run import Graze, Limits, Run
 
 _FINER = 2
 """Most finer selves of the solver that are asked: its branches are resolved by so many."""
@@ -163,12 +163,25 @@ class Surroundings:
     @cached_property
     def starts(self) -> tuple[Approach, ...]:
         """Places from which the branch leads to it: those before it, the nearest first, then those behind it."""
-        return tuple(start for place in (self.place.turned(), self.place) for start in self._one_way(place))
+        return tuple(start for run in self._runs for start in self._starts(run))
 
-    def _one_way(self, place: Place) -> Iterator[Approach]:
-        try:
-            run = follow(self.family, place, _ABOUT)
-        except SolverError:
-            return
+    def _starts(self, run: Run) -> tuple[Approach, ...]:
+        """Those of one way."""
         apart = min((jump.index for jump in run.jumps), default=len(run.places))
-        yield from approaches(self.family, [one.turned() for one in run.places[:apart]])
+        return approaches(self.family, [one.turned() for one in run.places[:apart]])
+
+    @cached_property
+    def grazes(self) -> tuple[Graze, ...]:
+        """The first graze either way."""
+        return tuple(run.grazes[0] for run in self._runs if run.grazes)
+
+    @cached_property
+    def _runs(self) -> tuple[Run, ...]:
+        """The branch either way, as far as it can be followed."""
+        return tuple(self._followed(place) for place in (self.place.turned(), self.place))
+
+    def _followed(self, place: Place) -> Run:
+        try:
+            return follow(self.family, place, _ABOUT)
+        except SolverError:
+            return Run([place], [], [], "lost")

@@ -18,8 +18,9 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 
 AIM = 1e-5
 """Error of a bifurcation over the scale of its number that is aimed at."""
-_MOST = 3
-"""Most finer solvers that are asked."""
+_MOST = 5
+"""Most finer solvers that are asked: of 3769 bifurcations of the lightly damped joint, the third left two errors larger
+than is aimed at, and the fourth none."""
 
 
 @dataclass(frozen=True)

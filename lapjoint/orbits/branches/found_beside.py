@@ -1,0 +1,111 @@
+"""A bifurcation found again by another solver from a graze beside it.
+
+Next to a graze a curve may turn within a millionth of its length.  Every solver has it so at the graze as it has that
+itself, which may lie a hundred times as far off as the turn is long, and no motion nearby leads there.  So the motion
+at the bifurcation is looked for as far from the other solver's graze as the first one has it from its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.branches.bifurcations import Located
+from lapjoint.orbits.branches.carrier import Carrier
+from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import Again, comes_back
+from lapjoint.orbits.branches.found_along import around, directly, motion_at
+from lapjoint.orbits.branches.run import Graze
+
+_SURE = 0.1
+"""Arc length from where a bifurcation is expected, over that to the graze, within which it need not lead back."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A bifurcation beside a graze."""
+
+    own: Family
+    """The period maps of the solver that has both."""
+    one: Located | Graze
+    """The bifurcation."""
+    graze: Graze
+    """The graze."""
+
+    def found_by(self, family: Family) -> Again | None:
+        """The bifurcation by another solver.
+
+        Parameters
+        ----------
+        family : Family
+            The period maps of that one.
+
+        Returns
+        -------
+        Again or None
+            None if it does not find the graze, or from there not the bifurcation.
+        """
+        try:
+            return self._found_by(family)
+        except (InputError, SolverError):
+            return None
+
+    def _found_by(self, family: Family) -> Again | None:
+        motion, mine = motion_at(self.one), self.graze.before.place
+        near = mine if family.is_a_self_of(self.own) else Carrier(self.own, mine).carried(family)
+        its = None if near is None else directly(self.graze)(family, near)
+        own = directly(self.graze)(self.own, mine)
+        if its is None or own is None:
+            return None
+        length = float(np.linalg.norm(mine.chord(self.own, motion)))
+        ahead = _Shift(self.one, self.own, own.place, family, its.place, length)
+        found = ahead.found_from(motion)
+        if found is None:
+            return None
+        back = _Shift(self.one, family, its.place, self.own, own.place, length)
+        way = float(np.linalg.norm(found.place.chord(family, ahead.guess(motion))))
+        there = found.place
+        same = comes_back(way, self.own, motion, lambda: there, lambda _, place: back.found_from(place), _SURE * length)
+        return found if same else None
+
+
+@dataclass(frozen=True)
+class _Shift:
+    """The search for a bifurcation by another solver, from where a solver has it, shifted as a graze is."""
+
+    one: Located | Graze
+    """The bifurcation."""
+    own: Family
+    """The period maps of the one."""
+    origin: Place
+    """The motion at the graze, by the one."""
+    other: Family
+    """The period maps of the other."""
+    there: Place
+    """The motion at the graze, by the other."""
+    length: float
+    """Arc length from the graze to the bifurcation, about."""
+
+    def guess(self, place: Place) -> Place:
+        """What is as far from the other's motion at the graze as a place is from the one's."""
+        value = place.value + self.there.value - self.origin.value
+        half = self.other.at(value)
+        end, begin = (half.map.adopted(Carrier(self.own, one).guess(self.other)) for one in (place, self.origin))
+        point = half.map.moved(half.map.adopted(self.there.point), half.map.difference(end, begin))
+        return replace(self.there, value=value, orbit=replace(self.there.orbit, point=point), half_periods=half)
+
+    def found_from(self, place: Place) -> Again | None:
+        """The bifurcation, from where the one has it."""
+        guess, motion = self.guess(place), motion_at(self.one)
+        near = corrected(self.other, guess.value, guess.point, guess.count)
+        if near is not None and near.extrema.closings == motion.extrema.closings:
+            near = near.going_on_from(motion)
+            found = directly(self.one, like=motion)(self.other, near)
+            if found is not None:
+                return found
+        else:
+            near = None
+        return around(self.one, self.other, near or self.there, guess, self.length)
