@@ -40,7 +40,7 @@ _FINER = 5
 Where a graze is near, the finer ones cost less than what the coarser ones look for in vain."""
 
 
-def by_another(one: Listed, family: Family, finer: int = _FINER) -> Stated | None:
+def by_another(one: Listed, family: Family, finer: int = _FINER, followed: int = _FINER) -> Stated | None:
     """A bifurcation's value, with its error, by another solver.
 
     Parameters
@@ -51,6 +51,8 @@ def by_another(one: Listed, family: Family, finer: int = _FINER) -> Stated | Non
         The period maps of the other solver.
     finer : int
         Most finer selves of it that are asked.
+    followed : int
+        Number of the finest of these that follows its own curve, the coarsest being 0.
 
     Returns
     -------
@@ -59,7 +61,7 @@ def by_another(one: Listed, family: Family, finer: int = _FINER) -> Stated | Non
         does.
     """
     try:
-        return _Search(one, family, finer).run()
+        return _Search(one, family, finer, followed).run()
     except (InputError, SolverError):
         return None
 
@@ -71,6 +73,7 @@ class _Search:
     one: Listed
     family: Family
     finer: int = _FINER
+    followed: int = _FINER
     before: dict[float, Carrier | None] = field(default_factory=dict)
     """Motions of the first solver before the bifurcation, by the arc length to it."""
     found: dict[int, Again] = field(default_factory=dict)
@@ -185,7 +188,7 @@ class _Search:
 
     def _along(self) -> Stated | None:
         """Along the curve of a self, from motions beside the bifurcation; the coarser one from there, or likewise."""
-        best, last = None, len(self.known)
+        best, last = None, min(len(self.known), self.followed)
         for i in range(min(_ALONG, last), last + 1):
             here = self._found_along(i)
             if here is None:
