@@ -61,11 +61,11 @@ class Beside:
         if its is None or own is None:
             return None
         length = float(np.linalg.norm(mine.chord(self.own, motion)))
-        ahead = _Shift(self.one, self.own, own.place, family, its.place, length)
+        ahead = _FromGraze(self.one, self.own, own.place, family, its.place, length)
         found = ahead.found_from(motion)
         if found is None:
             return None
-        back = _Shift(self.one, family, its.place, self.own, own.place, length)
+        back = _FromGraze(self.one, family, its.place, self.own, own.place, length)
         way = float(np.linalg.norm(found.place.chord(family, ahead.guess(motion))))
         there = found.place
         same = comes_back(way, self.own, motion, lambda: there, lambda _, place: back.found_from(place), _SURE * length)
@@ -73,7 +73,7 @@ class Beside:
 
 
 @dataclass(frozen=True)
-class _Shift:
+class _FromGraze:
     """The search for a bifurcation by another solver, from where a solver has it, shifted as a graze is."""
 
     one: Located | Graze
