@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
@@ -82,8 +83,6 @@ class _Search:
     """Which selves have looked for it from the motions of the first solver, and not found it so."""
     came_past: dict[int, Again | None] = field(default_factory=dict)
     """What each self has found along its own curve."""
-    beside: dict[tuple[int, int], Again | None] = field(default_factory=dict)
-    """What each self has found beside each graze."""
 
     def __post_init__(self) -> None:
         assert self.one.found is not None
@@ -218,23 +217,17 @@ class _Search:
         """Beside a graze: by a self and the next finer one that agree, each from the graze as it has that."""
         one, way = self.one.found, self.one.way
         assert one is not None
-        for k, graze in enumerate(() if way is None else way.grazes):
+        for graze in () if way is None else way.grazes:
             if isinstance(one, Graze) and same_graze(one, graze):
                 continue
+            found_by = cache(Beside(self.one.family, one, graze).found_by)
             for i in range(1, len(self.known) + 1):
-                here = self._found_beside(i, k, graze)
-                coarser = None if here is None else self._found_beside(i - 1, k, graze)
+                here = found_by(self.selves[i])
+                coarser = None if here is None else found_by(self.selves[i - 1])
                 best = None if coarser is None else self._stated(i, here, coarser)
                 if best is not None and best.error <= AIM * self.family.scale(best.value):
                     return best
         return None
-
-    def _found_beside(self, i: int, k: int, graze: Graze) -> Again | None:
-        """What a self finds beside one of the grazes."""
-        if (i, k) not in self.beside:
-            assert self.one.found is not None
-            self.beside[i, k] = Beside(self.one.family, self.one.found, graze).found_by(self.selves[i])
-        return self.beside[i, k]
 
     def _kept(self, i: int, found: Again | None) -> Again | None:
         if found is not None:

@@ -139,7 +139,7 @@ def alike(family: Family, place: Place) -> Place | None:
     return near if signature(near) == signature(place) else None
 
 
-def with_same_contacts(family: Family, place: Place) -> Place | None:
+def with_same_contacts(family: Family, place: Place, like: Place | None = None) -> Place | None:
     """The motion of another solver that is nearest to one, with its tangent the same way along the curve.
 
     Parameters
@@ -147,16 +147,18 @@ def with_same_contacts(family: Family, place: Place) -> Place | None:
     family : Family
         The period maps of the other solver, which can adopt motions of the first one.
     place : Place
-        The motion.
+        The motion, or a guess.
+    like : Place, optional
+        The motion whose contacts and tangent count, where that is another one.
 
     Returns
     -------
     Place, or None
         The number may be another one; None if it has other contacts.
     """
-    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
-    same = near is not None and near.extrema.closings == place.extrema.closings
-    return near.going_on_from(place) if near is not None and same else None
+    near, like = corrected(family, place.value, family.adopted(place.value, place.point), place.count), like or place
+    same = near is not None and near.extrema.closings == like.extrema.closings
+    return near.going_on_from(like) if near is not None and same else None
 
 
 def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:

@@ -95,7 +95,10 @@ class Way:
     @property
     def grazes(self) -> tuple[Graze, ...]:
         """The last graze before the bifurcation, and the first one behind it, the nearer one first."""
-        return beside(self.run, self.before, self.after)
+        ahead = [(self.before - one.index, one) for one in self.run.grazes if one.index <= self.before]
+        behind = [(one.index - self.after, one) for one in self.run.grazes if one.index >= self.after]
+        nearest = [min(some, key=lambda it: it[0]) for some in (ahead, behind) if some]
+        return tuple(one for _, one in sorted(nearest, key=lambda it: it[0]))
 
     def _connected(self, here: int, step: int) -> list[int]:
         """Indices from one on, one way, up to where the curve is not resolved."""
@@ -106,27 +109,6 @@ class Way:
                 break
             here += step
         return found
-
-
-def beside(run: Run, before: int, after: int) -> tuple[Graze, ...]:
-    """The grazes of a branch next to one of its parts.
-
-    Parameters
-    ----------
-    run : Run
-        The branch.
-    before, after : int
-        Indices of the places at which the part begins and ends.
-
-    Returns
-    -------
-    tuple of Graze
-        The last one before it, and the first one behind it, the one with fewer places between first.
-    """
-    ahead = [(before - one.index, one) for one in run.grazes if one.index <= before]
-    behind = [(one.index - after, one) for one in run.grazes if one.index >= after]
-    nearest = [min(some, key=lambda it: it[0]) for some in (ahead, behind) if some]
-    return tuple(one for _, one in sorted(nearest, key=lambda it: it[0]))
 
 
 def approaches(family: Family, places: Sequence[Place]) -> tuple[Approach, ...]:

@@ -8,15 +8,16 @@ at the bifurcation is looked for as far from the other solver's graze as the fir
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.carrier import Carrier
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import Again, comes_back
+from lapjoint.orbits.branches.found_again import Again, comes_back, with_same_contacts
 from lapjoint.orbits.branches.found_along import around, directly, motion_at
 from lapjoint.orbits.branches.run import Graze
 
@@ -34,6 +35,11 @@ class Beside:
     """The bifurcation."""
     graze: Graze
     """The graze."""
+
+    @cached_property
+    def _again(self) -> Again | None:
+        """The graze once more by the solver that has it: a curve may be followed from the motion there."""
+        return directly(self.graze)(self.own, self.graze.before.place)
 
     def found_by(self, family: Family) -> Again | None:
         """The bifurcation by another solver.
@@ -57,18 +63,19 @@ class Beside:
         motion, mine = motion_at(self.one), self.graze.before.place
         near = mine if family.is_a_self_of(self.own) else Carrier(self.own, mine).carried(family)
         its = None if near is None else directly(self.graze)(family, near)
-        own = directly(self.graze)(self.own, mine)
-        if its is None or own is None:
+        if its is None or self._again is None:
             return None
+        own = self._again.place
         length = float(np.linalg.norm(mine.chord(self.own, motion)))
-        ahead = _FromGraze(self.one, self.own, own.place, family, its.place, length)
+        ahead = _FromGraze(self.one, self.own, own, family, its.place, length)
         found = ahead.found_from(motion)
         if found is None:
             return None
-        back = _FromGraze(self.one, family, its.place, self.own, own.place, length)
+        back = _FromGraze(self.one, family, its.place, self.own, own, length)
         way = float(np.linalg.norm(found.place.chord(family, ahead.guess(motion))))
-        there = found.place
-        same = comes_back(way, self.own, motion, lambda: there, lambda _, place: back.found_from(place), _SURE * length)
+        same = comes_back(
+            way, self.own, motion, lambda: found.place, lambda _, place: back.found_from(place), _SURE * length
+        )
         return found if same else None
 
 
@@ -100,12 +107,6 @@ class _FromGraze:
     def found_from(self, place: Place) -> Again | None:
         """The bifurcation, from where the one has it."""
         guess, motion = self.guess(place), motion_at(self.one)
-        near = corrected(self.other, guess.value, guess.point, guess.count)
-        if near is not None and near.extrema.closings == motion.extrema.closings:
-            near = near.going_on_from(motion)
-            found = directly(self.one, like=motion)(self.other, near)
-            if found is not None:
-                return found
-        else:
-            near = None
-        return around(self.one, self.other, near or self.there, guess, self.length)
+        near = with_same_contacts(self.other, guess, like=motion)
+        found = None if near is None else directly(self.one, like=motion)(self.other, near)
+        return found or around(self.one, self.other, near or self.there, guess, self.length)
