@@ -133,8 +133,9 @@ def change_along(
     segments = found.linearised.with_one(point)
     change, own = segments.change, segments.deviations[:, :, 0]
     assert change is not None
-    waves, secular = number * change.waves[:, first], number * change.secular[:, first]
-    polynomial = number * change.polynomial[:, first]
+    # Taken so, and not by an index, they are laid out the same way whatever the number of switches: compiled once.
+    waves, secular = (number * part.take(first, axis=1) for part in (change.waves, change.secular))
+    polynomial = number * change.polynomial.take(first, axis=1)
     waves[:, :, : own.shape[1]] += segments.weights[:, first, : own.shape[1]] * own[:, None]
     polynomial[:, :, :2] += segments.drift[:, first][..., 0]
     return waves, secular, polynomial

@@ -15,8 +15,8 @@ from lapjoint.orbits.branches import passings
 from lapjoint.orbits.branches.compiled_extrema import nearest
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extrema
-from lapjoint.orbits.branches.passings import Rates, coming, passed, rates_of
+from lapjoint.orbits.branches.gap_extrema import Extrema, stops_of
+from lapjoint.orbits.branches.passings import Rates, change_along, coming, passed, rates_of
 from lapjoint.orbits.branches.seeds import seed_from
 from lapjoint.orbits.branches.tracing import trace
 
@@ -157,6 +157,17 @@ def test_a_light_place_makes_its_march_again_to_the_bit() -> None:
     for one, other in pairs:
         assert np.array_equal(one.amplitudes, other.amplitudes)
         assert one.switched == other.switched
+
+
+def test_a_change_is_laid_out_the_same_way_whatever_the_number_of_switches() -> None:
+    """Else what is compiled for it is compiled once more, or loaded, for a quarter of a second."""
+    free = family_of(cantilever(1.0))
+    places = place_at(free, LOW), place_of_the_joint()[1]
+    for place in places:
+        first = stops_of(place.half_periods.map.problem.stops)[1]
+        parts = change_along(place.orbit.last, first, place.tangent[:-1] / place.weights, 1.0)
+        assert [part.flags.c_contiguous for part in parts] == [True] * 3
+    assert len(places[0].orbit.last.linearised.motion) == 1 < len(places[1].orbit.last.linearised.motion)
 
 
 def test_rates_in_closed_form_are_those_of_the_motion_just_beside() -> None:
