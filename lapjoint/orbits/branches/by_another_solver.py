@@ -11,7 +11,7 @@ A bifurcation that the next finer self of the first solver does not find is look
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache
 
@@ -257,9 +257,14 @@ class CarriedWay:
     """The period maps of the other."""
 
     @property
-    def starts(self) -> Iterator[Approach]:
-        """Places from which the branch leads to the bifurcation."""
-        for start in self.way.starts:
+    def sides(self) -> Iterator[Iterator[Approach]]:
+        """Places from which the branch leads to the bifurcation: before it, and behind it."""
+        for side in self.way.sides:
+            yield self._carried(side)
+
+    def _carried(self, side: Iterable[Approach]) -> Iterator[Approach]:
+        """Those of one side that the other solver has."""
+        for start in side:
             place = Carrier(self.own, start.place).carried(self.family)
             if place is not None:
                 yield Approach(place, start.length)

@@ -2,7 +2,8 @@
 
 Close to a graze the motion of one solver may touch a stop that the other's does not yet touch, and a secant cannot go
 across.  A few places of the branch lie before and behind the bifurcation; from the nearest that the other solver has
-too, with the same contacts, its own branch is followed, across grazes, until it has come past.
+too, with the same contacts, its own branch is followed, across grazes, until it has come past; from either side, as
+the branch may have two of a kind close together, and the nearer one is meant.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from lapjoint.errors import SolverError
 from lapjoint.orbits.branches.bifurcations import Located, criteria_of, located
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place
@@ -43,6 +45,8 @@ _SHORT = 0.2
 _LONGER = 1.2
 """Largest ratio of a curve's length between two neighbours and of their distance: it turns by some 0.45 at most, which
 makes it 1.02, and coordinates are scaled a little otherwise at each place."""
+_ABOUT = Limits(most=60, length=0.03)
+"""How far the branch about a bifurcation is followed, either way: a little more than another solver needs."""
 _PHASE = 0.05
 """Distance of the phases of one extremum by two solvers, at most."""
 
@@ -60,8 +64,8 @@ class Starts(Protocol):
     """Where a branch leads to a bifurcation."""
 
     @property
-    def starts(self) -> Iterable[Approach]:
-        """Places from which it does, in the sequence in which they are tried."""
+    def sides(self) -> Iterable[Iterable[Approach]]:
+        """Places from which it does: before it, and behind it, each in the sequence in which they are tried."""
 
 
 class About(Starts, Protocol):
@@ -86,11 +90,11 @@ class Way:
     """Index of the place behind it."""
 
     @cached_property
-    def starts(self) -> tuple[Approach, ...]:
-        """Places from which the branch leads to it: those before it, the nearest first, then those behind it."""
+    def sides(self) -> tuple[tuple[Approach, ...], ...]:
+        """Places from which the branch leads to it: before it, and behind it, the nearest first."""
         places = self.run.places
         ahead = approaches(self.family, [places[i] for i in self._connected(self.before, -1)])
-        return ahead + approaches(self.family, [places[i].turned() for i in self._connected(self.after, 1)])
+        return ahead, approaches(self.family, [places[i].turned() for i in self._connected(self.after, 1)])
 
     @property
     def grazes(self) -> tuple[Graze, ...]:
@@ -109,6 +113,42 @@ class Way:
                 break
             here += step
         return found
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The branch about a bifurcation, followed when it is asked for."""
+
+    family: Family
+    """The period maps."""
+    place: Place
+    """The motion at the bifurcation."""
+
+    @cached_property
+    def sides(self) -> tuple[tuple[Approach, ...], ...]:
+        """Places from which the branch leads to it: before it, and behind it, the nearest first."""
+        return tuple(self._starts(run) for run in self._runs)
+
+    def _starts(self, run: Run) -> tuple[Approach, ...]:
+        """Those of one way."""
+        apart = min((jump.index for jump in run.jumps), default=len(run.places))
+        return approaches(self.family, [one.turned() for one in run.places[:apart]])
+
+    @cached_property
+    def grazes(self) -> tuple[Graze, ...]:
+        """The first graze either way."""
+        return tuple(run.grazes[0] for run in self._runs if run.grazes)
+
+    @cached_property
+    def _runs(self) -> tuple[Run, ...]:
+        """The branch either way, as far as it can be followed."""
+        return tuple(self._followed(place) for place in (self.place.turned(), self.place))
+
+    def _followed(self, place: Place) -> Run:
+        try:
+            return follow(self.family, place, _ABOUT)
+        except SolverError:
+            return Run([place], [], [], "lost")
 
 
 def approaches(family: Family, places: Sequence[Place]) -> tuple[Approach, ...]:
@@ -174,6 +214,8 @@ def directly(one: Located | Graze, like: Place | None = None) -> Finder:
 def along(one: Located | Graze, starts: Starts) -> Finder:
     """Finds a bifurcation by another solver along the curve that this follows.
 
+    It is looked for from both sides: where a curve turns twice, another of the same kind lies on the way from one.
+
     Parameters
     ----------
     one : Located or Graze
@@ -188,14 +230,21 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
     """
 
     def find(family: Family, place: Place) -> Again | None:
-        for start in starts.starts:
-            look = _Look(one, family, place)
-            _follow(family, start, look)
-            if look.found is not None:
-                return look.found
-        return None
+        looks = [_looked(one, family, place, side) for side in starts.sides]
+        return min(looks, key=lambda look: look.apart).found
 
     return find
+
+
+def _looked(one: Located | Graze, family: Family, place: Place, side: Iterable[Approach]) -> _Look:
+    """The first look from one side that finds a bifurcation."""
+    look = _Look(one, family, place)
+    for start in side:
+        look = _Look(one, family, place)
+        _follow(family, start, look)
+        if look.found is not None:
+            break
+    return look
 
 
 def around(one: Located | Graze, family: Family, start: Place, near: Place, length: float) -> Again | None:

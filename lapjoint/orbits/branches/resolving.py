@@ -22,6 +22,7 @@ from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import alike
+from lapjoint.orbits.branches.found_along import Surroundings, motion_at
 from lapjoint.orbits.branches.listing import Listed, listed
 from lapjoint.orbits.branches.run import Limits, Run, joined
 from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung
@@ -103,7 +104,7 @@ def resolved(
         The curve.
     """
     found = _resolved(family, run, levels, progress)
-    return replace(found, bifurcations=[_asked_again(one) for one in found.bifurcations])
+    return replace(found, bifurcations=[asked_again(one) for one in found.bifurcations])
 
 
 def _resolved(family: Family, run: Run, levels: int, progress: Callable[[float], None] | None = None) -> Resolved:
@@ -122,17 +123,29 @@ def _resolved(family: Family, run: Run, levels: int, progress: Callable[[float],
     return now
 
 
-def _asked_again(one: Listed) -> Listed:
-    """The same with its error by finer solvers among themselves, if it has none.
+def asked_again(one: Listed) -> Listed:
+    """A bifurcation with its error by finer solvers among themselves, if it has none.
 
     One of them did not find it.  So the others must agree well: that there is nothing they would say by a large error.
+    Where they do not come to it from motions of the branch, they may from those of a closer look around it.
+
+    Parameters
+    ----------
+    one : Listed
+        The bifurcation.
+
+    Returns
+    -------
+    Listed
+        The same where it has an error, is not resolved, or they do not agree.
     """
     if not one.doubtful or one.found is None:
         return one
-    known = by_another(one, one.family, _ASKED, _FOLLOWED)
-    if known is None or not known.error <= AIM * one.family.scale(known.value):
-        return one
-    return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error))
+    for way in (one.way, Surroundings(one.family, motion_at(one.found))):
+        known = by_another(replace(one, way=way), one.family, _ASKED, _FOLLOWED)
+        if known is not None and known.error <= AIM * one.family.scale(known.value):
+            return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error))
+    return one
 
 
 def _parts(bifurcations: list[Listed]) -> Iterator[tuple[int, int]]:

@@ -3,31 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 
 from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.errors import SolverError
 from lapjoint.orbits.branches.bifurcations import Located
-from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
-from lapjoint.orbits.branches.found_along import Approach, approaches, motion_at
+from lapjoint.orbits.branches.found_along import Surroundings, motion_at
 from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import OnExtremum, located_graze
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
-from lapjoint.orbits.branches.run import Graze, Limits, Run
+from lapjoint.orbits.branches.run import Graze
 
 _FINER = 2
 """Most finer selves of the solver that are asked: its branches are resolved by so many."""
 _SHARPER = 2
 """Most selves finer than that which found it by which it is located again: the third one's motion is hardly nearer."""
-_ABOUT = Limits(most=60, length=0.03)
-"""How far the branch about it is followed, either way, if it is asked for: a little more than another solver needs."""
 
 
 def restored(family: Family, one: Bifurcation) -> Listed | None:
@@ -149,39 +145,3 @@ def _towards(family: Family, one: Bifurcation, place: Place) -> tuple[Place, Ext
     if rate == 0.0:
         return None
     return (place.turned(), extremum, -rate) if rate * extremum.value > 0 else (place, extremum, rate)
-
-
-@dataclass(frozen=True)
-class Surroundings:
-    """The branch about a bifurcation, followed when it is asked for."""
-
-    family: Family
-    """The period maps."""
-    place: Place
-    """The motion at the bifurcation."""
-
-    @cached_property
-    def starts(self) -> tuple[Approach, ...]:
-        """Places from which the branch leads to it: those before it, the nearest first, then those behind it."""
-        return tuple(start for run in self._runs for start in self._starts(run))
-
-    def _starts(self, run: Run) -> tuple[Approach, ...]:
-        """Those of one way."""
-        apart = min((jump.index for jump in run.jumps), default=len(run.places))
-        return approaches(self.family, [one.turned() for one in run.places[:apart]])
-
-    @cached_property
-    def grazes(self) -> tuple[Graze, ...]:
-        """The first graze either way."""
-        return tuple(run.grazes[0] for run in self._runs if run.grazes)
-
-    @cached_property
-    def _runs(self) -> tuple[Run, ...]:
-        """The branch either way, as far as it can be followed."""
-        return tuple(self._followed(place) for place in (self.place.turned(), self.place))
-
-    def _followed(self, place: Place) -> Run:
-        try:
-            return follow(self.family, place, _ABOUT)
-        except SolverError:
-            return Run([place], [], [], "lost")
