@@ -226,16 +226,15 @@ class PeriodMap:
     def _linearised(self, start: SectionPoint, half_periods: int, change: ExcitationChange | None) -> Linearised:
         model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
-        into = np.asarray(np.kron(np.eye(2), model.transfer(FREE, start.state)), dtype=float)
-        back = np.asarray(np.kron(np.eye(2), model.transfer(motion.state, FREE)), dtype=float)
-        if change is not None:
-            into = np.concatenate([into, np.zeros((into.shape[0], 1))], axis=1)
+        n, S, back = y.size // 2, model.transfer(FREE, start.state), model.transfer(motion.state, FREE)
+        into = np.zeros((2 * n, 2 * n + int(change is not None)))
+        into[:n, :n] = into[n:, n : 2 * n] = S
 
         whole = Carried(model, motion, into, change)
 
         def derivative() -> Derivative:
             columns, rest = whole.combinations
-            columns = back @ columns
+            columns = np.concatenate([back @ columns[:n], back @ columns[n:]])
             by_number = None if change is None else columns[:, -1].copy()
             own = columns[:, : columns.shape[1] - int(change is not None)]
             return Derivative(own, by_number) if rest is None else Derivative(own @ rest, by_number, (own, rest))

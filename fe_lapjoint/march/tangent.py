@@ -132,8 +132,12 @@ class Carried:
         steps, expected = [there], few
         for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
             system = self.model.system(piece.state)
-            there = replace(there, columns=_along(system, piece, there.columns, self.change))
-            alive = np.flatnonzero(np.tile(system.slowest_decay * (piece.end - since) < _DEAD, 2))
+            lives = system.slowest_decay * (piece.end - since) < _DEAD
+            alive, count = (
+                np.flatnonzero(np.tile(lives, 2)),
+                int(lives.size - np.argmax(lives[::-1])) if lives.any() else 0,
+            )
+            there = replace(there, columns=_along(system, piece, there.columns, self.change, count))
             left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < _DEAD)
             if 0 < alive.size <= _ALIVE * there.few:
                 there = there.of_alive(alive)
@@ -141,7 +145,9 @@ class Carried:
                 there, expected = there.of_independent(system, slow), left
             if piece.switched >= 0:
                 since, after = piece.end, self.motion.y if following is None else following.y
-                there = replace(there, columns=_jump(self.model, piece, after, there.columns))
+                there = replace(
+                    there, columns=_jump(self.model, piece, after, there.columns, count, self.change is not None)
+                )
             steps.append(there)
         return tuple(steps)
 
@@ -185,13 +191,15 @@ class _Deviations:
         return _Deviations(columns, count, np.ones(count), made if self.rest is None else made @ self.rest)
 
 
-def _along(system: System, piece: Piece, deviations: FloatArray, change: ExcitationChange | None) -> FloatArray:
-    """Deviations ``(2 n, m)`` at the end of a piece, before its switch."""
+def _along(
+    system: System, piece: Piece, deviations: FloatArray, change: ExcitationChange | None, count: int
+) -> FloatArray:
+    """Deviations ``(2 n, m)`` at the end of a piece, before its switch; modes but the first `count` have died out."""
     if change is None:
-        return _flow(system, piece.end - piece.start, deviations)
+        return _flow(system, piece.end - piece.start, deviations, count)
     free = deviations.copy()
     free[:, -1] -= _forced_change(system, piece.start, change)
-    free = _flow(system, piece.end - piece.start, free)
+    free = _flow(system, piece.end - piece.start, free, count)
     free[:, -1] += _forced_change(system, piece.end, change)
     return free
 
@@ -255,31 +263,43 @@ def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
     )
 
 
-def _flow(system: System, s: float, deviations: FloatArray) -> FloatArray:
-    """Deviations ``(2 n, m)`` after `s` seconds within one state."""
+def _flow(system: System, s: float, deviations: FloatArray, count: int) -> FloatArray:
+    """Deviations ``(2 n, m)`` after `s` seconds within one state, of the first `count` modes; the others are zero."""
     if system.all_oscillate:
-        wave, a = np.exp(system.roots * s)[:, None], system.damping_rate[:, None]
-        S = wave.imag / system.roots.imag[:, None]
+        wave, a = np.exp(system.roots[:count] * s)[:, None], system.damping_rate[:count, None]
+        S = wave.imag / system.roots.imag[:count, None]
         C = wave.real + a * S
     else:
-        a = system.damping_rate[:, None]
-        C, S = free_response(system.damping_rate, system.omega, np.array([s]))
+        a = system.damping_rate[:count, None]
+        C, S = free_response(system.damping_rate[:count], system.omega[:count], np.array([s]))
     n = system.omega.size
-    q, v = deviations[:n], deviations[n:]
-    return np.concatenate([C * q + S * v, (C - 2 * a * S) * v - (system.omega**2)[:, None] * (S * q)])
+    q, v = deviations[:count], deviations[n : n + count]
+    flown = np.zeros_like(deviations)
+    flown[:count] = C * q + S * v
+    flown[n : n + count] = (C - 2 * a * S) * v - (system.omega[:count] ** 2)[:, None] * (S * q)
+    return flown
 
 
-def _jump(model: Model, piece: Piece, after: FloatArray, deviations: FloatArray) -> FloatArray:
-    """Deviations ``(2 n, m)`` after the switch that ends a piece; ``after`` is (q, q') in the next state's modes."""
+def _jump(
+    model: Model, piece: Piece, after: FloatArray, deviations: FloatArray, count: int, driven: bool
+) -> FloatArray:
+    """Deviations ``(2 n, m)`` after the switch that ends a piece; ``after`` is (q, q') in the next state's modes.
+
+    Before it they are of the first `count` modes alone, but for the last one if that is `driven`.
+    """
     state, k, n = piece.state, piece.switched, after.size // 2
     old, new = model.system(state), model.system(state.toggled(k))
     S = model.transfer(state, state.toggled(k))
 
-    def mapped(vectors: FloatArray) -> FloatArray:
-        return np.concatenate([S @ vectors[:n], S @ vectors[n:]])
+    def mapped(vectors: FloatArray, count: int) -> FloatArray:
+        return np.concatenate([S[:, :count] @ vectors[:count], S[:, :count] @ vectors[n : n + count]])
 
     before = (after.reshape(2, -1) @ S).ravel()  # S is orthogonal
     row = model.orientation(state)[k] * old.stops[k]
-    change = mapped(old.rates(piece.end, before)) - new.rates(piece.end, after)
+    change = mapped(old.rates(piece.end, before), n) - new.rates(piece.end, after)
     delay = -(row @ deviations[:n]) / (row @ before[n:])
-    return np.asarray(mapped(deviations) + np.multiply.outer(change, delay))
+    jumped = mapped(deviations, count)
+    if driven:
+        jumped[:, -1] = mapped(deviations[:, -1], n)
+    jumped += np.multiply.outer(change, delay)
+    return jumped

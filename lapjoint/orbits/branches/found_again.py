@@ -178,7 +178,8 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
     """
 
     def find(family: Family, place: Place) -> Again | None:
-        near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+        own = family.at(place.value) is place.half_periods
+        near = place if own else corrected(family, place.value, family.adopted(place.value, place.point), place.count)
         if near is None:
             return None
         vanishes = critical(kind, like or place)
