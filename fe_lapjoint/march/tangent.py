@@ -132,11 +132,8 @@ class Carried:
         steps, expected = [there], few
         for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
             system = self.model.system(piece.state)
-            lives = system.slowest_decay * (piece.end - since) < _DEAD
-            alive, count = (
-                np.flatnonzero(np.tile(lives, 2)),
-                int(lives.size - np.argmax(lives[::-1])) if lives.any() else 0,
-            )
+            modes = np.flatnonzero(system.slowest_decay * (piece.end - since) < _DEAD)
+            alive, count = np.concatenate([modes, modes + system.omega.size]), int(modes[-1]) + 1 if modes.size else 0
             there = replace(there, columns=_along(system, piece, there.columns, self.change, count))
             left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < _DEAD)
             if 0 < alive.size <= _ALIVE * there.few:
@@ -145,9 +142,7 @@ class Carried:
                 there, expected = there.of_independent(system, slow), left
             if piece.switched >= 0:
                 since, after = piece.end, self.motion.y if following is None else following.y
-                there = replace(
-                    there, columns=_jump(self.model, piece, after, there.columns, count, self.change is not None)
-                )
+                there = replace(there, columns=_jump(self.model, piece, after, there, count))
             steps.append(there)
         return tuple(steps)
 
@@ -280,12 +275,10 @@ def _flow(system: System, s: float, deviations: FloatArray, count: int) -> Float
     return flown
 
 
-def _jump(
-    model: Model, piece: Piece, after: FloatArray, deviations: FloatArray, count: int, driven: bool
-) -> FloatArray:
-    """Deviations ``(2 n, m)`` after the switch that ends a piece; ``after`` is (q, q') in the next state's modes.
+def _jump(model: Model, piece: Piece, after: FloatArray, before: _Deviations, count: int) -> FloatArray:
+    """Columns ``(2 n, r)`` after the switch that ends a piece; ``after`` is (q, q') in the next state's modes.
 
-    Before it they are of the first `count` modes alone, but for the last one if that is `driven`.
+    Of those before it, the ones that are combined have the first `count` modes alone.
     """
     state, k, n = piece.state, piece.switched, after.size // 2
     old, new = model.system(state), model.system(state.toggled(k))
@@ -294,12 +287,11 @@ def _jump(
     def mapped(vectors: FloatArray, count: int) -> FloatArray:
         return np.concatenate([S[:, :count] @ vectors[:count], S[:, :count] @ vectors[n : n + count]])
 
-    before = (after.reshape(2, -1) @ S).ravel()  # S is orthogonal
+    y, columns = (after.reshape(2, -1) @ S).ravel(), before.columns  # S is orthogonal
     row = model.orientation(state)[k] * old.stops[k]
-    change = mapped(old.rates(piece.end, before), n) - new.rates(piece.end, after)
-    delay = -(row @ deviations[:n]) / (row @ before[n:])
-    jumped = mapped(deviations, count)
-    if driven:
-        jumped[:, -1] = mapped(deviations[:, -1], n)
-    jumped += np.multiply.outer(change, delay)
-    return jumped
+    change = mapped(old.rates(piece.end, y), n) - new.rates(piece.end, after)
+    delay = -(row @ columns[:n]) / (row @ y[n:])
+    jumped = np.multiply.outer(change, delay)
+    jumped[:, : before.few] += mapped(columns[:, : before.few], count)
+    jumped[:, before.few :] += mapped(columns[:, before.few :], n)
+    return np.asarray(jumped)

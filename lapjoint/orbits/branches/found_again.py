@@ -178,7 +178,7 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
     """
 
     def find(family: Family, place: Place) -> Again | None:
-        own = family.at(place.value) is place.half_periods
+        own = family.at(place.value) is place.half_periods  # then it is not marched once more
         near = place if own else corrected(family, place.value, family.adopted(place.value, place.point), place.count)
         if near is None:
             return None

@@ -230,21 +230,20 @@ def along(one: Located | Graze, starts: Starts) -> Finder:
     """
 
     def find(family: Family, place: Place) -> Again | None:
-        looks = [_looked(one, family, place, side) for side in starts.sides]
-        return min(looks, key=lambda look: look.apart).found
+        looks = [look for side in starts.sides if (look := _looked(one, family, place, side)) is not None]
+        return min(looks, key=lambda look: look.apart).found if looks else None
 
     return find
 
 
-def _looked(one: Located | Graze, family: Family, place: Place, side: Iterable[Approach]) -> _Look:
-    """The first look from one side that finds a bifurcation."""
-    look = _Look(one, family, place)
+def _looked(one: Located | Graze, family: Family, place: Place, side: Iterable[Approach]) -> _Look | None:
+    """The first look from one side that finds a bifurcation; None if none does."""
     for start in side:
         look = _Look(one, family, place)
         _follow(family, start, look)
         if look.found is not None:
-            break
-    return look
+            return look
+    return None
 
 
 def around(one: Located | Graze, family: Family, start: Place, near: Place, length: float) -> Again | None:

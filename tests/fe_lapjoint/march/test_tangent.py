@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import fe_lapjoint
+from fe_lapjoint.march import tangent
 from fe_lapjoint.march.march import march
 from fe_lapjoint.march.tangent import Carried, monodromy
 from fe_lapjoint.period_map import PeriodMap
 from lapjoint import ModalDamping, ViscousDamping, paper_joint
+from lapjoint.campaigns import FREQUENCY
 from lapjoint.orbits.exponent import exponent_of
 
 OMEGA = 515.0
@@ -30,11 +32,11 @@ def test_volume_shrinks_as_the_damping_says(damping: ModalDamping | ViscousDampi
     assert np.linalg.slogdet(monodromy(model, motion))[1] == pytest.approx(-trace, rel=1e-6)
 
 
-@pytest.mark.parametrize(("elements", "periods", "ratio"), [(16, 1, 0.08), (24, 3, 0.02)])
+@pytest.mark.parametrize(("elements", "periods", "ratio"), [(16, 1, 0.08), (24, 3, 0.02), (60, 1, 0.02)])
 def test_what_fast_modes_leave_out_of_the_monodromy_is_below_rounding(
-    elements: int, periods: int, ratio: float
+    elements: int, periods: int, ratio: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One deviation alone is carried with all its coordinates; all together, by those that are independent."""
+    """Where no mode is taken to have died out, all deviations are carried with all their coordinates."""
     problem = paper_joint(angular_frequency=100.0, damping_ratio=ratio)
     period_map = fe_lapjoint.Solver(elements=elements).period_map(problem)
     model, point = period_map.model, period_map.march(period_map.initial(), 40).end
@@ -44,7 +46,11 @@ def test_what_fast_modes_leave_out_of_the_monodromy_is_below_rounding(
     assert rest is not None
     assert columns.shape[1] <= n  # half of the coordinates
     assert columns @ rest == pytest.approx(together, abs=1e-15 * np.abs(together).max())
-    alone = np.concatenate([Carried(model, motion, unit[:, None]).end for unit in np.eye(2 * n)], axis=1)
+    monkeypatch.setattr(tangent, "_DEAD", math.inf)
+    all_modes = Carried(model, motion, np.eye(2 * n))
+    assert all_modes.combinations[1] is None
+    alone = all_modes.end
+    monkeypatch.undo()
     size = np.repeat([100.0, 1.0], n)  # a velocity is compared with a displacement times the excitation's frequency
     known = period_map.linearised(point, 2 * periods)
     dense = np.linalg.eigvals(known.matrix)
@@ -53,6 +59,27 @@ def test_what_fast_modes_leave_out_of_the_monodromy_is_below_rounding(
         assert np.abs(dense - one).min() <= 1e-8 * largest
     apart, whole = ((one * size[:, None]) / size for one in (together - alone, alone))
     assert np.abs(apart).max() <= 1e-13 * np.abs(whole).max()
+
+
+@pytest.mark.parametrize("elements", [24, 60])
+def test_what_fast_modes_leave_out_of_the_derivative_by_a_number_is_below_rounding(
+    elements: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A forced motion changes in all modes, those too whose free motion has died out."""
+    problem = paper_joint(angular_frequency=100.0, damping_ratio=0.02)
+    period_map = fe_lapjoint.Solver(elements=elements).period_map(problem)
+    point = period_map.march(period_map.initial(), 40).end
+
+    def by_frequency() -> np.ndarray:
+        found = period_map.linearised_by(FREQUENCY, point, 2)
+        assert found is not None
+        assert found.by_number is not None
+        return found.by_number
+
+    known = by_frequency()
+    monkeypatch.setattr(tangent, "_DEAD", math.inf)
+    whole = by_frequency()
+    assert np.abs(known - whole).max() <= 1e-13 * np.abs(whole).max()
 
 
 def moved_along(period_map: PeriodMap, steps: np.ndarray) -> np.ndarray:

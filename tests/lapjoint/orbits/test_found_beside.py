@@ -12,44 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from finer_curve import FINER, both_ways, family, unconfirmed
 
-import analytic
-from lapjoint import paper_joint
-from lapjoint.answers.branches import Bifurcation, MotionThere
-from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.orbits.branches.by_another_solver import by_another
-from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import corrected
-from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.listing import listed
-from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Limits
 
 HAIRPINS = json.loads((Path(__file__).parent / "hairpins.json").read_text(encoding="utf-8"))
-LOW, HIGH = 100.0, 5000.0  # rad/s
-LENGTH = 2e-3  # arc length within which the hairpins turn
-WITNESS = 3  # as many steps finer than the coarsest self
+AROUND = Limits(most=80, length=2e-3)  # within which the hairpins turn
 AIM = 1e-5  # error over the frequency
-
-
-def family() -> Family:
-    grid = Grid(paper_joint(damping_ratio=0.02), (Axis(FREQUENCY, (LOW, HIGH)),))
-    return Family(analytic.Solver(), lambda value: grid.with_values((value,)), FREQUENCY, LOW, HIGH)
-
-
-def by_the_curve(graze: MotionThere, kind: str) -> list[float]:
-    """Where a finer self has bifurcations of a kind on its own curve, both ways from its motion at the graze."""
-    own = family()
-    for _ in range(WITNESS):
-        finer = own.finer(graze.value)
-        assert finer is not None
-        own = finer[1]
-    start = corrected(own, graze.value, own.adopted(graze.value, graze.point), graze.half_periods)
-    assert start is not None
-    runs = [follow(own, place, Limits(most=80, length=LENGTH)) for place in (start, start.turned())]
-    found = [one.bifurcation for run in runs for one in listed(own, run, errors=False)]
-    return [one.value for one in found if one.kind == kind]
 
 
 @pytest.mark.parametrize(
@@ -58,13 +29,9 @@ def by_the_curve(graze: MotionThere, kind: str) -> list[float]:
 def test_a_bifurcation_in_a_hairpin_is_found_from_the_graze_beside_it(hairpin: int, which: int) -> None:
     graze = motion_from(HAIRPINS[hairpin]["beside_a_graze"])
     said: dict[str, Any] = HAIRPINS[hairpin]["bifurcations"][which]
-    motion = motion_from(said["motion"])
     own = family()
-    known = Bifurcation(said["kind"], motion.value, float("inf"), 0, motion=motion)
-    one = restored(own, known)
-    assert one is not None
-    found = by_another(one, own, WITNESS - 1)
-    truth = by_the_curve(graze, said["kind"])
+    found = by_another(unconfirmed(own, said["kind"], motion_from(said["motion"])), own, FINER - 1)
+    truth = [one.value for way in both_ways(graze, AROUND) for one in way if one.kind == said["kind"]]
     assert truth
     assert found is not None
     assert min(abs(found.value - value) for value in truth) <= found.error <= AIM * found.value
