@@ -54,6 +54,8 @@ class Return:
     """Number of half periods."""
     start: SectionPoint
     """Where the march began."""
+    field: str | None = None
+    """Path of the number of the problem by which the derivative was asked for, too."""
 
     @cached_property
     def matrix(self) -> FloatArray:
@@ -80,10 +82,10 @@ class Return:
         Return
             It takes far less memory.
         """
-        half_periods, start, count = self.half_periods, self.start, self.count
+        half_periods, start, count, field = self.half_periods, self.start, self.count, self.field
 
         def again() -> Sequence[Segment]:
-            return half_periods.linearised(start, count).linearised.segments
+            return half_periods.linearised(start, count, field).linearised.segments
 
         known = self.linearised.known
         light = replace(self.linearised, derivative=lambda: known, trace=again, outline=None, alone=None)
@@ -186,9 +188,7 @@ class HalfPeriods:
         """
         by_field = None if field is None or self._fields is None else self._fields.linearised_by(field, point, count)
         found = by_field or self.tangent.linearised(point, count)
-        if count % 2:
-            return Return(self.map.mirrored(found.end), self, found, count, point)
-        return Return(found.end, self, found, count, point)
+        return Return(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count, point, field)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
         """Size of a deviation over that of a section point.

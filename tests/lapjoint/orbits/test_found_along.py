@@ -10,14 +10,18 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from finer_curve import FINER, both_ways, family, unconfirmed
 
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.orbits.branches.by_another_solver import by_another
+from lapjoint.orbits.branches.continuation import follow
+from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.listing import Listed, listed
 from lapjoint.orbits.branches.resolving import asked_again
 from lapjoint.orbits.branches.run import Limits
+from lapjoint.orbits.branches.seeds import seed_from
 
 MOTIONS = json.loads((Path(__file__).parent / "two_flips.json").read_text(encoding="utf-8"))
 AROUND = Limits(most=60, length=3e-2)  # from the graze, it has both flips
@@ -48,3 +52,23 @@ def test_where_no_motion_of_the_branch_leads_to_it_one_of_a_closer_look_does() -
     assert by_another(one, one.family, FINER - 1) is None
     known = asked_again(one).bifurcation
     assert abs(known.value - flips_of_the_curve()[0]) <= known.error <= AIM * known.value
+
+
+def test_each_bifurcation_of_a_curve_is_found_by_a_closer_look() -> None:
+    """Grazes too, of which the march from switch to switch is not kept."""
+    own = family()
+    seed = seed_from(own, 600.0, own.at(600.0).map.initial(), 1)
+    assert seed is not None
+    start = corrected(own, seed.value, seed.point, seed.count)
+    assert start is not None
+    upwards = start.along(np.append(np.zeros(start.tangent.size - 1), 1.0))
+    run = follow(own, upwards, Limits(most=40, length=1.0))
+    surely, unsure = listed(own, run, errors=True), listed(own, run, errors=False)
+    assert {one.bifurcation.kind for one in surely} == {"grazing", "neimark-sacker", "symmetry breaking"}
+    stated = 0
+    for one, other in zip(surely, unsure, strict=True):
+        known = asked_again(replace(other, way=None)).bifurcation
+        if np.isfinite(known.error):
+            stated += 1
+            assert abs(known.value - one.bifurcation.value) <= known.error + one.bifurcation.error
+    assert stated == len(unsure)

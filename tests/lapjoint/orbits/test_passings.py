@@ -159,6 +159,15 @@ def test_a_light_place_makes_its_march_again_to_the_bit() -> None:
         assert one.switched == other.switched
 
 
+def test_a_branch_may_be_followed_from_a_light_place_as_from_the_whole() -> None:
+    family, whole = place_of_the_joint()
+    light, known = rates_of(family, whole.light()), rates_of(family, whole)
+    for name in ("phase", "value", "switch"):
+        a, b = getattr(light, name), getattr(known, name)
+        assert a.size
+        assert a == pytest.approx(b, rel=1e-9, abs=1e-12 * np.abs(b).max())
+
+
 def test_a_change_is_laid_out_the_same_way_whatever_the_number_of_switches() -> None:
     """Else what is compiled for it is compiled once more, or loaded, for a quarter of a second."""
     free = family_of(cantilever(1.0))
