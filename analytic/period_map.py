@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from analytic.march.carried import size_of
 from analytic.march.change import Change
 from analytic.march.compiled import Log
 from analytic.march.field import history_of
-from analytic.march.gap_view import gap_view_of, outline_of
+from analytic.march.gap_view import outline_of, with_deviations
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.linearised import Carried, carried_along
 from analytic.march.march import joined
@@ -37,6 +37,7 @@ from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.segments import Segments
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -197,28 +198,8 @@ class PeriodMap:
         if known is None:
             return None
         motion = march(self.joint, _coordinates(start), 0.0, duration)
-
-        @lru_cache(maxsize=1)
-        def found() -> Carried:
-            return carried_along(motion, Change(known.frequency, known.sizes), -known.frequency * duration)
-
-        def derivative() -> Derivative:
-            matrix, end = found().end, motion.end.state
-            if end != start.state:
-                n, passage = matrix.shape[0] // 2, self.joint.passage(end, start.state)
-                matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
-                matrix[:, -1] += self._left_out_change(passage.residual[1:], known)
-            return Derivative(matrix[:, :-1], matrix[:, -1].copy())
-
-        return Linearised(
-            _section_point(motion.end), derivative, lambda: gap_view_of(found()), lambda: outline_of(motion)
-        )
-
-    def _left_out_change(self, residual: FloatArray, known: ExcitationChange) -> FloatArray:
-        """Change of what is carried over between the modes of two states at a multiple of the period, ``(2 N,)``."""
-        theta, omega = self.joint.harmonics.theta(0.0), self.joint.harmonics.omega
-        moving = (known.sizes + known.frequency) * omega * np.cos(theta)
-        return np.concatenate([(known.sizes * np.sin(theta)) @ residual, moving @ residual])
+        along = _Along(motion, start.state, known, duration)
+        return Linearised(_section_point(motion.end), along.derivative, along.segments, lambda: along.outline)
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
@@ -262,6 +243,49 @@ class PeriodMap:
                 progress(float(i + 1), float(len(pieces)))
         motion = _as_one(motions, self.period)
         return history_of(self.name, motion.joint, motion.log)
+
+
+@dataclass(frozen=True)
+class _Along:
+    """What a march says of its neighbours, and of its change with a number; found once, where it is asked for."""
+
+    motion: March
+    state: ContactState
+    """That of its start."""
+    known: ExcitationChange
+    duration: float
+    """s."""
+
+    @cached_property
+    def carried(self) -> Carried:
+        """All deviations along it."""
+        change = Change(self.known.frequency, self.known.sizes)
+        return carried_along(self.motion, change, -self.known.frequency * self.duration)
+
+    @cached_property
+    def outline(self) -> Segments:
+        """The march from switch to switch without deviations."""
+        return outline_of(self.motion)
+
+    def segments(self) -> Segments:
+        """The march from switch to switch."""
+        return with_deviations(self.outline, self.carried)
+
+    def derivative(self) -> Derivative:
+        """The derivative of its end, in the modes of its start."""
+        matrix, end = self.carried.end, self.motion.end.state
+        if end != self.state:
+            n, passage = matrix.shape[0] // 2, self.motion.joint.passage(end, self.state)
+            matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
+            matrix[:, -1] += self._left_out_change(passage.residual[1:])
+        return Derivative(matrix[:, :-1], matrix[:, -1].copy())
+
+    def _left_out_change(self, residual: FloatArray) -> FloatArray:
+        """Change of what is carried over between the modes of two states at a multiple of the period, ``(2 N,)``."""
+        known, harmonics = self.known, self.motion.joint.harmonics
+        theta, omega = harmonics.theta(0.0), harmonics.omega
+        moving = (known.sizes + known.frequency) * omega * np.cos(theta)
+        return np.concatenate([(known.sizes * np.sin(theta)) @ residual, moving @ residual])
 
 
 def _as_one(motions: list[March], period: float) -> March:

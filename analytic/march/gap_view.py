@@ -9,6 +9,8 @@ the free terms and the harmonics, see `analytic.march.change`.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from analytic.march.change import Change, add_forced_change, forced_change
@@ -38,7 +40,7 @@ def gap_view(motion: March) -> Segments:
     Segments
         In the order of time.
     """
-    return gap_view_of(carried_along(motion))
+    return with_deviations(outline_of(motion), carried_along(motion))
 
 
 def outline_of(motion: March) -> Segments:
@@ -54,92 +56,83 @@ def outline_of(motion: March) -> Segments:
     Segments
         In the order of time; deviations have no coordinates.
     """
-    none = np.zeros((motion.log.slot.size, 2 * motion.joint.tables.kind.shape[1], 0))
-    return gap_view_of(Carried(motion, None, none, none[0]))
+    log, tables = motion.log, motion.joint.tables
+    stops, harmonics = tables.sign.size, tables.omega.size
+    free = tables.terms[log.slot]
+    M, T = free.size, int(free.max())
+    rates, amplitudes = np.zeros((2, M, T + harmonics), dtype=complex)
+    weights, polynomial = np.zeros((M, stops, T + harmonics), dtype=complex), np.zeros((M, stops, 3))
+    _outline(tables, log, rates, weights, amplitudes, polynomial)
+    return Segments(
+        start=log.start,
+        end=log.end,
+        closed=tables.closed[log.slot],
+        terms=np.array((free + harmonics, free)).T,
+        rates=rates,
+        weights=weights,
+        amplitudes=amplitudes,
+        polynomial=polynomial,
+        deviations=np.zeros((M, T, 0), dtype=complex),
+        drift=np.zeros((M, stops, 2, 0)),
+        switched=log.stop,
+    )
 
 
-def gap_view_of(carried: Carried) -> Segments:
-    """The same of a motion along which deviations have been carried.
+def with_deviations(outline: Segments, carried: Carried) -> Segments:
+    """A motion with the deviations that have been carried along it.
 
     Parameters
     ----------
+    outline : Segments
+        `outline_of` the motion.
     carried : Carried
         The motion, and its deviations.
 
     Returns
     -------
     Segments
-        In the order of time.
+        In the order of time; but for deviations the arrays of the outline.
     """
-    motion, change, starts = carried.motion, carried.change, carried.starts
-    log, tables = motion.log, motion.joint.tables
-    count, stops, harmonics = starts.shape[2], tables.sign.size, tables.omega.size
-    free = tables.terms[log.slot]
-    M, T = free.size, int(free.max())
-    rates, amplitudes = np.zeros((2, M, T + harmonics), dtype=complex)
-    weights, waves, secular = np.zeros((3, M, stops, T + harmonics), dtype=complex)
-    polynomial, slope = np.zeros((2, M, stops, 3))
+    log, tables, change = carried.motion.log, carried.motion.joint.tables, carried.change
+    (M, stops, K), T, count = outline.weights.shape, outline.deviations.shape[1], carried.starts.shape[2]
+    waves, secular = np.zeros((2, M, stops, K), dtype=complex)
     A, drift = np.empty((M, T, count), dtype=complex), np.zeros((M, stops, 2, count))
-    _view(tables, change, log, starts, rates, weights, amplitudes, polynomial, A, drift, waves, secular)
-    n = count if change is None else count - 1
-    if change is not None:
-        slope[:, :, :2] = drift[:, :, :, n]
-    return Segments(
-        start=log.start,
-        end=log.end,
-        closed=tables.closed[log.slot],
-        terms=np.stack([free + harmonics, free], axis=1),
-        rates=rates,
-        weights=weights,
-        amplitudes=amplitudes,
-        polynomial=polynomial,
-        deviations=A[:, :, :n],
-        drift=drift[:, :, :, :n],
-        switched=log.stop,
-        change=None if change is None else SegmentChange(waves, secular, slope),
+    _deviations(tables, change, log, carried.starts, A, drift, waves, secular)
+    if change is None:
+        return replace(outline, deviations=A, drift=drift)
+    n, slope = count - 1, np.zeros((M, stops, 3))
+    slope[:, :, :2] = drift[:, :, :, n]
+    return replace(
+        outline, deviations=A[:, :, :n], drift=drift[:, :, :, :n], change=SegmentChange(waves, secular, slope)
     )
 
 
 @njit_called()
-def _view(
+def _outline(
     tables: Tables,
-    change: Change | None,
     log: Log,
-    starts: FloatArray,
     rates: ComplexArray,
     weights: ComplexArray,
     amplitudes: ComplexArray,
     polynomial: FloatArray,
-    A: ComplexArray,
-    drift: FloatArray,
-    waves: ComplexArray,
-    secular: ComplexArray,
 ) -> None:
     """Write the parts of ``M`` segments.
 
     Parameters
     ----------
-    tables, change, log : Tables, Change or None, Log
-        The states of the joint, how its harmonics change with a number, and the motion.
-    starts : FloatArray, shape (M, 2 N, m)
-        Deviations (dq, dv) at the start of each segment, as columns.
+    tables, log : Tables, Log
+        The states of the joint, and the motion.
     rates, amplitudes : ComplexArray, shape (M, T + H)
         Take those of the free terms of its state, and after these of the harmonics.
     weights : ComplexArray, shape (M, P, T + H)
         Takes those of the same terms.
     polynomial : FloatArray, shape (M, P, 3)
         Takes the coefficients of 1, tau, tau^2.
-    A : ComplexArray, shape (M, T, m)
-        Takes what the deviations do to the free terms, and zeros for terms that a state does not have.
-    drift : FloatArray, shape (M, P, 2, m)
-        Takes what the deviations do to the rigid-body modes.
-    waves, secular : ComplexArray, shape (M, P, T + H)
-        Take what the number does to the same terms at the stops, if there is one; see `SegmentChange`.
     """
     poly, at_positions = zeros((log.q.shape[1], 3)), zeros((tables.weight.shape[1], 3))
     theta = complex_zeros(tables.omega.size)
     for i in range(log.slot.size):
-        slot, now = log.slot[i], starts[i].copy()
+        slot = log.slot[i]
         free = tables.terms[slot]
         set_phases(tables, log.start[i], theta)
         start_terms(tables, slot, theta, log.q[i], log.v[i], amplitudes[i], poly)
@@ -156,10 +149,42 @@ def _view(
             for h in range(theta.size):
                 forced = tables.forced[slot, u, h]
                 weights[i, k, free + h] = complex(forced.imag, -forced.real)
+
+
+@njit_called()
+def _deviations(
+    tables: Tables,
+    change: Change | None,
+    log: Log,
+    starts: FloatArray,
+    A: ComplexArray,
+    drift: FloatArray,
+    waves: ComplexArray,
+    secular: ComplexArray,
+) -> None:
+    """Write what deviations do in ``M`` segments.
+
+    Parameters
+    ----------
+    tables, change, log : Tables, Change or None, Log
+        The states of the joint, how its harmonics change with a number, and the motion.
+    starts : FloatArray, shape (M, 2 N, m)
+        Deviations (dq, dv) at the start of each segment, as columns.
+    A : ComplexArray, shape (M, T, m)
+        Takes what the deviations do to the free terms, and zeros for terms that a state does not have.
+    drift : FloatArray, shape (M, P, 2, m)
+        Takes what the deviations do to the rigid-body modes.
+    waves, secular : ComplexArray, shape (M, P, T + H)
+        Take what the number does to the same terms at the stops, if there is one; see `SegmentChange`.
+    """
+    theta = complex_zeros(tables.omega.size)
+    for i in range(log.slot.size):
+        slot, now = log.slot[i], starts[i].copy()
         if change is not None:
             add_forced_change(tables, change, slot, log.start[i], -1.0, now)
         _deviation_terms(tables, slot, now, A[i], drift[i])
         if change is not None:
+            set_phases(tables, log.start[i], theta)
             _changed_terms(tables, change, slot, log.start[i], theta, A[i], waves[i], secular[i])
 
 

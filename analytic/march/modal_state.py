@@ -34,7 +34,8 @@ from analytic.modes.beam_functions import gram, integral
 from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
 from analytic.modes.static_residual import Residual, residual
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import Beam, Damping, FloatArray, Problem, StepLoad, Stop, Support
+from lapjoint.problem import FloatArray, Problem, StepLoad
+from lapjoint.problem.structure import Structure
 
 _FAMILIES = 16  # families kept: a campaign seldom alternates between more
 _STATES = 256  # contact states kept, enough for 16 families of the paper's nine; each takes about 100 kB
@@ -135,22 +136,19 @@ def family_of(problem: Problem, places: Places | None = None) -> Family:
         forces = problem.forces
         places = tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled)
     steps = tuple((load.x, load.constant) for load in problem.point_loads)
-    return _family(problem.beam, problem.supports, problem.stops, problem.damping, steps, places)
+    return _family(problem.structure, steps, places)
 
 
 @lru_cache(maxsize=_FAMILIES)
-def _family(
-    beam: Beam,
-    supports: tuple[Support, ...],
-    stops: tuple[Stop, ...],
-    damping: Damping,
-    steps: tuple[tuple[float, float], ...],
-    places: Places,
-) -> Family:
-    """The family of these parts, with constant loads (place in m, force in N), and of places where others act."""
+def _family(structure: Structure, steps: tuple[tuple[float, float], ...], places: Places) -> Family:
+    """The family of a structure, with constant loads (place in m, force in N), and of places where others act."""
     loads = tuple(StepLoad(x=x, force=force) for x, force in steps)
     still = Problem.model_construct(  # of parts that fit together: they were validated
-        beam=beam, supports=supports, stops=stops, damping=damping, point_loads=loads
+        beam=structure.beam,
+        supports=structure.supports,
+        stops=structure.stops,
+        damping=structure.damping,
+        point_loads=loads,
     )
     return Family(still, places)
 

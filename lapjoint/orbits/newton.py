@@ -24,9 +24,9 @@ _STEPS = 14
 """Most steps of Newton's method: far from an orbit some are lost, near it two or three are enough."""
 _PATIENCE = 5
 """Number of steps within which the residual must halve."""
-_SPIRALS = 1e-6
-"""Imaginary part of a multiplier over its modulus, above which it is one of a complex pair and not a rounded double
-one."""
+REAL = 1e-6
+"""Imaginary part of a multiplier over its modulus, up to which it is real: above, it is one of a complex pair, and not
+a rounded double one."""
 _GROWS = 1e-6
 """Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
 _MARGINAL = 1e-9
@@ -63,6 +63,22 @@ class Orbit:
         return values[np.argsort(-np.abs(values), kind="stable")]
 
     @cached_property
+    def moduli(self) -> FloatArray:
+        """Moduli of `values`, shape ``(n,)``."""
+        return np.abs(self.values)
+
+    @cached_property
+    def real(self) -> FloatArray:
+        """Those of `values` that are real."""
+        values = self.values
+        return values.real[np.abs(values.imag) <= REAL * self.moduli]
+
+    @cached_property
+    def near_minus_one(self) -> float:
+        """`of_det_one_plus` of all multipliers over `half_periods`."""
+        return of_det_one_plus(self.values, self.moduli)
+
+    @cached_property
     def spectrum(self) -> tuple[ComplexArray, ComplexArray]:
         """Multipliers over `half_periods`, largest modulus first, ``(n,)``, and their vectors as columns ``(n, n)``."""
         values, vectors = np.linalg.eig(self.last.matrix)
@@ -92,7 +108,7 @@ class Orbit:
     @property
     def spirals_out(self) -> bool:
         """Whether motions leave it in spirals: the leading multipliers are a complex pair outside the unit circle."""
-        return self.unstable and abs(self.leading.imag) > _SPIRALS * abs(self.leading)
+        return self.unstable and abs(self.leading.imag) > REAL * abs(self.leading)
 
     @cached_property
     def watch(self) -> Watch:
@@ -116,6 +132,24 @@ class Orbit:
         """
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
+
+
+def of_det_one_plus(values: ComplexArray, moduli: FloatArray) -> float:
+    """The size of det(1 + M), over that of multipliers which are far outside the unit circle.
+
+    Parameters
+    ----------
+    values : ComplexArray, shape (n,)
+        Multipliers.
+    moduli : FloatArray, shape (n,)
+        Their moduli.
+
+    Returns
+    -------
+    float
+        Without unit.
+    """
+    return float(np.prod(np.abs(values + 1) / np.maximum(moduli, 1)))
 
 
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:

@@ -21,6 +21,7 @@ from lapjoint.problem.messages import shown
 from lapjoint.problem.random_motion import Random, RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import Record, RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
+from lapjoint.problem.structure import Structure, structure_of
 from lapjoint.problem.supports_and_stops import Stop, Support
 
 _ROUNDINGS = 1e-12  # relative: so much may a duration exceed that of a record, by the rounding of both
@@ -71,6 +72,11 @@ class Problem(Part):
     def stop_names(self) -> tuple[str, ...]:
         """Names of the stops, in order; those without a name are called ``stop 1``, ``stop 2`` ..."""
         return tuple(stop.name or f"stop {i + 1}" for i, stop in enumerate(self.stops))
+
+    @cached_property
+    def structure(self) -> Structure:
+        """What it is without its excitation and its start; copies `with_excitation` have the same."""
+        return structure_of(self.beam, self.supports, self.stops, self.damping)
 
     @cached_property
     def forces(self) -> Forces:
@@ -302,6 +308,7 @@ class Problem(Part):
         InputError
             If a part is not valid, or does not fit this beam.
         """
+        _ = self.structure  # found once, for all copies
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
         made = self.model_copy(update={name: getattr(parts, name) for name in changes})

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from lapjoint.problem import Problem, Stop
+from lapjoint.problem import Problem
+from lapjoint.problem.structure import Structure
 
 _KEPT = 64
-"""Number of sets of stops whose twins are kept: problems of one sweep, or of one branch, mostly have the same."""
+"""Number of structures whose twins are kept: problems of one sweep, or of one branch, have the same."""
 
 
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
@@ -26,18 +27,18 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     tuple of int, or None
         For each stop the index of its twin, as indices into ``problem.stops``.
     """
-    return _twins(problem.stops) if problem.forces.change_sign else None
+    return _twins(problem.structure) if problem.forces.change_sign else None
 
 
 @lru_cache(maxsize=_KEPT)
-def _twins(stops: tuple[Stop, ...]) -> tuple[int, ...] | None:
+def _twins(structure: Structure) -> tuple[int, ...] | None:
     """The twin of each stop, if both sides agree."""
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
-    for k, stop in enumerate(stops):
+    for k, stop in enumerate(structure.stops):
         sides[stop.side].append(((stop.x, stop.gap, stop.stiffness), k))
     top, bottom = (sorted(sides[side]) for side in ("top", "bottom"))
     if [key for key, _ in top] != [key for key, _ in bottom]:
         return None
     twins = {a: b for (_, a), (_, b) in zip(top, bottom, strict=True)}
     twins |= {b: a for a, b in twins.items()}
-    return tuple(twins[k] for k in range(len(stops)))
+    return tuple(twins[k] for k in range(len(structure.stops)))

@@ -28,14 +28,12 @@ from typing import Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.newton import REAL, of_det_one_plus
 from lapjoint.problem import FloatArray
 
 Kind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking"]
-_REAL = 1e-6
-"""Imaginary part of a multiplier over its modulus, up to which it is real."""
 _HALVINGS = 8
 """How often the way between two places is halved to tell bifurcations apart that lie on it."""
 _LOOKS = 5
@@ -237,9 +235,9 @@ def _may_come_back(family: Family, first: Place, last: Place, around: Around, be
     others are looked for: the multipliers that pass there are left out of both.
     """
     passing = None if besides is None else _passing(besides)
-    count = int(np.count_nonzero(np.abs(_multipliers(first, passing)) > 1 + _ROUNDING))
+    count = int(np.count_nonzero(_moduli(first, passing) > 1 + _ROUNDING))
     near = slice(max(count - _PAIR, 0), count + _PAIR)
-    if _may_pass(family, first, last, around, lambda place: np.abs(_multipliers(place, passing)[near]), 1.0):
+    if _may_pass(family, first, last, around, lambda place: _moduli(place, passing)[near], 1.0):
         return True
     return _may_pass(family, first, last, around, lambda place: np.array([_near_minus_one(place, passing)]), 0.0)
 
@@ -253,10 +251,10 @@ def _passing(one: Located) -> slice:
     return slice(others, others + (_PAIR if one.kind == "neimark-sacker" else 1))
 
 
-def _multipliers(place: Place, without: slice | None = None) -> ComplexArray:
-    """The multipliers, largest modulus first, shape ``(n,)``, or fewer where some are left out."""
-    values = place.orbit.values
-    return values if without is None else np.delete(values, without)
+def _moduli(place: Place, without: slice | None = None) -> FloatArray:
+    """The moduli of the multipliers, largest first, shape ``(n,)``, or fewer where some are left out."""
+    moduli = place.orbit.moduli
+    return moduli if without is None else np.delete(moduli, without)
 
 
 def _may_pass(
@@ -287,8 +285,9 @@ def _steady(values: Sequence[FloatArray | None]) -> npt.NDArray[np.bool_]:
 
 def _near_minus_one(place: Place, without: slice | None = None) -> float:
     """The size of det(1 + M), over that of multipliers which are far outside the circle; some may be left out."""
-    values = _multipliers(place, without)
-    return float(np.prod(np.abs(values + 1) / np.maximum(np.abs(values), 1)))
+    if without is None:
+        return place.orbit.near_minus_one
+    return of_det_one_plus(np.delete(place.orbit.values, without), _moduli(place, without))
 
 
 def _goes_on_past(
@@ -512,8 +511,7 @@ def _steepness(place: Place) -> float:
 
 def _above_minus_one(place: Place) -> int:
     """Whether det(1 + M) is positive: it changes its sign where a real multiplier passes -1, and nowhere else."""
-    real = _real(place)
-    return int(np.count_nonzero(real < -1) % 2 == 0)
+    return int(np.count_nonzero(place.orbit.real < -1) % 2 == 0)
 
 
 def _from_one(place: Place) -> float:
@@ -528,16 +526,11 @@ def _from_minus_one(place: Place) -> float:
 
 def _outside(place: Place, by: float = 0.0) -> int:
     """Number of multipliers outside the unit circle, by some distance at least."""
-    return int(np.count_nonzero(np.abs(place.orbit.values) > 1 + by))
+    return int(np.count_nonzero(place.orbit.moduli > 1 + by))
 
 
 def _from_circle(place: Place) -> float:
     """Distance from the circle of the complex multiplier that is nearest to it."""
-    values = place.orbit.values
-    pairs = values[np.abs(values.imag) > _REAL * np.abs(values)]
-    return float(np.min(np.abs(np.abs(pairs) - 1), initial=1.0))
-
-
-def _real(place: Place) -> np.ndarray:
-    values = place.orbit.values
-    return np.real(values[np.abs(values.imag) <= _REAL * np.abs(values)])
+    values, moduli = place.orbit.values, place.orbit.moduli
+    pairs = moduli[np.abs(values.imag) > REAL * moduli]
+    return float(np.min(np.abs(pairs - 1), initial=1.0))

@@ -21,7 +21,8 @@ from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.period_map import Tangent
 from lapjoint.orbits.segments import Segment, Segments, Timed
 from lapjoint.orbits.watch import motion_at
-from lapjoint.problem import FloatArray, Stop
+from lapjoint.problem import FloatArray
+from lapjoint.problem.structure import Structure
 
 _STEPS = 12
 """Most steps of Newton's method from the phase of an extremum of a neighbouring motion."""
@@ -138,7 +139,7 @@ def extrema_of(found: Return) -> Extrema:
         none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
         never = none.astype(bool)
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
-    segments, (stops, _) = found.linearised.motion, stops_of(problem.stops)
+    segments, (stops, _) = found.linearised.motion, stops_of(problem.structure)
     at, time, value, highest = gap_extrema(motion_of(found), stops)
     ends = np.flatnonzero(segments.switched >= 0)
     switched = segments.switched[ends]
@@ -153,13 +154,13 @@ def extrema_of(found: Return) -> Extrema:
 
 
 @lru_cache(maxsize=64)  # problems of one branch, and of others that are followed at the same time, share theirs
-def stops_of(stops: tuple[Stop, ...]) -> tuple[Stops, IndexArray]:
-    """The stops of a problem as compiled functions take them.
+def stops_of(structure: Structure) -> tuple[Stops, IndexArray]:
+    """The stops of a structure as compiled functions take them.
 
     Parameters
     ----------
-    stops : tuple of Stop
-        ``P`` stops at ``U`` places.
+    structure : Structure
+        That of the problem, with ``P`` stops at ``U`` places.
 
     Returns
     -------
@@ -168,6 +169,7 @@ def stops_of(stops: tuple[Stop, ...]) -> tuple[Stops, IndexArray]:
     ndarray, shape (U,)
         A stop at each of the places; not to be written to.
     """
+    stops = structure.stops
     _, first, place = np.unique([stop.x for stop in stops], return_index=True, return_inverse=True)
     flat = Stops(
         sign=np.array([stop.sign for stop in stops], dtype=float),
@@ -193,7 +195,7 @@ def motion_of(found: Return) -> Motion:
     """
     kept: dict[str, Any] = found.__dict__
     if "_motion" not in kept:
-        kept["_motion"] = motion_at(found.linearised.motion, stops_of(found.half_periods.map.problem.stops)[1])
+        kept["_motion"] = motion_at(found.linearised.motion, stops_of(found.half_periods.map.problem.structure)[1])
     motion: Motion = kept["_motion"]
     return motion
 

@@ -88,7 +88,7 @@ def rates_of(family: Family, place: Place) -> Rates:
 def _exact(family: Family, place: Place) -> Rates:
     """Rates from the motion's own derivatives."""
     found, here, problem = place.orbit.last, place.extrema, place.half_periods.map.problem
-    motion, (stops, first) = motion_of(found), stops_of(problem.stops)
+    motion, (stops, first) = motion_of(found), stops_of(problem.structure)
     by_number = place.tangent[-1] * family.scale(place.value)
     change = change_along(found, first, place.tangent[:-1] / place.weights, by_number)
     segments = found.linearised.motion

@@ -173,7 +173,7 @@ def test_a_change_is_laid_out_the_same_way_whatever_the_number_of_switches() -> 
     free = family_of(cantilever(1.0))
     places = place_at(free, LOW), place_of_the_joint()[1]
     for place in places:
-        first = stops_of(place.half_periods.map.problem.stops)[1]
+        first = stops_of(place.half_periods.map.problem.structure)[1]
         parts = change_along(place.orbit.last, first, place.tangent[:-1] / place.weights, 1.0)
         assert [part.flags.c_contiguous for part in parts] == [True] * 3
     assert len(places[0].orbit.last.linearised.motion) == 1 < len(places[1].orbit.last.linearised.motion)

@@ -1,0 +1,54 @@
+"""What a problem is without its excitation and its start: what all problems of a sweep over these have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from lapjoint.problem.beam import Beam
+from lapjoint.problem.damping import Damping
+from lapjoint.problem.supports_and_stops import Stop, Support
+
+_KEPT = 64
+"""Number of structures that are kept: problems of one campaign mostly have the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """A beam with its supports, stops and damping.
+
+    Equal ones are one object as long as it is kept, so that what is kept by it is found without comparing its parts.
+    """
+
+    beam: Beam
+    supports: tuple[Support, ...]
+    stops: tuple[Stop, ...]
+    damping: Damping
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return structure_of, (self.beam, self.supports, self.stops, self.damping)
+
+
+@lru_cache(maxsize=_KEPT)
+def structure_of(
+    beam: Beam, supports: tuple[Support, ...], stops: tuple[Stop, ...], damping: Damping
+) -> Structure:
+    """The structure of these parts.
+
+    Parameters
+    ----------
+    beam : Beam
+        The beam.
+    supports : tuple of Support
+        Its supports.
+    stops : tuple of Stop
+        Its stops.
+    damping : Damping
+        Its damping.
+
+    Returns
+    -------
+    Structure
+        The same object for equal parts, as long as it is kept.
+    """
+    return Structure(beam, supports, stops, damping)
