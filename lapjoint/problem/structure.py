@@ -30,9 +30,7 @@ class Structure:
 
 
 @lru_cache(maxsize=_KEPT)
-def structure_of(
-    beam: Beam, supports: tuple[Support, ...], stops: tuple[Stop, ...], damping: Damping
-) -> Structure:
+def structure_of(beam: Beam, supports: tuple[Support, ...], stops: tuple[Stop, ...], damping: Damping) -> Structure:
     """The structure of these parts.
 
     Parameters

@@ -55,7 +55,7 @@ Finder = Callable[[Family, Place], Again | None]
 """Finds a bifurcation by another solver from where one has it."""
 
 
-def leads_back(family: Family, place: Place, other: Family, found: Again, finder: Finder) -> bool:
+def leads_back(family: Family, place: Place, other: Family, found: Again, finder: Finder, sure: float = NEAR) -> bool:
     """Whether a bifurcation that another solver has leads back to where it was looked for: else it is a neighbour's.
 
     Parameters
@@ -70,6 +70,8 @@ def leads_back(family: Family, place: Place, other: Family, found: Again, finder
         What that one has.
     finder : callable
         What found it.
+    sure : float
+        Arc length within which no other one of its kind is to be expected.
 
     Returns
     -------
@@ -77,7 +79,7 @@ def leads_back(family: Family, place: Place, other: Family, found: Again, finder
         True, too, where both are so near that nothing else comes between.
     """
     way = float(np.linalg.norm(found.place.chord(other, place)))
-    return comes_back(way, family, place, lambda: found.place, finder)
+    return comes_back(way, family, place, lambda: found.place, finder, sure)
 
 
 def comes_back(

@@ -22,6 +22,10 @@ _MOST = 5
 """Most finer solvers that are asked: of 3769 bifurcations of the lightly damped joint, the third left two errors larger
 than is aimed at, and the fourth none."""
 
+_SURE = 1e-5
+"""Arc length between a bifurcation as two solvers have it within which it is not asked whether the way leads back: two
+grazes of a stop may lie nearer than `found_again.NEAR`, and then solvers that agree may have the other one."""
+
 
 @dataclass(frozen=True)
 class Stated:
@@ -79,8 +83,8 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
             finer = family.finer(value)
             if finer is None:
                 break
-            found = finder(finer[1], place)
-            if found is None or not leads_back(family, place, finer[1], found, finder):
+            found = _same(family, place, finer[1], finder)
+            if found is None:
                 return Stated(value, np.inf)
             bound = apart_by(finer[0], found.value - value)
             family, place, value = finer[1], found.place, found.value
@@ -94,6 +98,13 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     return Stated(value, error)
 
 
+def _same(family: Family, place: Place, finer: Family, finder: Finder) -> Again | None:
+    """A bifurcation as a finer solver has it, from the motion at it; None if what that finds is another one."""
+    found = finder(finer, place)
+    same = found is not None and leads_back(family, place, finer, found, finder, _SURE)
+    return found if same else None
+
+
 def _by_one_more(family: Family, found: Again, finder: Finder) -> float:
     """The error of what two solvers agree on, by the next finer solver; 0 if that does not find it.
 
@@ -105,7 +116,7 @@ def _by_one_more(family: Family, found: Again, finder: Finder) -> float:
     shift = None if found.by_one_motion is None else found.by_one_motion(finer[1])
     if shift is None:
         try:
-            there = finder(finer[1], found.place)
+            there = _same(family, found.place, finer[1], finder)
         except (InputError, SolverError):
             there = None
         shift = 0.0 if there is None else there.value - found.value

@@ -6,7 +6,8 @@ part of what the order of convergence allows, for each self of the solver anew.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -80,3 +81,44 @@ def stated_of(kind: Kind, solver: Irregular, value: float) -> Stated:
     place = corrected(family, value, family.at(value).map.initial(), 2)
     assert place is not None
     return stated(family, place, value, smooth_finder(kind))
+
+
+@dataclass(frozen=True)
+class Lacking(Made):
+    """A solver whose finer selves, from one on, have other multipliers."""
+
+    others: Blocks = field(kw_only=True)
+    level: int = field(kw_only=True)
+    name = "lacking"
+
+    def period_map(self, problem: Problem) -> MadeMap:
+        """The map at the amplitude of a problem."""
+        return Made(self.blocks if self.level > 0 else self.others).period_map(problem)
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Lacking]:
+        """One finer solver."""
+        return Refinement("made", RATIO, ORDER), replace(self, level=self.level - 1)
+
+
+@pytest.mark.parametrize("level", [1, 2])
+def test_a_neighbour_on_which_finer_solvers_agree_is_not_stated(level: int) -> None:
+    """However near it is: they lack the one that is meant, and have the neighbour alike."""
+    for seed in range(MANY // 4):
+        rng = np.random.default_rng((86, seed))
+        rate, sign, beside = (
+            rng.uniform(5, 50),
+            rng.choice([-1, 1]),
+            rng.choice([-1, 1]) * 10 ** rng.uniform(-4.5, -2.6),
+        )
+
+        def flip(at: float, rate: float = rate * sign) -> Callable[[float], np.ndarray]:
+            return lambda p: np.array([[-np.exp(rate * (p - at))]])
+
+        first, neighbour = flip(AT), flip(AT + beside, -rate * sign)
+        solver = Lacking(
+            lambda p, first=first, neighbour=neighbour: [first(p), neighbour(p)],
+            others=lambda p, neighbour=neighbour: [np.array([[0.3]]), neighbour(p)],
+            level=level,
+        )
+        found = stated_of("flip", solver, AT)
+        assert found.error == np.inf or abs(found.value - AT) <= found.error
