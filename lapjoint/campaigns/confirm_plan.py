@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from lapjoint.answers.branches import Bifurcation
+from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.campaigns.branch_dataset import KINDS
 from lapjoint.campaigns.branch_parts import family_of, motion_from
 from lapjoint.campaigns.branch_plan import BranchPlan
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+_RIVALS, _AS_NEAR = 4, 1e-3
+"""Most other bifurcations of a branch, of the kind that is looked for, from which it is told; and the distance of the
+number, over it, within which they may be taken for it: both solvers have nearly all to 1e-5."""
 _UNSURE = 2
 """Most finer selves of the other solver that look for what the first one states no error of, and so cannot agree on."""
 
@@ -47,13 +50,40 @@ class Row:
     """The motion there, as the file has it."""
     also: int
     """Number of the value of a second number; 0 without one."""
+    branch: int
+    """Number of its branch in the file."""
+    rivals: tuple[str, ...] = ()
+    """The motions of others of its kind nearby on the same branch, for which it may be taken."""
 
     @property
     def bifurcation(self) -> Bifurcation:
         """The same as an answer, with the motion."""
         kind: Any = self.kind
-        motion = motion_from(json.loads(self.motion))
-        return Bifurcation(kind, self.value, self.error, 0, self.stop, motion=motion)
+        return Bifurcation(kind, self.value, self.error, 0, self.stop, motion=_motion(self.motion))
+
+    def beside(self, rows: Iterable[Row]) -> Row:
+        """The same with its rivals.
+
+        Parameters
+        ----------
+        rows : iterable of Row
+            All rows of the file.
+
+        Returns
+        -------
+        Row
+            With the motions of the nearest ones.
+        """
+        mine = (self.kind, self.stop, self.also, self.branch)
+        others = [
+            row
+            for row in rows
+            if row.number != self.number
+            and (row.kind, row.stop, row.also, row.branch) == mine
+            and abs(row.value - self.value) <= _AS_NEAR * abs(self.value)
+        ]
+        others.sort(key=lambda row: abs(row.value - self.value))
+        return replace(self, rivals=tuple(row.motion for row in others[:_RIVALS]))
 
 
 @dataclass(frozen=True)
@@ -131,7 +161,8 @@ class ConfirmPlan:
 
         row = self.rows[cell]
         try:
-            one = restored(family_of(self.branches.at(row.also)), row.bifurcation)
+            rivals = [_motion(rival) for rival in row.rivals]
+            one = restored(family_of(self.branches.at(row.also)), row.bifurcation, rivals)
             if one is None:
                 return Confirmed(message="the first solver does not find it again from the motion in the file"), None
             other = family_of(self.other.at(row.also))
@@ -213,8 +244,10 @@ def confirm_plan(
         raise InputError("branches: have no bifurcation that is resolved, and so there is nothing to confirm")
     if share < 1:
         drawn = np.random.default_rng(seed).choice(len(rows), max(1, round(share * len(rows))), replace=False)
-        rows = [rows[i] for i in np.sort(drawn)]
-    return ConfirmPlan(_plan_of(found), tuple(rows), solver, options, float(share), seed)
+        drawn_rows = [rows[i] for i in np.sort(drawn)]
+    else:
+        drawn_rows = rows
+    return ConfirmPlan(_plan_of(found), tuple(_beside_others(drawn_rows, rows)), solver, options, float(share), seed)
 
 
 def _plan_of(found: xr.Dataset) -> BranchPlan:
@@ -244,6 +277,23 @@ def _rows(found: xr.Dataset) -> Iterator[Row]:
     if "bifurcation_also_over" in found:
         second = next(one for one in found.coords.values() if "path" in one.attrs)
         also = np.argmin(np.abs(found.bifurcation_also_over.values[:, None] - second.values), axis=1)
-    columns = (found[f"bifurcation_{name}"].values for name in ("kind", "value", "error", "stop", "motion"))
-    for i, (kind, value, error, stop, motion) in enumerate(zip(*columns, strict=True)):
-        yield Row(i, KINDS[kind], float(value), float(error), int(stop), str(motion), int(also[i]))
+    names = ("kind", "value", "error", "stop", "motion", "branch")
+    columns = (found[f"bifurcation_{name}"].values for name in names)
+    for i, (kind, value, error, stop, motion, branch) in enumerate(zip(*columns, strict=True)):
+        yield Row(i, KINDS[kind], float(value), float(error), int(stop), str(motion), int(also[i]), int(branch))
+
+
+def _beside_others(rows: Iterable[Row], every: Iterable[Row]) -> Iterator[Row]:
+    """Some rows of a file, each with its rivals among all of them."""
+    of_branch: dict[int, list[Row]] = {}
+    for row in every:
+        of_branch.setdefault(row.branch, []).append(row)
+    for row in rows:
+        yield row.beside(of_branch[row.branch])
+
+
+def _motion(text: str) -> MotionThere:
+    """A motion as the file has it."""
+    found = motion_from(json.loads(text))
+    assert found is not None
+    return found

@@ -12,7 +12,7 @@ A bifurcation that the next finer self of the first solver does not find is look
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -154,11 +154,26 @@ class _Search:
         beyond = self._contacts_beyond(found.place)
         if beyond is None:
             return False
+        if not self._is_nearest(i, found):
+            return False
         way = float(np.linalg.norm(found.place.chord(self.selves[i], near)))
         there = Carrier(self.selves[i], found.place)
         sure = 0.0 if beyond else NEAR if isinstance(self.one.found, Graze) else _SURE
         own = self.one.family
         return comes_back(way, own, self.motion, lambda: there.carried(own), self.from_motion, sure)
+
+    def _is_nearest(self, i: int, found: Again) -> bool:
+        """Whether what a self has found is nearer to the first solver's motion than to those at its rivals."""
+        if not self.one.rivals:
+            return True
+        family, own = self.selves[i], self.one.family
+
+        def away(motion: Place) -> float:
+            carrier = Carrier(own, motion)
+            return float(np.linalg.norm(found.place.chord(family, carrier.seen_by(family))))
+
+        mine = away(self.motion)
+        return all(mine <= away(rival) for rival in self.one.rivals)
 
     def _contacts_beyond(self, place: Place) -> bool | None:
         """Whether a motion has the contacts of those beyond the graze, instead of before; None if it has neither."""
@@ -183,7 +198,7 @@ class _Search:
         found = self.direct(self.selves[i], there.place)
         if found is None or not leads_back(self.selves[other], there.place, self.selves[i], found, self.direct):
             return None
-        return self._kept(i, found)
+        return self._kept(i, found) if self._is_nearest(i, found) else None
 
     def _along(self) -> Stated | None:
         """Along the curve of a self, from motions beside the bifurcation; the coarser one from there, or likewise."""
@@ -210,8 +225,8 @@ class _Search:
         if self.one.way is None or self.one.found is None or here is None:
             return None
         family = self.selves[i]
-        at = replace(self.motion, orbit=replace(self.motion.orbit, point=here.started(family)))
-        return along(self.one.found, CarriedWay(self.one.way, self.one.family, family))(family, at)
+        found = along(self.one.found, CarriedWay(self.one.way, self.one.family, family))(family, here.seen_by(family))
+        return found if found is not None and self._is_nearest(i, found) else None
 
     def _beside(self) -> Stated | None:
         """Beside a graze: by a self and the next finer one that agree, each from the graze as it has that."""
@@ -223,7 +238,9 @@ class _Search:
             found_by = cache(Beside(self.one.family, one, graze).found_by)
             for i in range(1, len(self.known) + 1):
                 here = found_by(self.selves[i])
-                coarser = None if here is None else found_by(self.selves[i - 1])
+                if here is None or not self._is_nearest(i, here):
+                    continue
+                coarser = found_by(self.selves[i - 1])
                 best = None if coarser is None else self._stated(i, here, coarser)
                 if best is not None and best.error <= AIM * self.family.scale(best.value):
                     return best

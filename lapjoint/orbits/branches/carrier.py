@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -51,6 +51,21 @@ class Carrier:
         value = self.place.value
         problem = other.problem_at(value).replace(initial=self._shape)
         return other.adopted(value, other.solver_at(value).period_map(problem).initial())
+
+    def seen_by(self, other: Family) -> Place:
+        """Where the motion lies for another solver, which need have no motion there.
+
+        Parameters
+        ----------
+        other : Family
+            The period maps of that one.
+
+        Returns
+        -------
+        Place
+            The motion with its section point on that solver's map: to measure distances from.
+        """
+        return replace(self.place, orbit=replace(self.place.orbit, point=self.guess(other)))
 
     def guess(self, other: Family) -> SectionPoint:
         """The same; a self of the solver that has the motion need not take samples of a shape to come near it.

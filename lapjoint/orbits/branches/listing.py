@@ -31,6 +31,8 @@ class Listed:
     """What was found; None if it is not resolved."""
     way: About | None = field(default=None, repr=False)
     """The branch about it; None if it is not resolved."""
+    rivals: tuple[Place, ...] = field(default=(), repr=False)
+    """The motions at others of its kind nearby, as far as they are known, for which another solver may take it."""
 
     @property
     def index(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +26,7 @@ _SHARPER = 2
 """Most selves finer than that which found it by which it is located again: the third one's motion is hardly nearer."""
 
 
-def restored(family: Family, one: Bifurcation) -> Listed | None:
+def restored(family: Family, one: Bifurcation, rivals: Iterable[MotionThere] = ()) -> Listed | None:
     """A bifurcation with what was found, by the solver that found it.
 
     Parameters
@@ -35,6 +35,8 @@ def restored(family: Family, one: Bifurcation) -> Listed | None:
         The period maps of the solver.
     one : Bifurcation
         The bifurcation, with the motion there.
+    rivals : iterable of MotionThere, optional
+        The motions at others for which it may be taken.
 
     Returns
     -------
@@ -42,7 +44,10 @@ def restored(family: Family, one: Bifurcation) -> Listed | None:
         By this solver, or a finer self of it; None if none finds it from that motion.
     """
     found = None if one.motion is None else _restored(family, one, one.motion)
-    return None if found is None else _sharper(found)
+    if found is None:
+        return None
+    places = (next((place for _, place in _places(found.family, rival)), None) for rival in rivals)
+    return replace(_sharper(found), rivals=tuple(place for place in places if place is not None))
 
 
 def _restored(family: Family, one: Bifurcation, motion: MotionThere) -> Listed | None:

@@ -13,6 +13,7 @@ import lapjoint
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns.branch_dataset import read_branches
 from lapjoint.campaigns.confirm_dataset import VERDICTS
+from lapjoint.campaigns.confirm_plan import confirm_plan
 from lapjoint.campaigns.dataset import read_result
 from lapjoint.cli.main import main
 from lapjoint.errors import Interrupted
@@ -95,6 +96,22 @@ def test_a_share_is_drawn_at_random_and_by_its_seed(branches: Path) -> None:
     assert all(len(one) == 1 for one in numbers)
     assert numbers[0] == numbers[1]
     assert len({one[0] for one in numbers}) > 1
+
+
+def test_those_of_one_kind_and_branch_that_are_close_together_are_rivals(branches: Path) -> None:
+    """Of all in the file, also where only a share is looked for."""
+    found = read_branches(branches)
+    apart = confirm_plan(found, "fe", {})
+    folds = [row.number for row in apart.rows if row.kind == "fold"]
+    assert len(folds) == 2
+    assert not any(row.rivals for row in apart.rows)
+    found.bifurcation_value.values[folds[1]] = found.bifurcation_value.values[folds[0]] * (1 + 5e-4)
+    for share in (1.0, 0.4):
+        for row in confirm_plan(found, "fe", {}, share, seed=2).rows:
+            others = [apart.rows[i].motion for i in folds if row.kind == "fold" and i != row.number]
+            assert list(row.rivals) == others
+    found.bifurcation_branch.values[folds[1]] += 1
+    assert not any(row.rivals for row in confirm_plan(found, "fe", {}).rows)
 
 
 @pytest.mark.parametrize(

@@ -125,3 +125,33 @@ def test_a_bifurcation_is_restored_where_it_is_said_to_be(kind: Kind, seed: int)
 def critical(kind: Kind, logarithm: float, angle: float) -> np.ndarray:
     """The multiplier, or the pair, whose modulus has a logarithm."""
     return np.array([[-np.exp(logarithm)]]) if kind == "flip" else pair(float(np.exp(logarithm)), angle)
+
+
+def two_flips(at: float, beside: float, rate: float) -> Blocks:
+    """One multiplier that leaves the circle at -1, and one that enters it a little farther."""
+    return lambda p: [critical("flip", rate * (p - at), 0.0), critical("flip", -rate * (p - at - beside), 0.0)]
+
+
+def flip_by_another(own: Family, values: tuple[float, ...], other: Family) -> Stated | None:
+    """The flip at the first of some values, by a solver that may take it for those at the others."""
+    place, *rivals = (corrected(own, value, own.at(value).map.initial(), 2) for value in values)
+    assert place is not None
+    known = tuple(rival for rival in rivals if rival is not None)
+    one = Listed(own, Bifurcation("flip", values[0], 0.0, 0), Located("flip", place), rivals=known)
+    return by_another(one, other, FINER)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_of_two_that_are_close_together_each_is_found_as_itself(seed: int) -> None:
+    """The other solver has both, off by less than half of their distance, or has the second one alone."""
+    rng = np.random.default_rng((87, seed))
+    beside, rate = rng.choice([-1, 1]) * 10 ** rng.uniform(-4.3, -3.6), rng.choice([-1, 1]) * rng.uniform(5, 50)
+    own, shift = family_of(Made(two_flips(AT, beside, rate))), 0.2 * beside
+    both = family_of(Shifted(two_flips(AT, beside, rate), shift))
+    alone = family_of(Shifted(lambda p: [np.array([[0.3]]), two_flips(AT, beside, rate)(p)[1]]))
+    for values in ((AT, AT + beside), (AT + beside, AT)):
+        found = flip_by_another(own, values, both)
+        assert found is not None
+        assert abs(found.value - values[0]) <= abs(shift)
+    assert flip_by_another(own, (AT,), alone) is not None  # so near that the way back is not asked for
+    assert flip_by_another(own, (AT, AT + beside), alone) is None
