@@ -290,6 +290,8 @@ class _Along:
 
 def _as_one(motions: list[March], period: float) -> March:
     """Recorded marches that follow each other, a period apart, each from its own time 0, as one."""
+    if len(motions) == 1:
+        return motions[0]
     logs = [_later(motion.log, i * period) for i, motion in enumerate(motions)]
     total = np.sum([motion.penetration for motion in motions], axis=0)
     return March(motions[-1].joint, joined(logs), motions[-1].end, total)

@@ -101,8 +101,8 @@ class Timed(Sequence[Segment]):
         Segment
             The earlier one where two meet, and the last one if there is none.
         """
-        there = np.flatnonzero((self.start <= t) & (t <= self.end))
-        return self[int(there[0]) if there.size else len(self) - 1]
+        i = int(np.searchsorted(self.end, t))
+        return self[i if i < len(self) and self.start[i] <= t else len(self) - 1]
 
 
 @dataclass(frozen=True, eq=False)

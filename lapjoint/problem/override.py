@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from functools import lru_cache
 from typing import Any
 
 from lapjoint.errors import InputError
@@ -11,6 +12,8 @@ from lapjoint.problem.messages import shortened
 
 LONGEST_INDEX = 18
 """Largest number of digits of an index: no list has more elements, and Python refuses to read some thousand digits."""
+_PATHS = 256
+"""Number of paths whose keys are kept: those of one campaign."""
 DEEPEST = 20
 """Largest number of keys of a path; no field of a problem lies deeper than five."""
 
@@ -65,7 +68,8 @@ def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
     _assign(tables, keys, value, source)
 
 
-def path_keys(path: str) -> list[str]:
+@lru_cache(maxsize=_PATHS)
+def path_keys(path: str) -> tuple[str, ...]:
     """The keys of a path, from the outermost to the innermost.
 
     Parameters
@@ -75,10 +79,10 @@ def path_keys(path: str) -> list[str]:
 
     Returns
     -------
-    list of str
+    tuple of str
         As ``stops``, ``0``, ``gap``.
     """
-    return [key for key in re.split(r"[.\[\]]+", path.strip()) if key]
+    return tuple(key for key in re.split(r"[.\[\]]+", path.strip()) if key)
 
 
 def toml_value(text: str) -> Any:
@@ -101,7 +105,7 @@ def toml_value(text: str) -> Any:
     return tables["value"] if set(tables) == {"value"} else text.strip()
 
 
-def _assign(here: Any, keys: list[str], value: Any, source: str) -> None:
+def _assign(here: Any, keys: tuple[str, ...], value: Any, source: str) -> None:
     """Set the value in all parts that the keys lead to."""
     parts = [here]
     for key in keys[:-1]:

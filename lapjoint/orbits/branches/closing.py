@@ -100,7 +100,7 @@ class Start:
             return None
         chord = b.chord(self.family, a)
         length = float(np.linalg.norm(chord))
-        if abs(b.value - self.place.value) > (1 + _BESIDE) * length * self.family.scale(b.value):
+        if not length or abs(b.value - self.place.value) > (1 + _BESIDE) * length * self.family.scale(b.value):
             return None
         for image in self.images:
             left = b.chord(self.family, image)

@@ -231,11 +231,14 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
             elif column.size != r.size or (residual <= RESIDUAL and fixed):
                 column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
             J, state, first = jacobian(found, column * family.scale(value), weights), point.state, residual
-        step = _newton_step(J, weights * r, fixed)
         if residual <= RESIDUAL:
-            closed = place_from(value, point, residual, found, J, weights)
+            tangent, step = _null_and(J, -weights * r)
+            closed = Place(value, Orbit(count, point, residual, found), weights, tangent, found.half_periods)
+            step = np.append(step[:-1], 0.0) if fixed else _shortest(step, tangent)
             if settled(step, weights * r):
                 return closed
+        else:
+            step = _newton_step(J, weights * r, fixed)
         point = half.map.moved(point, step[:-1] / weights)
         if step[-1]:
             value += float(step[-1]) * family.scale(value)
@@ -267,6 +270,11 @@ def _newton_step(J: FloatArray, F: FloatArray, fixed: bool) -> FloatArray:
     if fixed:
         return np.append(np.linalg.solve(J[:, :-1], -F), 0.0)
     along, step = _null_and(J, -F)
+    return _shortest(step, along)
+
+
+def _shortest(step: FloatArray, along: FloatArray) -> FloatArray:
+    """A step without its part along the curve."""
     return step - float(step @ along) * along
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import dataclass
@@ -137,6 +138,7 @@ class Family:
         self.problem_at, self.path, self.low, self.high = problem_at, path, float(low), float(high)
         self.zones = self._resolved(solver)
         """Parts of the range of one resolution each, in ascending order."""
+        self._highs = [zone.high for zone in self.zones]
         self._first = self
         self._maps = lru_cache(maxsize=_KEPT)(self._made)
 
@@ -233,7 +235,7 @@ class Family:
         return zones
 
     def _zone_of(self, value: float) -> int:
-        return next((i for i, zone in enumerate(self.zones) if value <= zone.high), len(self.zones) - 1)
+        return bisect_left(self._highs, value, hi=len(self._highs) - 1)
 
     def scale(self, value: float) -> float:
         """What a change of the number is compared with: its size, or the whole range where that includes zero.
