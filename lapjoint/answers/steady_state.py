@@ -27,6 +27,8 @@ blocks, and because the search looks at several measurements."""
 LEAST_GROWTH = 10.0
 """Logarithm of the least growth of a deviation over a measurement that shows chaos (and of the least shrinkage that
 shows a stable motion): on a torus a deviation grows and shrinks by less, over however long a time."""
+_CHATTER = 4
+"""Least number of contacts of a stop in a period that chatters: three flights, and what begins and ends them."""
 ALIKE = 0.1
 """Relative difference up to which the exponents of both halves agree, even if the growth hardly scatters."""
 SMALL = 0.1
@@ -261,11 +263,13 @@ def chatters(history: History, stop: int) -> bool:
         Index into ``problem.stops``.
     """
     mine = [contact for contact in history.contacts if contact.stop == stop]
-    if len(mine) < 4:
+    if len(mine) < _CHATTER:
         return False
     if mine[0].open_start and mine[-1].open_end:  # one contact, cut in two by the section point
         mine = [replace(mine[-1], end=mine[0].end + history.end - history.start), *mine[1:-1]]
         mine.sort(key=lambda contact: contact.start)
+    if len(mine) < _CHATTER:
+        return False
     next_period = [
         replace(c, start=c.start + history.end - history.start, end=c.end + history.end - history.start) for c in mine
     ]

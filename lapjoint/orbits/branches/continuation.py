@@ -73,6 +73,9 @@ turns before a graze, it is found from nearer in one of three cases."""
 _TOLD = 1e-4
 """Least that a motion misses to repeat in half the time, over its size, by which it is told from one that does: beside
 the bifurcation at which they part, what is left of a motion that does not close is the cube of this, and rounds."""
+_TOLD_AT_FIRST = 0.1
+"""The same over what the motion misses from which the branch is followed, where that is less: so near to where it
+springs that a finer solver found it."""
 _BOTH_SIDES = 3.0
 """Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
 nothing: 2 on a straight way."""
@@ -120,7 +123,8 @@ class _Follower:
         self._before_fold: Jump | None = None
         self._expected, self._closer = 0.0, 0
         self._end, self._tries = "", 0
-        self._marks, self._looked, self._missed = Marks(family, start), 0, 0.0
+        self._marks, self._looked, self._missed = Marks(family, start), 0, _missed(start)
+        self._told = _TOLD if self._missed > _TOLD else _TOLD_AT_FIRST * self._missed
         self._until = None if limits.until is None else Start(family, limits.until, itself=True)
         self._step, self._length, self._measured = min(_FIRST, _SHARE * limits.length, limits.first), 0.0, 0
 
@@ -164,12 +168,12 @@ class _Follower:
             if there is not None:
                 self._end_at(i, there, "until")
                 break
-            missed = 1.0 if new.missed is None else float(np.linalg.norm(new.missed))
+            missed = _missed(new)
             back = None if self._limits.enough is not None else self._marks.come_back(self._places, i)
             if back is not None:
                 self._end_at(*back, "closed")
                 break
-            if missed <= _TOLD < self._missed:
+            if missed <= self._told < self._missed:
                 self._end_at(i, None, "bifurcation")
                 break
             self._missed = max(self._missed, missed)
@@ -451,6 +455,11 @@ def _outward(family: Family, place: Place) -> bool:
     """Whether a place lies at an end of the range, and its tangent points out of it."""
     out = family.high if place.tangent[-1] > 0 else family.low
     return abs(place.value - out) <= _AT_END * family.scale(place.value)
+
+
+def _missed(place: Place) -> float:
+    """Size of what a motion misses to repeat in half the time; 1 where there is no such motion."""
+    return 1.0 if place.missed is None else float(np.linalg.norm(place.missed))
 
 
 def _share_to_shorter(family: Family, here: Place, new: Place) -> float | None:
