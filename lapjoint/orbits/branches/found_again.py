@@ -29,7 +29,7 @@ _LOCATED = 1e-9
 NEAR = 3e-3
 """Arc length between a bifurcation as two solvers have it: another of its kind may lie not far off.  Of 240, three lay
 farther apart, and none by 0.01."""
-_SHARE_BACK = 0.1
+SHARE_BACK = 0.1
 """Most by which the way back misses where it began, over that way: it leads there to `_LOCATED`, or elsewhere."""
 _SAME_MULTIPLIER = 0.05
 """Distance between the critical multipliers of two solvers up to which a bifurcation is the same one."""
@@ -70,8 +70,6 @@ def leads_back(family: Family, place: Place, other: Family, found: Again, finder
         What that one has.
     finder : callable
         What found it.
-    sure : float
-        Arc length within which no other one of its kind is to be expected.
 
     Returns
     -------
@@ -79,7 +77,7 @@ def leads_back(family: Family, place: Place, other: Family, found: Again, finder
         True, too, where both are so near that nothing else comes between.
     """
     way = float(np.linalg.norm(found.place.chord(other, place)))
-    return comes_back(way, family, place, lambda: found.place, finder, sure)
+    return comes_back(way, family, place, lambda: found.place, finder)
 
 
 def comes_back(
@@ -116,7 +114,7 @@ def comes_back(
         return True
     found = there()
     back = None if found is None else finder(family, found)
-    return back is not None and float(np.linalg.norm(back.place.chord(family, place))) <= _SHARE_BACK * way
+    return back is not None and float(np.linalg.norm(back.place.chord(family, place))) <= SHARE_BACK * way
 
 
 def alike(family: Family, place: Place) -> Place | None:

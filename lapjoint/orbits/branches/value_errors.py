@@ -13,7 +13,7 @@ import numpy as np
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import Again, Finder, leads_back
+from lapjoint.orbits.branches.found_again import NEAR, SHARE_BACK, Again, Finder
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 
 AIM = 1e-5
@@ -83,7 +83,7 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
             finer = family.finer(value)
             if finer is None:
                 break
-            found = _same(family, place, finer[1], finder)
+            found = _same(family, place, value, finer[1], finder)
             if found is None:
                 return Stated(value, np.inf)
             bound = apart_by(finer[0], found.value - value)
@@ -98,11 +98,23 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     return Stated(value, error)
 
 
-def _same(family: Family, place: Place, finer: Family, finder: Finder) -> Again | None:
-    """A bifurcation as a finer solver has it, from the motion at it; None if what that finds is another one."""
+def _same(family: Family, place: Place, value: float, finer: Family, finder: Finder) -> Again | None:
+    """A bifurcation as a finer solver has it, from the motion at it; None if what that finds is another one.
+
+    From there the way leads back to the motion, or to the number: just before a graze, a motion is at some distance.
+    Near by, it is enough that the way does not lead to another one: motions beyond a graze are not carried back.
+    """
     found = finder(finer, place)
-    same = found is not None and leads_back(family, place, finer, found, finder, _SURE)
-    return found if same else None
+    if found is None:
+        return None
+    way, apart = float(np.linalg.norm(found.place.chord(finer, place))), abs(found.value - value)
+    if max(way, apart / family.scale(value)) <= _SURE:
+        return found
+    back = finder(family, found.place)
+    if back is None:
+        return found if way <= NEAR else None
+    same = float(np.linalg.norm(back.place.chord(family, place))) <= SHARE_BACK * way
+    return found if same or abs(back.value - value) <= SHARE_BACK * apart else None
 
 
 def _by_one_more(family: Family, found: Again, finder: Finder) -> float:
@@ -116,7 +128,7 @@ def _by_one_more(family: Family, found: Again, finder: Finder) -> float:
     shift = None if found.by_one_motion is None else found.by_one_motion(finer[1])
     if shift is None:
         try:
-            there = _same(family, found.place, finer[1], finder)
+            there = _same(family, found.place, found.value, finer[1], finder)
         except (InputError, SolverError):
             there = None
         shift = 0.0 if there is None else there.value - found.value
