@@ -45,3 +45,18 @@ def test_a_graze_has_one_value_from_both_sides(n_modes: int) -> None:
     assert smooth.left == touched.left == 0.0
     assert abs(touched.before.value - smooth.value) > 1e-6 * smooth.value  # what the straight line misses it by
     assert touched.value == pytest.approx(smooth.value, rel=1e-10)
+
+
+def test_a_graze_is_where_its_motion_is() -> None:
+    """Where the first stop begins to be touched, others lie close by: the smooth side is that of this one."""
+    grid = Grid(paper_joint(), (Axis(FREQUENCY, (1.0, 50.0)),))
+    family = Family(analytic.Solver(), lambda v: grid.with_values((v,)), FREQUENCY, 1.0, 50.0)
+    seed = seed_from(family, 4.29, family.at(4.29).map.initial(), 1)
+    assert seed is not None
+    start = corrected(family, seed.value, seed.point, seed.count)
+    assert start is not None
+    for place in (start, start.turned()):
+        run = follow(family, place, Limits(most=60))
+        assert len(run.grazes) >= 4
+        for graze in run.grazes:
+            assert graze.value == pytest.approx(graze.before.place.value, rel=1e-6)

@@ -55,7 +55,7 @@ Finder = Callable[[Family, Place], Again | None]
 """Finds a bifurcation by another solver from where one has it."""
 
 
-def leads_back(family: Family, place: Place, other: Family, found: Again, finder: Finder, sure: float = NEAR) -> bool:
+def leads_back(family: Family, place: Place, other: Family, found: Again, finder: Finder) -> bool:
     """Whether a bifurcation that another solver has leads back to where it was looked for: else it is a neighbour's.
 
     Parameters
