@@ -263,9 +263,7 @@ def chatters(history: History, stop: int) -> bool:
         Index into ``problem.stops``.
     """
     mine = [contact for contact in history.contacts if contact.stop == stop]
-    if len(mine) < _CHATTER:
-        return False
-    if mine[0].open_start and mine[-1].open_end:  # one contact, cut in two by the section point
+    if mine and mine[0].open_start and mine[-1].open_end:  # one contact, cut in two by the section point
         mine = [replace(mine[-1], end=mine[0].end + history.end - history.start), *mine[1:-1]]
         mine.sort(key=lambda contact: contact.start)
     if len(mine) < _CHATTER:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
@@ -239,15 +239,13 @@ def confirm_plan(
         raise InputError("branches: hold no motions at their bifurcations; lapjoint branch, run again, keeps them")
     if not found.attrs["errors"]:
         raise InputError("branches: state no errors of their bifurcations; leave --no-errors out of lapjoint branch")
-    rows = [row for row in _rows(found) if row.kind != "unresolved" and row.motion]
+    rows = _with_rivals([row for row in _rows(found) if row.kind != "unresolved" and row.motion])
     if not rows:
         raise InputError("branches: have no bifurcation that is resolved, and so there is nothing to confirm")
     if share < 1:
         drawn = np.random.default_rng(seed).choice(len(rows), max(1, round(share * len(rows))), replace=False)
-        drawn_rows = [rows[i] for i in np.sort(drawn)]
-    else:
-        drawn_rows = rows
-    return ConfirmPlan(_plan_of(found), tuple(_beside_others(drawn_rows, rows)), solver, options, float(share), seed)
+        rows = [rows[i] for i in np.sort(drawn)]
+    return ConfirmPlan(_plan_of(found), tuple(rows), solver, options, float(share), seed)
 
 
 def _plan_of(found: xr.Dataset) -> BranchPlan:
@@ -283,13 +281,12 @@ def _rows(found: xr.Dataset) -> Iterator[Row]:
         yield Row(i, KINDS[kind], float(value), float(error), int(stop), str(motion), int(also[i]), int(branch))
 
 
-def _beside_others(rows: Iterable[Row], every: Iterable[Row]) -> Iterator[Row]:
-    """Some rows of a file, each with its rivals among all of them."""
+def _with_rivals(rows: Sequence[Row]) -> list[Row]:
+    """All rows of a file, each with its rivals among them."""
     of_branch: dict[int, list[Row]] = {}
-    for row in every:
-        of_branch.setdefault(row.branch, []).append(row)
     for row in rows:
-        yield row.beside(of_branch[row.branch])
+        of_branch.setdefault(row.branch, []).append(row)
+    return [row.beside(of_branch[row.branch]) for row in rows]
 
 
 def _motion(text: str) -> MotionThere:

@@ -88,6 +88,7 @@ class _Search:
         assert self.one.found is not None
         self.motion, self.direct = motion_at(self.one.found), directly(self.one.found)
         self.from_motion = directly(self.one.found, like=self.motion)  # where the other solver's is not critical yet
+        self.rivals = [Carrier(self.one.family, rival) for rival in self.one.rivals]
         self.selves, self.known = [self.family], list[Refinement]()
         while len(self.known) < self.finer and (finer := self.selves[-1].finer(self.motion.value)) is not None:
             self.known.append(finer[0])
@@ -152,9 +153,7 @@ class _Search:
     def _is_it(self, i: int, near: Place, found: Again) -> bool:
         """Whether what a self finds is the bifurcation, and not a neighbour: from there, the first solver finds it."""
         beyond = self._contacts_beyond(found.place)
-        if beyond is None:
-            return False
-        if not self._is_nearest(i, found):
+        if beyond is None or not self._is_nearest(i, found):
             return False
         way = float(np.linalg.norm(found.place.chord(self.selves[i], near)))
         there = Carrier(self.selves[i], found.place)
@@ -164,16 +163,11 @@ class _Search:
 
     def _is_nearest(self, i: int, found: Again) -> bool:
         """Whether what a self has found is nearer to the first solver's motion than to those at its rivals."""
-        if not self.one.rivals:
+        mine, family = self._before(0.0), self.selves[i]
+        if not self.rivals or mine is None:
             return True
-        family, own = self.selves[i], self.one.family
-
-        def away(motion: Place) -> float:
-            carrier = Carrier(own, motion)
-            return float(np.linalg.norm(found.place.chord(family, carrier.seen_by(family))))
-
-        mine = away(self.motion)
-        return all(mine <= away(rival) for rival in self.one.rivals)
+        ways = [found.place.chord(family, motion.seen_by(family)) for motion in (mine, *self.rivals)]
+        return int(np.argmin([np.linalg.norm(way) for way in ways])) == 0
 
     def _contacts_beyond(self, place: Place) -> bool | None:
         """Whether a motion has the contacts of those beyond the graze, instead of before; None if it has neither."""

@@ -52,21 +52,6 @@ class Carrier:
         problem = other.problem_at(value).replace(initial=self._shape)
         return other.adopted(value, other.solver_at(value).period_map(problem).initial())
 
-    def seen_by(self, other: Family) -> Place:
-        """Where the motion lies for another solver, which need have no motion there.
-
-        Parameters
-        ----------
-        other : Family
-            The period maps of that one.
-
-        Returns
-        -------
-        Place
-            The motion with its section point on that solver's map: to measure distances from.
-        """
-        return replace(self.place, orbit=replace(self.place.orbit, point=self.guess(other)))
-
     def guess(self, other: Family) -> SectionPoint:
         """The same; a self of the solver that has the motion need not take samples of a shape to come near it.
 
@@ -82,6 +67,21 @@ class Carrier:
         """
         own = other.is_a_self_of(self.family)
         return other.adopted(self.place.value, self.place.point) if own else self.started(other)
+
+    def seen_by(self, other: Family) -> Place:
+        """Where the motion lies for another solver, which need have no motion there.
+
+        Parameters
+        ----------
+        other : Family
+            The period maps of that one.
+
+        Returns
+        -------
+        Place
+            The motion with its section point on that solver's map: to measure distances from.
+        """
+        return replace(self.place, orbit=replace(self.place.orbit, point=self.guess(other)))
 
     def carried(self, other: Family) -> Place | None:
         """The motion by another solver, with its tangent the same way along the curve.

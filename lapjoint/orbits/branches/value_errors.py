@@ -21,7 +21,6 @@ AIM = 1e-5
 _MOST = 5
 """Most finer solvers that are asked: of 3769 bifurcations of the lightly damped joint, the third left two errors larger
 than is aimed at, and the fourth none."""
-
 _SURE = 1e-5
 """Arc length between a bifurcation as two solvers have it within which it is not asked whether the way leads back: two
 grazes of a stop may lie nearer than `found_again.NEAR`, and then solvers that agree may have the other one."""
