@@ -25,8 +25,9 @@ _BESIDE = 0.3
 """Distance from a chord over its length within which the curve may pass: it turns by half of this between places."""
 _SLIDES = 4
 """Most steps along the curve to where it is nearest: each leaves the square of the way."""
-_ROUND = 2
-"""Number of places after one from which on a curve may have come back to it."""
+_AWAY = 10 * SAME
+"""Distance over its size that a curve must have gone from a motion before it can come back to it: beside a graze its
+steps are shorter than what two motions may be apart that are one."""
 _MARK, _FARTHER = 100, 2
 """Number of the first place, besides the start, to which a curve may come back, and the ratio of each next to it."""
 
@@ -142,6 +143,7 @@ class Marks:
     def __init__(self, family: Family, start: Place) -> None:
         self._family = family
         self._marks, self._next = {0: Start(family, start)}, _MARK
+        self._left = set[int]()
 
     def come_back(self, places: Sequence[Place], i: int) -> tuple[int, Place] | None:
         """Whether a curve has been before where it is between two neighbouring places.
@@ -162,20 +164,24 @@ class Marks:
             self._marks = {0: self._marks[0], i: Start(self._family, places[i])}
             self._next = _FARTHER * i
         for index, mark in self._marks.items():
-            back = None if i < index + _ROUND else mark.between(places[i], places[i + 1])
+            if index not in self._left and i > index and self._is_away(places[i], mark):
+                self._left.add(index)
+            back = mark.between(places[i], places[i + 1]) if index in self._left else None
             if back is not None:
-                return _once_around(places, index, mark) or (i, back)
+                return self._once_around(places, index, mark) or (i, back)
         return None
 
+    def _is_away(self, place: Place, mark: Start) -> bool:
+        return float(np.linalg.norm(place.chord(self._family, mark.place))) > _AWAY
 
-def _once_around(places: Sequence[Place], index: int, mark: Start) -> tuple[int, Place] | None:
-    """Where a curve that comes back to a mark did so before, as it may be on a ring since long; None if it did not."""
-    passed: int | None = None
-    for k in range(index - 1):
-        if passed is not None and k < passed + _ROUND:
-            continue
-        there = mark.between(places[k], places[k + 1])
-        if there is not None and passed is not None:
-            return k, there
-        passed = k if there is not None else passed
-    return None if passed is None else (index - 1, places[index])
+    def _once_around(self, places: Sequence[Place], index: int, mark: Start) -> tuple[int, Place] | None:
+        """Where a curve that comes back to a mark did so before, as it may be on a ring since long; None if not so."""
+        passed, away = False, True
+        for k in range(index - 1):
+            away = away or self._is_away(places[k], mark)
+            there = mark.between(places[k], places[k + 1]) if away else None
+            if there is not None and passed:
+                return k, there
+            if there is not None:
+                passed, away = True, False
+        return (index - 1, places[index]) if passed and away else None

@@ -86,6 +86,9 @@ _AT_LAST = 1.3
 _UP_TO = (0.99, 0.995, 0.98, 0.95, 0.9)
 """Shares of the way to a motion that repeats sooner at which a curve ends if a graze lies between, in the sequence in
 which they are tried: the number then lacks some 1e-4 of its way."""
+_BACKWARD = 0.5
+"""Least cosine between the way back and the curve on both sides of a graze that is gone across backward: it is above
+0.9 where a curve came back over the graze that it had just crossed, and below 0.4 else."""
 _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
@@ -528,9 +531,21 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     if beyond is None:
         return named("ends"), None
     before, after = graze.place.going_on_from(here), beyond.place.going_on_from(here)
+    if _leads_back(family, before, after):
+        return None
     came, goes = before.tangent[-1], after.tangent[-1]
     kind = "persists" if came * goes > 0 else "folds"
     return named(kind), after
+
+
+def _leads_back(family: Family, before: Place, after: Place) -> bool:
+    """Whether the way across a graze goes against the curve on both sides: it is gone back, across a graze behind.
+
+    On one side alone it may: there the curve turns as soon as the map's root outweighs what is smooth.
+    """
+    way = after.chord(family, before)
+    length = float(np.linalg.norm(way))
+    return all(float(way @ one.tangent) < -_BACKWARD * length for one in (before, after))
 
 
 def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
