@@ -27,6 +27,8 @@ _AHEAD = 0.02
 """Arc length beyond the end that the finer solver's curve is followed."""
 _MOST = 60
 """Most points of it."""
+_NEAR = 1e-5
+"""Least such distance: a finer solver that has the same end, too, may have it a little farther on."""
 _FAR = 0.05
 """Largest distance, over the size of the motion, of the motions on both sides of such a part."""
 _LOST = ("lost", "graze")
@@ -75,7 +77,7 @@ def _beyond(family: Family, run: Run) -> Place | None:
         for a, b in pairwise(there.places):
             gone += float(np.linalg.norm(b.chord(finer, a)))
             own = alike(family, b) if gone > length else None
-            if own is not None and float(np.linalg.norm(own.chord(family, here))) <= _FAR:
+            if own is not None and _NEAR <= float(np.linalg.norm(own.chord(family, here))) <= _FAR:
                 return own
     return None
 

@@ -12,7 +12,7 @@ from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.closing import Marks, Start
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import beyond_graze, leaves_at, located_graze, sharper
+from lapjoint.orbits.branches.grazing import beyond_graze, leaves_at, located_graze, sharper, slow_switch
 from lapjoint.orbits.branches.jumping import WIDTHS, across_jump, jumped
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
@@ -378,11 +378,13 @@ class _Follower:
 
     def _pass_what_is_near(self) -> None:
         """Go across the graze that is so near that no step leads past it, or leave out what cannot be resolved."""
-        soon = coming(self._here, self._rates)
-        passed = None if soon is None else _across(self._family, self._here, soon, len(self._places))
-        if passed is not None and passed[1] is not None:
-            self._pass(*passed)
-            return
+        passed: tuple[Graze, Place | None] | None = None
+        for soon in (coming(self._here, self._rates), slow_switch(self._family, self._here)):
+            there = None if soon is None else _across(self._family, self._here, soon, len(self._places))
+            if there is not None and there[1] is not None:
+                self._pass(*there)
+                return
+            passed = there or passed
         if self._jump(self._widened()):
             return
         if passed is not None:

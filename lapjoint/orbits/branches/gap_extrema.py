@@ -21,13 +21,16 @@ from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.period_map import Tangent
 from lapjoint.orbits.segments import Segment, Segments, Timed
 from lapjoint.orbits.watch import motion_at
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, Stop
 from lapjoint.problem.structure import Structure
 
 _STEPS = 12
 """Most steps of Newton's method from the phase of an extremum of a neighbouring motion."""
 _EXACT = 1e-10
 """Last of these steps over the length of the segment: the value is wrong by the square of this."""
+_MOST_BEYOND = 0.5
+"""Time to a turning point beyond a switch over the length of the segment before, at most: farther on, it is another
+motion's."""
 _POLISHED = 4
 """Steps of Newton's method by which an extremum is found in a motion of which samples alone are known."""
 
@@ -46,6 +49,8 @@ class Extremum:
     """Whether it is a maximum."""
     at: int
     """The stop at which it was found: `stop`, or its twin."""
+    segment: int | None = None
+    """Number of the segment that has it, of one that is a turning point; see `same_turning_point`."""
 
 
 @dataclass(frozen=True)
@@ -217,6 +222,8 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     Extremum, or None
         The one that Newton's method finds from the same phase, or else the nearest of its kind; None if there is none.
     """
+    if extremum.segment is not None:
+        return same_turning_point(found, extremum, duration)
     if gives(found.half_periods.map, Tangent):
         t = extremum.time / duration * found.count * found.half_periods.map.period / 2
         near = _polished_between_switches(found.linearised.motion, extremum, t)
@@ -227,10 +234,118 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     return None if match is None else _polished(found, match)
 
 
+def matching(found: Return, extrema: Extrema, extremum: Extremum, duration: float) -> Extremum | None:
+    """The extremum of a motion by another solver that is nearest in phase to one of its kind.
+
+    Parameters
+    ----------
+    found : Return
+        The march over the motion's half periods.
+    extrema : Extrema
+        Its extrema.
+    extremum : Extremum
+        As the first solver has it.
+    duration : float
+        Length of the motion there, s.
+
+    Returns
+    -------
+    Extremum, or None
+        None if there is none.
+    """
+    turns = extremum.segment is not None
+    return same_turning_point(found, extremum, duration) if turns else extrema.matching(extremum, duration)
+
+
+def same_turning_point(found: Return, extremum: Extremum, duration: float) -> Extremum | None:
+    """The turning point of a motion that is that of a neighbouring motion.
+
+    A motion that comes to a switch slowly would turn just beyond it, if the state before went on: there, the gap
+    function of that state has an extremum.  It is the same one that a neighbour has which turns before the switch, and
+    so does not switch.  Beyond the switch the motion itself need not turn: where forces jump with the contact state it
+    may be driven on, and modes that are left out shift it.
+
+    Parameters
+    ----------
+    found : Return
+        The march over the motion's half periods.
+    extremum : Extremum
+        Of the neighbouring motion, with `Extremum.segment`.
+    duration : float
+        Length of that motion, s.
+
+    Returns
+    -------
+    Extremum, or None
+        The nearest in time of those before a switch and those beyond; None if there is none.
+    """
+    segments, t = found.linearised.motion, extremum.time / duration * found.count * found.half_periods.map.period / 2
+    i = int(np.searchsorted(segments.end, t))
+    near = (_turning_point(found, k, extremum, t) for k in range(max(i - 1, 0), min(i + 2, len(segments))))
+    there = [one for one in near if one is not None]
+    return min(there, key=lambda one: abs(one.time - t)) if there else None
+
+
+def _turning_point(found: Return, i: int, like: Extremum, t: float) -> Extremum | None:
+    """The turning point near a time, in a segment or just beyond the switch at its end; None if there is none."""
+    one, stop = found.linearised.motion[i], found.half_periods.map.problem.stops[like.at]
+    if bool(one.closed[like.at]) == like.highest:
+        return None
+    beyond = _MOST_BEYOND * (one.end - one.start) if one.switched == like.at else 0.0
+    near = _polished_in(one, like.at, min(max(t, one.start), one.end), beyond)
+    if near is None or (stop.sign * near[2] < 0) != like.highest:
+        return None
+    return replace(like, time=near[0], value=stop.sign * (near[1] - _level(one, like.at, stop)), segment=i)
+
+
+def _level(one: Segment, at: int, stop: Stop) -> float:
+    """The displacement at which a stop switches in a segment, m: its gap, or where the segment begins beyond that.
+
+    It does so by what the modes of one state cannot carry over to another, and goes back and forth over that.
+    """
+    wave, edge = one.weights[at] * one.amplitudes, stop.sign * stop.gap
+    z = float(wave.real.sum()) + float(one.polynomial[at, 0])
+    return z if (stop.sign * (z - edge) < 0) == bool(one.closed[at]) else edge
+
+
+def turning_points(found: Return) -> list[Extremum]:
+    """The turning points just beyond the switches of a motion.
+
+    Parameters
+    ----------
+    found : Return
+        The march over its half periods, by a solver that gives its motions in closed form between switches.
+
+    Returns
+    -------
+    list of Extremum
+        In the order of time; only of switches beyond which the state before would turn soon.
+    """
+    there, segments, half_periods = list[Extremum](), found.linearised.motion, found.half_periods
+    twins = half_periods.twins if found.count % 2 else None
+    for i, one in enumerate(segments):
+        at = one.switched
+        if at >= 0:
+            stop = at if twins is None else min(at, twins[at])
+            like = Extremum(stop, one.end, 0.0, not one.closed[at], at, i)
+            near = _turning_point(found, i, like, one.end)
+            if near is not None and near.time > one.end:
+                there.append(near)
+    return there
+
+
 def _polished_between_switches(segments: Segments, extremum: Extremum, t: float) -> tuple[float, float] | None:
     """Time and displacement of an extremum near a time, s and m; None if it is not in the same segment."""
-    one = segments.at(t)
-    wave, p = one.weights[extremum.at] * one.amplitudes, one.polynomial[extremum.at]
+    near = _polished_in(segments.at(t), extremum.at, t, 0.0)
+    return None if near is None else near[:2]
+
+
+def _polished_in(one: Segment, at: int, t: float, beyond: float) -> tuple[float, float, float] | None:
+    """Time, displacement and acceleration of an extremum near a time, s, m and m/s2, as a segment has it.
+
+    None if it is not in the segment, or at most some time `beyond` it, s.
+    """
+    wave, p = one.weights[at] * one.amplitudes, one.polynomial[at]
     tau, last = t - one.start, np.inf
     for _ in range(_STEPS):
         now = wave * np.exp(one.rates * tau)
@@ -240,11 +355,11 @@ def _polished_between_switches(segments: Segments, extremum: Extremum, t: float)
             return None
         step = -rate / bend
         tau += step
-        if not (0.0 <= tau <= one.end - one.start) or abs(step) > last:
+        if not (0.0 <= tau <= one.end - one.start + beyond) or abs(step) > last:
             return None
         if abs(step) <= _EXACT * (one.end - one.start):
             z = float((wave * np.exp(one.rates * tau)).real.sum()) + p[0] + tau * (p[1] + tau * p[2])
-            return one.start + tau, z
+            return one.start + tau, z, bend
         last = abs(step)
     return None
 
@@ -265,9 +380,10 @@ def _polished(found: Return, extremum: Extremum) -> Extremum:
     return replace(extremum, time=t, value=value)
 
 
-def _segment_at(segments: Sequence[Segment], t: float) -> Segment:
-    """The segment of an orbit at a time, s from its start."""
-    return (segments if isinstance(segments, Timed) else Segments.of(segments)).at(t)
+def _segment_of(segments: Sequence[Segment], extremum: Extremum) -> Segment:
+    """The segment of an orbit that has an extremum."""
+    timed = segments if isinstance(segments, Timed) else Segments.of(segments)
+    return timed.at(extremum.time) if extremum.segment is None else timed[extremum.segment]
 
 
 def slope_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum) -> float:
@@ -287,7 +403,7 @@ def slope_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: E
     float
         m over the number's unit, while the start of the motion stays where it is.
     """
-    one = _segment_at(segments, extremum.time)
+    one = _segment_of(segments, extremum)
     tau, k, change = extremum.time - one.start, extremum.at, one.change
     assert change is not None
     waves = (change.waves[k] + tau * change.secular[k]) @ np.exp(one.rates * tau)
@@ -312,7 +428,7 @@ def gradient_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum
     FloatArray, shape (n,)
         m over the unit of each coordinate of the section point.
     """
-    one = _segment_at(segments, extremum.time)
+    one = _segment_of(segments, extremum)
     tau, k = extremum.time - one.start, extremum.at
     count = one.deviations.shape[0]
     terms = one.weights[k, :count] * np.exp(one.rates[:count] * tau)

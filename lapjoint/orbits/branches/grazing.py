@@ -26,12 +26,13 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place, jacobian, place_from, scaling
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum, slope_of
+from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum, slope_of, turning_points
+from lapjoint.orbits.branches.passings import Coming
 from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.orbits.period_map import Tangent
 from lapjoint.orbits.refinement import SAFETY
-from lapjoint.orbits.segments import Segment
+from lapjoint.orbits.segments import Segment, Segments
 from lapjoint.problem import FloatArray
 
 _STEPS = 12
@@ -78,6 +79,9 @@ _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
 _BEYOND_ROOT = (3e-5, 1e-5, 3e-6, 1e-4, 3e-4, 1e-3, 1e-6, 1e-7)
 """The same where the map changes as a root: other grazes may lie beside this one, or the curve go far away at once."""
+_SLOW = 1e-3
+"""Arc length within which a switch is about to vanish, as the rate of its turning point has it: half of what is left,
+as that goes as the square."""
 _JUST_BEYOND = 1e-5
 """The same at which it is seen whether a motion comes back."""
 _SAME, _LEFT_AT_MOST = 2e-4, 10.0
@@ -194,10 +198,53 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
         changed = np.abs(np.subtract(there.place.extrema.closings, graze.place.extrema.closings)).sum()
         return there if changed == 1 or (changed and not patiently) else None
 
+    if graze.extremum.segment is not None and leaves_at(family, graze, rate):
+        return None
     there = next((one for share in _BEYOND if (one := found(share, False))), None)
     if there is None and graze.close:
         there = next((one for share in _BEYOND_ROOT if (one := found(share, True))), None)
     return there
+
+
+def slow_switch(family: Family, place: Place) -> Coming | None:
+    """The graze at which the next switch of a motion vanishes, because the motion comes to it ever more slowly.
+
+    Beyond that switch it need not turn, see `same_turning_point`; so no extremum of the motion itself shows this graze.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    place : Place
+        A motion near the graze, with its tangent towards it.
+
+    Returns
+    -------
+    Coming, or None
+        With the turning point just beyond the switch; None if there is none within `_SLOW`, or the solver does not give
+        its motions in closed form.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
+    found = place.orbit.last
+    if not gives(place.half_periods.map, Tangent) or not place.half_periods.map.problem.stops:
+        return None
+    there = list[Coming]()
+    for one in turning_points(found):
+        row = gradient_of(place.half_periods, found.linearised.segments, one) / place.weights
+        if found.by_number is not None:
+            slope = slope_of(place.half_periods, found.linearised.segments, one)
+        else:
+            r = place.half_periods.map.difference(found.end, place.point)
+            own = _Try(place.value, place.point, found, r, place.orbit.residual, one)
+            slope = _by_number(family, own, place.count)[1]
+        rate = float(np.append(row, slope * family.scale(place.value)) @ place.tangent)
+        if rate * one.value < 0 and abs(one.value) <= _SLOW * abs(rate):
+            there.append(Coming(one, rate))
+    return min(there, key=lambda one: one.length) if there else None
 
 
 def leaves_at(family: Family, graze: OnExtremum, rate: float) -> bool:
@@ -230,9 +277,15 @@ def leaves_at(family: Family, graze: OnExtremum, rate: float) -> bool:
     if not gives(half.map, Tangent):
         return False
     row = gradient_of(half, last.linearised.segments, one) / place.weights
+    if (one.value > 0) == one.highest:  # it has crossed
+        return _is_driven_on(last.linearised.motion, one)
     across = -float(np.copysign(_JUST_BEYOND * abs(rate), one.value)) - one.value
     point = half.map.moved(place.point, across * row / float(row @ row) / place.weights)
-    segments = family.linearised(place.value, point, place.count).linearised.motion
+    return _is_driven_on(family.linearised(place.value, point, place.count).linearised.motion, one)
+
+
+def _is_driven_on(segments: Segments, one: Extremum) -> bool:
+    """Whether a motion that has crossed a graze does not turn in the state beyond, though it would in that before."""
     switches = np.flatnonzero(segments.switched[:-1] == one.at)
     if not switches.size:
         return False

@@ -15,15 +15,18 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.found_along import Surroundings, motion_at
 from lapjoint.orbits.branches.gap_extrema import Extremum
-from lapjoint.orbits.branches.grazing import OnExtremum, located_graze
+from lapjoint.orbits.branches.grazing import OnExtremum, located_graze, slow_switch
 from lapjoint.orbits.branches.listing import Listed
-from lapjoint.orbits.branches.passings import rates_of
+from lapjoint.orbits.branches.passings import Coming, rates_of
 from lapjoint.orbits.branches.run import Graze
 
 _FINER = 2
 """Most finer selves of the solver that are asked: its branches are resolved by so many."""
 _SHARPER = 2
 """Most selves finer than that which found it by which it is located again: the third one's motion is hardly nearer."""
+_SLOWER = 10.0
+"""How much nearer a graze must be at which a switch vanishes than one at which an extremum does: mostly both do, and
+then the motion's own extremum is asked for."""
 
 
 def restored(family: Family, one: Bifurcation, rivals: Iterable[MotionThere] = ()) -> Listed | None:
@@ -138,15 +141,25 @@ def _graze(one: Bifurcation, at: OnExtremum, rate: float) -> Graze:
 
 def _towards(family: Family, one: Bifurcation, place: Place) -> tuple[Place, Extremum, float] | None:
     """A place with its tangent towards a graze, its extremum of that stop nearest to it, and the rate of its value."""
-    mine = np.flatnonzero(place.extrema.stop == one.stop)
-    if not mine.size:
-        return None
-    i = int(mine[np.argmin(np.abs(place.extrema.value[mine]))])
-    extremum = place.extrema[i]
     try:
-        rate = float(rates_of(family, place).value[i])
+        found = [_nearest_extremum(family, one.stop, place)]
+        found += [(own, slow_switch(family, own)) for own in (place, place.turned())]
     except SolverError:
         return None
-    if rate == 0.0:
+    there = [(own, near) for own, near in found if near is not None and near.extremum.stop == one.stop]
+    if not there:
         return None
-    return (place.turned(), extremum, -rate) if rate * extremum.value > 0 else (place, extremum, rate)
+    own, near = min(there, key=lambda each: each[1].length * (_SLOWER if each[1].extremum.segment is not None else 1.0))
+    return own, near.extremum, near.rate
+
+
+def _nearest_extremum(family: Family, stop: int, place: Place) -> tuple[Place, Coming | None]:
+    """A place with its tangent towards the graze of a stop at which its least extremum vanishes."""
+    mine = np.flatnonzero(place.extrema.stop == stop)
+    if not mine.size:
+        return place, None
+    i = int(mine[np.argmin(np.abs(place.extrema.value[mine]))])
+    extremum, rate = place.extrema[i], float(rates_of(family, place).value[i])
+    if rate == 0.0:
+        return place, None
+    return (place.turned(), Coming(extremum, -rate)) if rate * extremum.value > 0 else (place, Coming(extremum, rate))
