@@ -201,6 +201,75 @@ def test_a_branch_goes_on_behind_a_fold_at_which_truncated_modes_make_the_map_ju
     assert {found.branch.points[i].value for i in (0, -1)} == {low, high}
 
 
+def like_the_joint(low: float, high: float, *, ratio: float = 0.08, gaps: float = 1.0) -> tuple[Family, Seed]:
+    """The paper's joint with another damping ratio, and gaps so many times as wide, and its motion from rest at `high`.
+
+    Frequencies are in rad/s.
+    """
+    joint = paper_joint()
+    stops = tuple(stop.model_copy(update={"gap": gaps * stop.gap}) for stop in joint.stops)
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": ratio}), stops=stops)
+    family = family_of(analytic.Solver(), joint, FREQUENCY, low, high)
+    seed = seed_from(family, high, family.at(high).map.initial(), 1)
+    assert seed is not None
+    return family, seed
+
+
+@pytest.mark.parametrize("first", [1e-7, 1e-6, 1e-5])
+@pytest.mark.parametrize("ratio", [0.02, 0.06, 0.12])
+def test_steps_shorter_than_what_tells_motions_apart_close_no_curve(ratio: float, first: float) -> None:
+    family, seed = like_the_joint(2900.0, 3000.0, ratio=ratio)
+    start = corrected(family, seed.value, seed.point, seed.count, fixed=True)
+    assert start is not None
+    run = follow(family, start.along(np.append(np.zeros(start.tangent.size - 1), -1.0)), Limits(200, first=first))
+    assert run.end == "boundary"
+
+
+def test_a_curve_is_gone_across_a_graze_in_its_own_direction() -> None:
+    # At 3.8993 rad/s a seventh contact is made so lightly that what lies beyond seems to come to the graze from there.
+    family, seed = like_the_joint(3.88, 3.92, gaps=0.8)
+    found = trace(family, seed, most_multiple=1, errors=False)
+    assert found is not None
+    assert found.branch.ends == ("boundary", "boundary")
+
+
+ENDS = {0.09: (4370.0, 4420.0, 4386.7267), 0.11: (1400.0, 5000.0, 1453.5668), 0.12: (1400.0, 5000.0, 1465.8998)}
+"""Ranges, rad/s, in which the branch of such damping ratios from the upper end ends at a graze, and where it does;
+regression."""
+
+
+@pytest.mark.parametrize("ratio", ENDS)
+def test_a_branch_ends_where_a_motion_comes_to_a_switch_so_slowly_that_it_vanishes(ratio: float) -> None:
+    low, high, value = ENDS[ratio]
+    family, seed = like_the_joint(low, high, ratio=ratio)
+    found = trace(family, seed, most_multiple=1)
+    assert found is not None
+    assert found.branch.ends == ("graze", "boundary")
+    graze = found.branch.bifurcations[0]
+    assert (graze.kind, graze.after) == ("grazing", "ends")
+    assert graze.value == pytest.approx(value, abs=1e-3)
+    assert 0 < graze.error < 2e-6 * graze.value
+    # The speed at that switch, as the contacts of a march have it, falls to zero there along a line.
+    points = [one for one in found.branch.points[1:] if 1e-7 < abs(one.value / graze.value - 1) < 1e-4]
+    values = np.array([one.value for one in points])
+    speeds = np.array([least_speed(family, graze.stop, one.value, one.motion.section_point) for one in points])
+    slope, at_zero = np.polyfit(speeds, values, 1)
+    assert len(points) >= 5
+    assert np.ptp(speeds) > 10 * speeds.min() > 0
+    assert slope
+    assert at_zero == pytest.approx(graze.value, abs=graze.error + 0.02 * np.ptp(values))
+
+
+def least_speed(family: Family, stop: int, value: float, point: SectionPoint) -> float:
+    """The least speed with which a motion comes to a switch of a stop, or of its twin, m/s."""
+    half = family.at(value)
+    assert half.twins is not None
+    motion = half.map.history(point, 1)
+    ends = [t for one in motion.contacts if one.stop in (stop, half.twins[stop]) for t in (one.start, one.end)]
+    inside = [t for t in ends if 0 < t < motion.end]
+    return min(abs(motion.velocity(family.problem_at(value).stops[stop].x, np.array([t])).item()) for t in inside)
+
+
 def lightly_damped(low: float, high: float, start: float) -> tuple[Family, Traced]:
     """The joint with a damping ratio of 0.02, and the branch of the motion from rest at a frequency, rad/s."""
     joint = paper_joint()
