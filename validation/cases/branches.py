@@ -4,7 +4,7 @@ A cantilever that comes to its stop goes over a graze, whose amplitude is closed
 stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1; one that touches its stop once a
 period folds where the amplitude of the bilinear oscillator is extreme over the duration of its contact.  On either side
 of a fold or a flip, and from every start of a small basin, a plain march must end as it says.  Where a symmetry breaks,
-and where a torus is born, is closed form (`branch_births`).
+and where a torus is born, is closed form (`branch_births`); where a branch ends, both solvers must say (`branch_ends`).
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from lapjoint.answers import SectionPoint
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, number, table
 from validation.cases.branch_births import over_births
+from validation.cases.branch_ends import over_ends
 from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure
 from validation.cases.rigid_bar import CURVED, DOUBLED, RATIO, SOFT
 from validation.references.bilinear_map import BilinearMap, Piece
@@ -377,7 +378,7 @@ def wilson(share: float, count: int) -> tuple[float, float]:
 
 def run(level: Level, say: Say) -> CaseResult:
     """All of it."""
-    items = [*over_folds(say), *over_flips(say), *over_contacts(say), *over_births(say), *basin(say)]
+    items = [*over_folds(say), *over_flips(say), *over_contacts(say), *over_births(say), *over_ends(say), *basin(say)]
     checks = tuple(item for item in items if isinstance(item, Check))
     rows = [(c.name, c.unit, number(c.a.value, 10), number(c.b.value, 10), number(c.allowed, 2)) for c in checks]
     return CaseResult(
@@ -387,7 +388,8 @@ def run(level: Level, say: Say) -> CaseResult:
         "amplitude is closed form, and over two folds; a bar over a flip, which is where the leading multiplier of a "
         "rigid bar, by numpy alone, passes -1; a bar of one contact a period over two folds, where the amplitude of "
         "the bilinear oscillator, in closed form over the duration of its contact, is extreme; a bar whose symmetry "
-        "breaks, and one whose motion becomes a torus, where multipliers in closed form leave the unit circle. On "
+        "breaks, and one whose motion becomes a torus, where multipliers in closed form leave the unit circle; two "
+        "joints like the paper's, of which one has a branch that ends where a switch vanishes. On "
         "either side of each fold and flip, and from each start of a small basin of two motions, a plain march ends as "
         "the branch or the basin says.",
         checks=checks,
