@@ -16,11 +16,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from analytic.march.oscillator import SPLIT
-from analytic.march.tables import Tables
+from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import motion_rates
 from analytic.march.terms import set_phases
+from analytic.modes.beam_functions import ComplexArray
 from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import complex_zeros
+from lapjoint.compiled_arrays import bool_zeros, complex_zeros
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -36,44 +37,56 @@ class Change(NamedTuple):
 
 
 @njit_inner()
-def answer_slope(tables: Tables, change: Change, slot: int, h: int, i: int, extra: int) -> complex:
-    """Derivative of the logarithm of a mode's answer to a harmonic.
+def changes_of_answers(tables: Tables, change: Change, slots: IntArray) -> ComplexArray:
+    """How the answers of modes to the harmonics change, in the states of a march.
 
     Parameters
     ----------
     tables, change : Tables, Change
         The states of the joint, and how its harmonics change.
-    slot, h, i : int
-        The state, the harmonic, and the mode.
-    extra : int
-        The second term of a mode that is damped above critical.
+    slots : ndarray, shape (M,)
+        The states that are wanted, in any sequence.
 
     Returns
     -------
-    complex
-        Over the unit of the number.
+    ComplexArray, shape (S, H, N)
+        Derivatives of `Tables.harmonic`, over the unit of the number; of other states zeros.
     """
-    omega = tables.omega[h]
-    if change.omega == 0.0:
-        return complex(change.size[h], 0.0)
-    root = tables.root[slot, i]
-    damping, stiffness = -2 * root.real, root.real**2 + root.imag**2
-    if tables.kind[slot, i] == SPLIT:
-        other = tables.root[slot, extra].real
-        damping, stiffness = -root.real - other, root.real * other
-    turned = omega * change.omega * complex(2 * omega, -damping)
-    slope: complex = change.size[h] + turned / complex(stiffness - omega * omega, damping * omega)
-    return slope
+    changes, done = complex_zeros(tables.harmonic.shape), bool_zeros(tables.modes.size)
+    for slot in slots:
+        if done[slot]:
+            continue
+        done[slot] = True
+        n = tables.modes[slot]
+        for h in range(tables.omega.size):
+            omega, extra = tables.omega[h], n
+            for i in range(n):
+                root = tables.root[slot, i]
+                damping, stiffness = -2 * root.real, root.real**2 + root.imag**2
+                if tables.kind[slot, i] == SPLIT:
+                    other = tables.root[slot, extra].real
+                    damping, stiffness = -root.real - other, root.real * other
+                    extra += 1
+                slope = complex(change.size[h], 0.0)
+                if change.omega != 0.0:
+                    turned = omega * change.omega * complex(2 * omega, -damping)
+                    slope += turned / complex(stiffness - omega * omega, damping * omega)
+                changes[slot, h, i] = tables.harmonic[slot, h, i] * slope
+    return changes
 
 
 @njit_inner()
-def add_forced_change(tables: Tables, change: Change, slot: int, t: float, factor: float, now: FloatArray) -> None:
+def add_forced_change(
+    tables: Tables, change: Change, changes: ComplexArray, slot: int, t: float, factor: float, now: FloatArray
+) -> None:
     """Add the forced motion's own change, times a factor, to the last of some deviations, in place.
 
     Parameters
     ----------
     tables, change : Tables, Change
         The states of the joint, and how its harmonics change.
+    changes : ComplexArray, shape (S, H, N)
+        `changes_of_answers`.
     slot : int
         The state.
     t : float
@@ -87,29 +100,18 @@ def add_forced_change(tables: Tables, change: Change, slot: int, t: float, facto
     theta = complex_zeros(tables.omega.size)
     set_phases(tables, t, theta)
     for h in range(theta.size):
-        omega, extra = tables.omega[h], n
+        omega = tables.omega[h]
         rise = change.omega * omega
         for i in range(n):
             wave = tables.harmonic[slot, h, i] * theta[h]
-            q = wave * (answer_slope(tables, change, slot, h, i, extra) + complex(0.0, t * rise))
-            extra += tables.kind[slot, i] == SPLIT
+            q = changes[slot, h, i] * theta[h] + wave * complex(0.0, t * rise)
             now[i, last] += factor * q.imag
             now[n + i, last] += factor * (omega * q.real + rise * wave.real)
 
 
 @njit_inner()
 def add_switch_change(
-    tables: Tables,
-    change: Change,
-    old: int,
-    k: int,
-    t: float,
-    rate: float,
-    q_old: FloatArray,
-    v_old: FloatArray,
-    q_new: FloatArray,
-    v_new: FloatArray,
-    now: FloatArray,
+    tables: Tables, change: Change, old: int, k: int, t: float, rate: float, jump: FloatArray, now: FloatArray
 ) -> None:
     """Add what a switch and its passage change by themselves to the last of some deviations after it, in place.
 
@@ -121,18 +123,15 @@ def add_switch_change(
         The state before, and the stop that switches.
     t, rate : float
         When, s from the start of the march, and with which h', m/s.
-    q_old, v_old, q_new, v_new : ndarray, shape (N,)
-        The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
+    jump : ndarray, shape (2 N_new,)
+        What a switch later by a second changes, as `analytic.march.tangent.saltation` gives it.
     now : ndarray, shape (2 N_new, m)
-        Deviations (dq, dv) just after the switch, as `analytic.march.tangent.saltation` gives them.
+        Deviations (dq, dv) just after the switch, likewise.
     """
-    new, u, last = tables.next_slot[old, k], tables.position[k], now.shape[1] - 1
-    n_old, n_new = tables.modes[old], tables.modes[new]
-    S, onto = tables.carry[old, k], tables.carry_residual[old, k]
+    u, last, n_old, n_new = tables.position[k], now.shape[1] - 1, tables.modes[old], jump.size // 2
+    onto = tables.carry_residual[old, k]
     theta = complex_zeros(tables.omega.size)
     set_phases(tables, t, theta)
-    before = motion_rates(tables, old, theta, q_old, v_old)
-    after = motion_rates(tables, new, theta, q_new, v_new)
     z = 0.0
     for h in range(theta.size):
         own = tables.forced[old, u, h]
@@ -141,13 +140,10 @@ def add_switch_change(
         z += (own * theta[h] * complex(change.size[h], t * change.omega * tables.omega[h])).imag
     delay = z * (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
     for j in range(n_new):
-        x, y = -after[j] * delay, -after[n_new + j] * delay
-        for i in range(n_old):
-            x += S[j, i] * before[i] * delay
-            y += S[j, i] * before[n_old + i] * delay
+        x, y = jump[j] * delay, jump[n_new + j] * delay
         for h in range(theta.size):
             omega, sine, cosine, size = tables.omega[h], theta[h].imag, theta[h].real, change.size[h]
-            turned = omega * (delay + change.omega * t)
+            turned = omega * change.omega * t
             x += onto[1 + h, j] * (cosine * turned + size * sine)
             y += onto[1 + h, j] * omega * ((change.omega + size) * cosine - sine * turned)
         now[j, last] += x
@@ -183,13 +179,15 @@ def add_end_change(
 
 
 @njit_inner()
-def forced_change(tables: Tables, change: Change, slot: int, u: int, h: int) -> complex:
+def forced_change(tables: Tables, change: Change, changes: ComplexArray, slot: int, u: int, h: int) -> complex:
     """Derivative of the complex amplitude of the forced motion at a position of stops, by a harmonic.
 
     Parameters
     ----------
     tables, change : Tables, Change
         The states of the joint, and how its harmonics change.
+    changes : ComplexArray, shape (S, H, N)
+        `changes_of_answers`.
     slot, u, h : int
         The state, the position, and the harmonic.
 
@@ -199,9 +197,7 @@ def forced_change(tables: Tables, change: Change, slot: int, u: int, h: int) -> 
         m over the number's unit.
     """
     total: complex = tables.forced[slot, u, h] * change.size[h]
-    extra = tables.modes[slot]
     for i in range(tables.modes[slot]):
-        slope = answer_slope(tables, change, slot, h, i, extra) - change.size[h]
-        extra += tables.kind[slot, i] == SPLIT
-        total += tables.weight[slot, u, i] * tables.harmonic[slot, h, i] * slope
+        own = changes[slot, h, i] - tables.harmonic[slot, h, i] * change.size[h]
+        total += tables.weight[slot, u, i] * own
     return total

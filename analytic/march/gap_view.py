@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.march.change import Change, add_forced_change, forced_change
+from analytic.march.change import Change, changes_of_answers, forced_change
 from analytic.march.compiled import Log
 from analytic.march.linearised import Carried, carried_along
 from analytic.march.march import March
@@ -169,7 +169,7 @@ def _deviations(
     tables, change, log : Tables, Change or None, Log
         The states of the joint, how its harmonics change with a number, and the motion.
     starts : FloatArray, shape (M, 2 N, m)
-        Deviations (dq, dv) at the start of each segment, as columns.
+        `Carried.starts`.
     A : ComplexArray, shape (M, T, m)
         Takes what the deviations do to the free terms, and zeros for terms that a state does not have.
     drift : FloatArray, shape (M, P, 2, m)
@@ -177,21 +177,22 @@ def _deviations(
     waves, secular : ComplexArray, shape (M, P, T + H)
         Take what the number does to the same terms at the stops, if there is one; see `SegmentChange`.
     """
-    theta = complex_zeros(tables.omega.size)
+    theta, changes = complex_zeros(tables.omega.size), complex_zeros((0, 0, 0))
+    if change is not None:
+        changes = changes_of_answers(tables, change, log.slot)
     for i in range(log.slot.size):
-        slot, now = log.slot[i], starts[i].copy()
-        if change is not None:
-            add_forced_change(tables, change, slot, log.start[i], -1.0, now)
-        _deviation_terms(tables, slot, now, A[i], drift[i])
+        slot = log.slot[i]
+        _deviation_terms(tables, slot, starts[i], A[i], drift[i])
         if change is not None:
             set_phases(tables, log.start[i], theta)
-            _changed_terms(tables, change, slot, log.start[i], theta, A[i], waves[i], secular[i])
+            _changed_terms(tables, change, changes, slot, log.start[i], theta, A[i], waves[i], secular[i])
 
 
 @njit_inner()
 def _changed_terms(
     tables: Tables,
     change: Change,
+    changes: ComplexArray,
     slot: int,
     start: float,
     theta: ComplexArray,
@@ -201,7 +202,8 @@ def _changed_terms(
 ) -> None:
     """What a number does to the terms at the stops, ``(P, K)``, in a segment that starts at a time.
 
-    Its part in the free terms is in the last column of `A`, ``(T, m)``; `theta`, ``(H,)``, are the phases at the start.
+    Its part in the free terms is in the last column of `A`, ``(T, m)``; `theta`, ``(H,)``, are the phases at the
+    start, and `changes`, ``(S, H, N)``, `changes_of_answers`.
     """
     free, last = tables.terms[slot], A.shape[1] - 1
     for k in range(tables.sign.size):
@@ -210,7 +212,7 @@ def _changed_terms(
             waves[k, t] = tables.weight[slot, u, t] * A[t, last]
         for h in range(theta.size):
             rise = change.omega * tables.omega[h] * tables.forced[slot, u, h] * theta[h]
-            slope = forced_change(tables, change, slot, u, h) * theta[h]
+            slope = forced_change(tables, change, changes, slot, u, h) * theta[h]
             waves[k, free + h] = complex(slope.imag, -slope.real) + start * rise
             secular[k, free + h] = rise
 

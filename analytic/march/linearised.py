@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.change import Change, add_end_change, add_forced_change, add_switch_change
+from analytic.march.change import Change, add_end_change, add_forced_change, add_switch_change, changes_of_answers
 from analytic.march.compiled import Log
 from analytic.march.march import March
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, saltation
-from lapjoint.compiled_arrays import zeros
+from lapjoint.compiled_arrays import complex_zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
@@ -26,7 +26,8 @@ class Carried:
     """How the joint's tables change with the number; None without one."""
     starts: FloatArray
     """The deviations at the start of each segment, kg^1/2 m and kg^1/2 m/s, shape ``(M, 2 N, n + 1)``, or, without a
-    number, ``(M, 2 N, n)``; of a state with fewer modes than ``N`` the first rows, and anything in the others."""
+    number, ``(M, 2 N, n)``; of a state with fewer modes than ``N`` the first rows, and anything in the others.  By the
+    number, they are those of the free motion: without what it does to the forced one."""
     end: FloatArray
     """The deviations at the end of the march, shape ``(2 N_end, n + 1)`` or ``(2 N_end, n)``."""
 
@@ -61,25 +62,22 @@ def carried_along(motion: March, change: Change | None = None, later: float = 0.
 @njit_called(vectorised=True)
 def _carry(tables: Tables, change: Change | None, log: Log, later: float, starts: FloatArray, end: FloatArray) -> None:
     """Carry deviations from the start of a march on, through `starts`, ``(M, 2 N, m)``, to the `end`, ``(2 N, m)``."""
-    now, own = end, zeros((starts.shape[1], 1))
-    last = starts.shape[2] - 1
+    now, changes = end, complex_zeros((0, 0, 0))
+    if change is not None:
+        changes = changes_of_answers(tables, change, log.slot)
     for i in range(log.slot.size):
         slot, here = log.slot[i], starts[i]
-        flow(tables, slot, log.end[i] - log.start[i], here, now)
         if change is not None:  # what it does to the forced motion does not flow
-            for j in range(2 * tables.modes[slot]):
-                own[j, 0] = here[j, last]
-            add_forced_change(tables, change, slot, log.start[i], -1.0, own)
-            flow(tables, slot, log.end[i] - log.start[i], own, own)
-            add_forced_change(tables, change, slot, log.end[i], 1.0, own)
-            for j in range(2 * tables.modes[slot]):
-                now[j, last] = own[j, 0]
+            add_forced_change(tables, change, changes, slot, log.start[i], -1.0, here)
+        flow(tables, slot, log.end[i] - log.start[i], here, now)
+        if change is not None:
+            add_forced_change(tables, change, changes, slot, log.end[i], 1.0, now)
         if log.stop[i] >= 0 and i + 1 < log.slot.size:
             t, k, rate, then = log.end[i], log.stop[i], log.rate[i], starts[i + 1]
             q_old, v_old, q_new, v_new = log.q_end[i], log.v_end[i], log.q[i + 1], log.v[i + 1]
-            saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, now, then)
+            jump = saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, now, then)
             if change is not None:
-                add_switch_change(tables, change, slot, k, t, rate, q_old, v_old, q_new, v_new, then)
+                add_switch_change(tables, change, slot, k, t, rate, jump, then)
         elif i + 1 < log.slot.size:
             for j in range(2 * tables.modes[slot]):
                 for c in range(starts.shape[2]):

@@ -117,7 +117,7 @@ def saltation(
     v_new: FloatArray,
     now: FloatArray,
     then: FloatArray,
-) -> None:
+) -> FloatArray:
     """Carry deviations over a switch.
 
     Parameters
@@ -134,6 +134,11 @@ def saltation(
         Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
     then : ndarray, shape (2 N_new, m)
         Takes the deviations just after it.
+
+    Returns
+    -------
+    ndarray, shape (2 N_new,)
+        What a switch later by a second changes, kg^1/2 m/s and kg^1/2 m/s2.
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
@@ -155,6 +160,7 @@ def saltation(
                 S[j, i] = tables.carry[old, k, j, i]
     _project(S, now[:n_old], then[:n_new])
     _project(S, now[n_old : 2 * n_old], then[n_new : 2 * n_new])
+    jump = zeros(2 * n_new)
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
     for j in range(n_new):
         x, y = -after[j], -after[n_new + j]
@@ -164,9 +170,11 @@ def saltation(
         for h in range(theta.size):
             x += onto[1 + h, j] * tables.omega[h] * theta[h].real
             y -= onto[1 + h, j] * tables.omega[h] ** 2 * theta[h].imag
+        jump[j], jump[n_new + j] = x, y
         for c in range(m):
             then[j, c] += x * delay[c]
             then[n_new + j, c] += y * delay[c]
+    return jump
 
 
 @njit_inner(fastmath=SUM)
