@@ -26,7 +26,7 @@ from analytic.march.compiled import Log
 from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of, with_deviations
 from analytic.march.initial_state import resumed, started, translated
-from analytic.march.linearised import Carried, carried_along
+from analytic.march.linearised import Carried, carried_along, end_carried
 from analytic.march.march import joined
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
@@ -199,7 +199,9 @@ class PeriodMap:
             return None
         motion = march(self.joint, _coordinates(start), 0.0, duration)
         along = _Along(motion, start.state, known, duration)
-        return Linearised(_section_point(motion.end), along.derivative, along.segments, lambda: along.outline)
+        return Linearised(
+            _section_point(motion.end), along.derivative, along.segments, lambda: along.outline, along.segments_of
+        )
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
@@ -257,23 +259,33 @@ class _Along:
     """s."""
 
     @cached_property
-    def carried(self) -> Carried:
-        """All deviations along it."""
-        change = Change(self.known.frequency, self.known.sizes)
-        return carried_along(self.motion, change, -self.known.frequency * self.duration)
-
-    @cached_property
     def outline(self) -> Segments:
         """The march from switch to switch without deviations."""
         return outline_of(self.motion)
+
+    @cached_property
+    def carried(self) -> Carried:
+        """All deviations along it."""
+        return carried_along(self.motion, *self._number)
+
+    @property
+    def _number(self) -> tuple[Change, float]:
+        """How the tables change with the number, and the duration, s over its unit."""
+        return Change(self.known.frequency, self.known.sizes), -self.known.frequency * self.duration
 
     def segments(self) -> Segments:
         """The march from switch to switch."""
         return with_deviations(self.outline, self.carried)
 
+    def segments_of(self, deviation: FloatArray) -> Segments:
+        """The same with one deviation, kg^1/2 m and kg^1/2 m/s, shape ``(2 N,)``."""
+        return with_deviations(self.outline, carried_along(self.motion, *self._number, deviation[:, None]))
+
     def derivative(self) -> Derivative:
         """The derivative of its end, in the modes of its start."""
-        matrix, end = self.carried.end, self.motion.end.state
+        on_the_way = "carried" in self.__dict__
+        matrix = self.carried.end if on_the_way else end_carried(self.motion, *self._number)
+        end = self.motion.end.state
         if end != self.state:
             n, passage = matrix.shape[0] // 2, self.motion.joint.passage(end, self.state)
             matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])

@@ -18,7 +18,7 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True)
 class Carried:
-    """Deviations along a march of ``M`` segments, as columns (dq, dv): of all coordinates, and by the number."""
+    """Deviations along a march of ``M`` segments, as columns (dq, dv): ``n`` of them, and by the number."""
 
     motion: March
     """The march, recorded."""
@@ -32,8 +32,34 @@ class Carried:
     """The deviations at the end of the march, shape ``(2 N_end, n + 1)`` or ``(2 N_end, n)``."""
 
 
-def carried_along(motion: March, change: Change | None = None, later: float = 0.0) -> Carried:
-    """All deviations along a march, and last its derivative by a number of the problem, if there is one.
+def carried_along(
+    motion: March, change: Change | None = None, later: float = 0.0, deviations: FloatArray | None = None
+) -> Carried:
+    """Deviations along a march, and last its derivative by a number of the problem, if there is one.
+
+    Parameters
+    ----------
+    motion : March
+        A march from the time 0, recorded.
+    change : Change, optional
+        How the joint's tables change with the number.
+    later : float
+        Derivative of the duration by the number, s over the number's unit.
+    deviations : FloatArray, shape (2 N, n), optional
+        Those at the start, as columns, kg^1/2 m and kg^1/2 m/s; a unit of each coordinate by default.
+
+    Returns
+    -------
+    Carried
+        The number leaves the start of the march where it is.
+    """
+    return _carried(motion, change, later, deviations, motion.log.slot.size)
+
+
+def end_carried(motion: March, change: Change | None = None, later: float = 0.0) -> FloatArray:
+    """The deviations of all coordinates at the end of a march, and by a number of the problem, as `carried_along`.
+
+    What they are on the way is not kept: of a long march, that is more than a processor holds near at hand.
 
     Parameters
     ----------
@@ -46,14 +72,21 @@ def carried_along(motion: March, change: Change | None = None, later: float = 0.
 
     Returns
     -------
-    Carried
-        The number leaves the start of the march where it is.
+    FloatArray, shape (2 N_end, n + 1) or (2 N_end, n)
+        As `Carried.end`.
     """
+    return _carried(motion, change, later, None, 2).end
+
+
+def _carried(motion: March, change: Change | None, later: float, deviations: FloatArray | None, kept: int) -> Carried:
+    """`carried_along`, with as many starts as are `kept`, in turn."""
     tables, log = motion.joint.tables, motion.log
-    n = 2 * int(tables.modes[log.slot[0]])
-    count = n if change is None else n + 1
-    starts = np.empty((log.slot.size, 2 * tables.kind.shape[1], count))
-    starts[0, :n] = np.eye(n, count)
+    rows = 2 * int(tables.modes[log.slot[0]])
+    n = rows if deviations is None else deviations.shape[1]
+    starts = np.empty((kept, 2 * tables.kind.shape[1], n if change is None else n + 1))
+    starts[0, :rows] = np.eye(rows, starts.shape[2]) if deviations is None else 0.0
+    if deviations is not None:
+        starts[0, :rows, :n] = deviations
     end = np.empty(starts.shape[1:])
     _carry(tables, change, log, later, starts, end)
     return Carried(motion, change, starts, end[: 2 * int(tables.modes[log.slot[-1]])])
@@ -61,19 +94,22 @@ def carried_along(motion: March, change: Change | None = None, later: float = 0.
 
 @njit_called(vectorised=True)
 def _carry(tables: Tables, change: Change | None, log: Log, later: float, starts: FloatArray, end: FloatArray) -> None:
-    """Carry deviations from the start of a march on, through `starts`, ``(M, 2 N, m)``, to the `end`, ``(2 N, m)``."""
+    """Carry deviations from the start of a march on to its `end`, ``(2 N, m)``.
+
+    `starts`, ``(K, 2 N, m)``, takes them at the start of each of the ``M`` segments, in turn if these are more.
+    """
     now, changes = end, complex_zeros((0, 0, 0))
     if change is not None:
         changes = changes_of_answers(tables, change, log.slot)
     for i in range(log.slot.size):
-        slot, here = log.slot[i], starts[i]
+        slot, here, then = log.slot[i], starts[i % starts.shape[0]], starts[(i + 1) % starts.shape[0]]
         if change is not None:  # what it does to the forced motion does not flow
             add_forced_change(tables, change, changes, slot, log.start[i], -1.0, here)
         flow(tables, slot, log.end[i] - log.start[i], here, now)
         if change is not None:
             add_forced_change(tables, change, changes, slot, log.end[i], 1.0, now)
         if log.stop[i] >= 0 and i + 1 < log.slot.size:
-            t, k, rate, then = log.end[i], log.stop[i], log.rate[i], starts[i + 1]
+            t, k, rate = log.end[i], log.stop[i], log.rate[i]
             q_old, v_old, q_new, v_new = log.q_end[i], log.v_end[i], log.q[i + 1], log.v[i + 1]
             jump = saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, now, then)
             if change is not None:
@@ -81,7 +117,7 @@ def _carry(tables: Tables, change: Change | None, log: Log, later: float, starts
         elif i + 1 < log.slot.size:
             for j in range(2 * tables.modes[slot]):
                 for c in range(starts.shape[2]):
-                    starts[i + 1, j, c] = now[j, c]
+                    then[j, c] = now[j, c]
     i = log.slot.size - 1
     if change is not None:
         add_end_change(tables, log.slot[i], log.end[i], later, log.q_end[i], log.v_end[i], now)
