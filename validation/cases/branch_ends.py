@@ -66,7 +66,8 @@ def over_ends(say: Say) -> Iterator[Check | Criterion]:
         value, error = (float(found[f"bifurcation_{name}"].values[mine[0]]) for name in ("value", "error"))
         yield Criterion(f"error of the end over its value: {solver}", "1", error / value, 1e-16, CLOSELY, "resolved")
         values.append(Estimate(value, error, f"{solver}, with its error"))
-    yield Check("end of a branch: both solvers", "rad/s", *values)
+    one, other = values
+    yield Check("end of a branch: both solvers", "rad/s", one, other)
     say("lightly made contact")
     found = branch(tight(), FREQUENCY, *LIGHTLY)
     mine = found["branch"].values == at_upper_end(found, LIGHTLY[0])
