@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ROWS_SHOWN = 40
+_AT_END = 1e-9
+"""Distance from an end of the range, over its size, up to which a point is at it."""
 
 
 def is_whole(dataset: xr.Dataset) -> bool:
@@ -36,6 +38,7 @@ def print_branches(dataset: xr.Dataset) -> None:
     if second_number_of(dataset) is None:
         for i in range(dataset.branch_first_end.size):
             _print_branch(dataset, i)
+        _print_ends_without_motion(dataset)
     else:
         _print_loci(dataset)
     _print_what_is_missing(dataset)
@@ -52,6 +55,16 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
     )
     for j in np.flatnonzero(dataset.bifurcation_branch.values == i):
         echo(f"  {bifurcation_text(dataset, int(j))}")
+
+
+def _print_ends_without_motion(dataset: xr.Dataset) -> None:
+    """The ends of the range to which no branch comes, though a march from rest has begun at each."""
+    values, most = dataset[number_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
+    repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
+    missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
+    for end in np.asarray(dataset.attrs["range"]) if values.size and not missing else ():
+        if np.abs(values - end).min() > _AT_END * max(abs(end), np.ptp(dataset.attrs["range"])):
+            echo(f"no branch comes to {end:.6g}: from rest, no motion that repeats after {repeats} was found there")
 
 
 def _print_loci(dataset: xr.Dataset) -> None:

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from lapjoint.campaigns.branch_dataset import read_branches
-from lapjoint.cli.branch_printing import bifurcation_text
+from lapjoint.cli.branch_printing import bifurcation_text, print_branches
 from lapjoint.cli.main import main
 
 PROBLEM = """
@@ -112,6 +112,22 @@ def test_an_error_that_no_finer_solver_confirms_is_said_in_words(asked: bool) ->
     said = bifurcation_text(found, 1)
     assert said.endswith("fold (not confirmed by the finer solver)" if asked else "fold")
     assert "±" not in said
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("most", "repeats"), [(1, "after each excitation period"), (3, "after 3 excitation periods or fewer")]
+)
+def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
+    capsys: pytest.CaptureFixture[str], most: int, repeats: str
+) -> None:
+    over = ("--from", "3e-4", "--to", "4e-4", "--max-period-multiple", most, "--out", "b.nc")
+    assert "no branch comes" not in run("branch", "bar.toml", *OVER, *map(str, over)).stdout
+    found = read_branches("b.nc")
+    found.attrs["range"] = np.array([3e-4, 5e-4])
+    print_branches(found)
+    told = f"no branch comes to 0.0005: from rest, no motion that repeats {repeats} was found there"
+    assert [line for line in capsys.readouterr().out.splitlines() if "no branch" in line] == [told]
 
 
 @pytest.mark.usefixtures("here")
