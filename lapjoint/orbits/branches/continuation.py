@@ -87,8 +87,8 @@ _UP_TO = (0.99, 0.995, 0.98, 0.95, 0.9)
 """Shares of the way to a motion that repeats sooner at which a curve ends if a graze lies between, in the sequence in
 which they are tried: the number then lacks some 1e-4 of its way."""
 _BACKWARD = 0.5
-"""Least cosine between the way back and the curve on both sides of a graze that is gone across backward: it is above
-0.9 where a curve came back over the graze that it had just crossed, and below 0.4 else."""
+"""Least cosine between the curve beyond a graze and the way back to it, where it has been gone across backward: above
+0.98 where a curve came back over a graze that it had just crossed, and below 0.4 else."""
 _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
@@ -174,13 +174,28 @@ class _Follower:
             missed = _missed(new)
             back = None if self._limits.enough is not None else self._marks.come_back(self._places, i)
             if back is not None:
-                self._end_at(*back, "closed")
+                jumped_back = self._jumped_back()
+                if jumped_back is None:
+                    self._end_at(*back, "closed")
+                else:
+                    self._end_at(jumped_back - 1, None, "lost")
                 break
             if missed <= self._told < self._missed:
                 self._end_at(i, None, "bifurcation")
                 break
             self._missed = max(self._missed, missed)
         self._looked = len(self._places) - 1
+
+    def _jumped_back(self) -> int | None:
+        """The index of the first place beyond a part that was left out which the curve has been at before.
+
+        Then that part did not lead there: the curve would come to itself, and go round in a ring for ever.
+        """
+        for jump in self._jumps:
+            landed = Start(self._family, self._places[jump.index])
+            if any(landed.between(a, b) is not None for a, b in pairwise(self._places[: jump.index])):
+                return jump.index
+        return None
 
     def _end_at(self, i: int, last: Place | None, why: str) -> None:
         """End the curve at a place that follows the one with number `i`, or at that."""
@@ -518,13 +533,23 @@ def _stepped(family: Family, here: Place, step: float, bend: FloatArray | None) 
     return new, angle
 
 
-def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Graze, Place | None] | None:
-    """A graze after a place, and the place beyond it; None if it is not found."""
+def _across(
+    family: Family, here: Place, coming: Coming, index: int, sooner: bool = True
+) -> tuple[Graze, Place | None] | None:
+    """A graze after a place, and the place beyond it; None if it is not found.
+
+    Where there is none beyond, it may be that another extremum vanishes sooner, which arises on the way to this graze:
+    then it is that one's.
+    """
     extremum = coming.extremum
     graze = located_graze(family, here, extremum, coming.rate)
     if graze is None:
         return None
     beyond = beyond_graze(family, graze, coming.rate)
+    first = _vanishes_sooner(family, graze.place.going_on_from(here), coming) if beyond is None and sooner else None
+    there = None if first is None else _across(family, graze.place.going_on_from(here), first, index, sooner=False)
+    if there is not None and there[1] is not None:
+        return there
     best = sharper(family, graze, beyond, coming.rate)
 
     def named(kind: str) -> Graze:
@@ -540,14 +565,23 @@ def _across(family: Family, here: Place, coming: Coming, index: int) -> tuple[Gr
     return named(kind), after
 
 
+def _vanishes_sooner(family: Family, place: Place, than: Coming) -> Coming | None:
+    """The graze that comes before the one just before which a place is; None if that is the first."""
+    first = coming(place, rates_of(family, place))
+    if first is None or first.length > _AT_GRAZE:
+        return None
+    mine, its = than.extremum, first.extremum
+    return None if (mine.at, mine.highest) == (its.at, its.highest) else first
+
+
 def _leads_back(family: Family, before: Place, after: Place) -> bool:
     """Whether the way across a graze goes against the curve on both sides: it is gone back, across a graze behind.
 
     On one side alone it may: there the curve turns as soon as the map's root outweighs what is smooth.
     """
     way = after.chord(family, before)
-    length = float(np.linalg.norm(way))
-    return all(float(way @ one.tangent) < -_BACKWARD * length for one in (before, after))
+    ahead = float(way @ after.tangent) / max(float(np.linalg.norm(way)), 1e-300)
+    return ahead < -_BACKWARD and float(way @ before.tangent) < 0
 
 
 def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
