@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from lapjoint.orbits.branches.closing import has_been_at
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
@@ -55,7 +56,7 @@ def followed(family: Family, start: Place, limits: Limits) -> Run:
     run = follow(family, start, limits)
     for _ in range(_BRIDGES):
         beyond = _beyond(family, run) if run.end in _LOST and len(run.places) < limits.most else None
-        if beyond is None:
+        if beyond is None or has_been_at(family, run.places, beyond):
             break
         rest = follow(family, beyond, replace(limits, most=limits.most - len(run.places)))
         run = _one_after_other(run, rest)

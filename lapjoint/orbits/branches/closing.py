@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -125,6 +126,27 @@ class Start:
             found = corrected(self.family, value, guess, here.count)
             here = None if found is None else found.along(here.tangent)
         return None
+
+
+def has_been_at(family: Family, places: Sequence[Place], place: Place) -> bool:
+    """Whether a curve has been at a place before.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    places : sequence of Place
+        The curve so far.
+    place : Place
+        The place, or an image of it.
+
+    Returns
+    -------
+    bool
+        What leads there leads round in a ring for ever.
+    """
+    there = Start(family, place)
+    return any(there.between(a, b) is not None for a, b in pairwise(places))
 
 
 class Marks:

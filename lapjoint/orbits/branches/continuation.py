@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import between_two
-from lapjoint.orbits.branches.closing import Marks, Start
+from lapjoint.orbits.branches.closing import Marks, Start, has_been_at
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import beyond_graze, leaves_at, located_graze, sharper, slow_switch
@@ -187,13 +187,12 @@ class _Follower:
         self._looked = len(self._places) - 1
 
     def _jumped_back(self) -> int | None:
-        """The index of the first place beyond a part that was left out which the curve has been at before.
+        """The index of the first place beyond a part that was left out at which the curve has been before.
 
-        Then that part did not lead there: the curve would come to itself, and go round in a ring for ever.
+        Then that part did not lead there, and the curve has not closed.
         """
         for jump in self._jumps:
-            landed = Start(self._family, self._places[jump.index])
-            if any(landed.between(a, b) is not None for a, b in pairwise(self._places[: jump.index])):
+            if has_been_at(self._family, self._places[: jump.index], self._places[jump.index]):
                 return jump.index
         return None
 
