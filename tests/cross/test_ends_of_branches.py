@@ -16,7 +16,7 @@ from lapjoint import BaseMotion, Problem, SolverError, paper_joint
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.orbits import Passage
-from lapjoint.orbits.branches.closing import Start
+from lapjoint.orbits.branches.closing import Marks, Start
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -63,6 +63,22 @@ def test_a_curve_that_comes_to_a_ring_on_which_its_start_does_not_lie_ends(monke
     x, y = np.array([place.point.coordinates[0] for place in run.places]).T
     turned = np.unwrap(np.arctan2(y, x))
     assert 1 <= abs(turned[-1] - turned[0]) / (2 * np.pi) < 2  # once round from where it first is where it comes back
+
+
+def test_a_place_that_is_no_more_of_a_curve_is_no_mark() -> None:
+    family = family_of(Tongue(1), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+    start = corrected(family, 1.0, SectionPoint(FREE, np.array([[0.0, 1.0]])), 2, fixed=True)
+    assert start is not None
+    places = follow(family, start, Limits(1000, first=1e-3)).places[:-1]
+    places = [places[0], *(beside(family, places[0], 1e-4 * (k + 1)) for k in range(110)), *places[4:], *places[:4]]
+    marks = Marks(family, start)
+    for i in range(135):  # until a mark has been set at 100, and the curve has left it
+        assert marks.come_back(places, i) is None
+    marks.forget_from(60)
+    places = places[:60] + places[115:]
+    found = [marks.come_back(places, i) for i in range(59, len(places) - 1)]
+    assert any(found)
+    assert all(one is None or one[0] < len(places) for one in found)
 
 
 @pytest.mark.parametrize("seed", range(4))

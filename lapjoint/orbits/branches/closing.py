@@ -167,6 +167,17 @@ class Marks:
         self._marks, self._next = {0: Start(family, start)}, _MARK
         self._left = set[int]()
 
+    def forget_from(self, index: int) -> None:
+        """Forget the marks at places that are no more of the curve: those with this index, and behind.
+
+        Parameters
+        ----------
+        index : int
+            Number of places that are left.
+        """
+        self._marks = {own: mark for own, mark in self._marks.items() if own < index}
+        self._left &= self._marks.keys()
+
     def come_back(self, places: Sequence[Place], i: int) -> tuple[int, Place] | None:
         """Whether a curve has been before where it is between two neighbouring places.
 

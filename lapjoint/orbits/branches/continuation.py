@@ -464,6 +464,8 @@ class _Follower:
         self._places = places[: last.index]
         self._grazes = [graze for graze in grazes if graze.index < last.index]
         if self._jump(last.width + 1):
+            self._marks.forget_from(last.index)
+            self._looked = min(self._looked, last.index - 1)
             return True
         self._places, self._grazes, self._before_fold = places, grazes, last
         self._jumps.append(last)
