@@ -81,9 +81,6 @@ def jumped(family: Family, places: Sequence[Place], least: int) -> tuple[Place, 
 def across_jump(family: Family, here: Place) -> Place | None:
     """The motion with other contacts next to one beside which the map jumps, as the curve goes on from it, either way.
 
-    So it does by truncation, too, where a switch passes the time of the section: there the stops that are closed at the
-    section are others.
-
     Parameters
     ----------
     family : Family
@@ -100,8 +97,7 @@ def across_jump(family: Family, here: Place) -> Place | None:
         if found is None:
             continue
         near = float(np.linalg.norm(found.chord(family, here))) <= _ADJACENT
-        other = found.extrema.closings != here.extrema.closings or found.point.state != here.point.state
-        if near and other and family.low <= found.value <= family.high:
+        if near and found.extrema.closings != here.extrema.closings and family.low <= found.value <= family.high:
             return found if found.orientation == here.orientation else found.turned()
     return None
 
