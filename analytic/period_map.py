@@ -26,7 +26,7 @@ from analytic.march.compiled import Log
 from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of, with_deviations
 from analytic.march.initial_state import resumed, started, translated
-from analytic.march.linearised import Carried, carried_along, end_carried
+from analytic.march.linearised import Carried, carried_along
 from analytic.march.march import joined
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
@@ -283,9 +283,8 @@ class _Along:
 
     def derivative(self) -> Derivative:
         """The derivative of its end, in the modes of its start."""
-        on_the_way = "carried" in self.__dict__
-        matrix = self.carried.end if on_the_way else end_carried(self.motion, *self._number)
-        end = self.motion.end.state
+        known = self.__dict__.get("carried") or carried_along(self.motion, *self._number, on_the_way=False)
+        matrix, end = known.end, self.motion.end.state
         if end != self.state:
             n, passage = matrix.shape[0] // 2, self.motion.joint.passage(end, self.state)
             matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])

@@ -15,6 +15,8 @@ from lapjoint.compiled_arrays import complex_zeros
 from lapjoint.compiling import njit_called
 from lapjoint.problem import FloatArray
 
+_AT_A_TIME = 2  # starts of segments that are needed to carry deviations on from one to the next
+
 
 @dataclass(frozen=True)
 class Carried:
@@ -27,13 +29,19 @@ class Carried:
     starts: FloatArray
     """The deviations at the start of each segment, kg^1/2 m and kg^1/2 m/s, shape ``(M, 2 N, n + 1)``, or, without a
     number, ``(M, 2 N, n)``; of a state with fewer modes than ``N`` the first rows, and anything in the others.  By the
-    number, they are those of the free motion: without what it does to the forced one."""
+    number, they are those of the free motion: without what it does to the forced one.  Of two of them, where no more
+    was to be kept."""
     end: FloatArray
     """The deviations at the end of the march, shape ``(2 N_end, n + 1)`` or ``(2 N_end, n)``."""
 
 
 def carried_along(
-    motion: March, change: Change | None = None, later: float = 0.0, deviations: FloatArray | None = None
+    motion: March,
+    change: Change | None = None,
+    later: float = 0.0,
+    deviations: FloatArray | None = None,
+    *,
+    on_the_way: bool = True,
 ) -> Carried:
     """Deviations along a march, and last its derivative by a number of the problem, if there is one.
 
@@ -47,42 +55,19 @@ def carried_along(
         Derivative of the duration by the number, s over the number's unit.
     deviations : FloatArray, shape (2 N, n), optional
         Those at the start, as columns, kg^1/2 m and kg^1/2 m/s; a unit of each coordinate by default.
+    on_the_way : bool
+        Whether to keep what they are at the start of each segment: of a long march, that is more than a processor holds
+        near at hand.
 
     Returns
     -------
     Carried
         The number leaves the start of the march where it is.
     """
-    return _carried(motion, change, later, deviations, motion.log.slot.size)
-
-
-def end_carried(motion: March, change: Change | None = None, later: float = 0.0) -> FloatArray:
-    """The deviations of all coordinates at the end of a march, and by a number of the problem, as `carried_along`.
-
-    What they are on the way is not kept: of a long march, that is more than a processor holds near at hand.
-
-    Parameters
-    ----------
-    motion : March
-        A march from the time 0, recorded.
-    change : Change, optional
-        How the joint's tables change with the number.
-    later : float
-        Derivative of the duration by the number, s over the number's unit.
-
-    Returns
-    -------
-    FloatArray, shape (2 N_end, n + 1) or (2 N_end, n)
-        As `Carried.end`.
-    """
-    return _carried(motion, change, later, None, 2).end
-
-
-def _carried(motion: March, change: Change | None, later: float, deviations: FloatArray | None, kept: int) -> Carried:
-    """`carried_along`, with as many starts as are `kept`, in turn."""
     tables, log = motion.joint.tables, motion.log
     rows = 2 * int(tables.modes[log.slot[0]])
     n = rows if deviations is None else deviations.shape[1]
+    kept = log.slot.size if on_the_way else min(log.slot.size, _AT_A_TIME)
     starts = np.empty((kept, 2 * tables.kind.shape[1], n if change is None else n + 1))
     starts[0, :rows] = np.eye(rows, starts.shape[2]) if deviations is None else 0.0
     if deviations is not None:

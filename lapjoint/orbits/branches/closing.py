@@ -143,7 +143,7 @@ def has_been_at(family: Family, places: Sequence[Place], place: Place) -> bool:
     Returns
     -------
     bool
-        What leads there leads round in a ring for ever.
+        Whether it has: what leads there leads round in a ring for ever.
     """
     there = Start(family, place)
     return any(there.between(a, b) is not None for a, b in pairwise(places))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -390,10 +391,15 @@ class _Follower:
         most = self._limits.most
         return min(1.0, max(way, len(self._places) / most, self._tries / (_TRIES * most)))
 
+    def _near_grazes(self) -> Iterator[Coming | None]:
+        """The graze at which an extremum vanishes, and that at which a switch does, each found when it is asked for."""
+        yield coming(self._here, self._rates)
+        yield slow_switch(self._family, self._here)
+
     def _pass_what_is_near(self) -> None:
         """Go across the graze that is so near that no step leads past it, or leave out what cannot be resolved."""
         passed: tuple[Graze, Place | None] | None = None
-        for soon in (coming(self._here, self._rates), slow_switch(self._family, self._here)):
+        for soon in self._near_grazes():
             there = None if soon is None else _across(self._family, self._here, soon, len(self._places))
             if there is not None and there[1] is not None:
                 self._pass(*there)
@@ -546,9 +552,9 @@ def _across(
     graze = located_graze(family, here, extremum, coming.rate)
     if graze is None:
         return None
-    beyond = beyond_graze(family, graze, coming.rate)
-    first = _vanishes_sooner(family, graze.place.going_on_from(here), coming) if beyond is None and sooner else None
-    there = None if first is None else _across(family, graze.place.going_on_from(here), first, index, sooner=False)
+    before, beyond = graze.place.going_on_from(here), beyond_graze(family, graze, coming.rate)
+    first = _vanishes_sooner(family, before, coming) if beyond is None and sooner else None
+    there = None if first is None else _across(family, before, first, index, sooner=False)
     if there is not None and there[1] is not None:
         return there
     best = sharper(family, graze, beyond, coming.rate)
@@ -558,7 +564,7 @@ def _across(
 
     if beyond is None:
         return named("ends"), None
-    before, after = graze.place.going_on_from(here), beyond.place.going_on_from(here)
+    after = beyond.place.going_on_from(here)
     if _leads_back(family, before, after):
         return None
     came, goes = before.tangent[-1], after.tangent[-1]

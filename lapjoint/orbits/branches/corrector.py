@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extrema, extrema_of
+from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of, same_turning_point
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import RESIDUAL, Orbit
 from lapjoint.problem import FloatArray
@@ -72,6 +72,25 @@ class Place:
     def extrema(self) -> Extrema:
         """How near it comes to every stop, and how far beyond."""
         return extrema_of(self.orbit.last)
+
+    def matching(self, extremum: Extremum, duration: float) -> Extremum | None:
+        """The extremum, or the turning point, that is nearest in phase to one of its kind by another solver.
+
+        Parameters
+        ----------
+        extremum : Extremum
+            As the other solver has it.
+        duration : float
+            Length of the motion there, s.
+
+        Returns
+        -------
+        Extremum, or None
+            None if there is none.
+        """
+        turns = extremum.segment is not None
+        matching = partial(same_turning_point, self.orbit.last) if turns else self.extrema.matching
+        return matching(extremum, duration)
 
     @cached_property
     def missed(self) -> FloatArray | None:

@@ -10,7 +10,7 @@ import numpy as np
 from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, signature
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum, matching
+from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze, sharper
 
 _REACHES = (1e-4, 1e-2)
@@ -342,7 +342,7 @@ def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
         for back in _BACK:
             value, guess = place.moved(family, -back * place.tangent)
             near = corrected(family, value, guess, place.count)
-            mine = None if near is None else matching(near.orbit.last, near.extrema, extremum, duration)
+            mine = None if near is None else near.matching(extremum, duration)
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
             if graze is not None:
                 beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
@@ -358,7 +358,7 @@ def _graze_shift(graze: OnExtremum, duration: float) -> Shift:
 
     def shift(family: Family) -> float | None:
         near = with_same_contacts(family, graze.place)
-        mine = None if near is None else matching(near.orbit.last, near.extrema, graze.extremum, duration)
+        mine = None if near is None else near.matching(graze.extremum, duration)
         if near is None or mine is None:
             return None
         return near.value - graze.place.value - graze.rate * (mine.value - graze.extremum.value)

@@ -234,29 +234,6 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
     return None if match is None else _polished(found, match)
 
 
-def matching(found: Return, extrema: Extrema, extremum: Extremum, duration: float) -> Extremum | None:
-    """The extremum of a motion by another solver that is nearest in phase to one of its kind.
-
-    Parameters
-    ----------
-    found : Return
-        The march over the motion's half periods.
-    extrema : Extrema
-        Its extrema.
-    extremum : Extremum
-        As the first solver has it.
-    duration : float
-        Length of the motion there, s.
-
-    Returns
-    -------
-    Extremum, or None
-        None if there is none.
-    """
-    turns = extremum.segment is not None
-    return same_turning_point(found, extremum, duration) if turns else extrema.matching(extremum, duration)
-
-
 def same_turning_point(found: Return, extremum: Extremum, duration: float) -> Extremum | None:
     """The turning point of a motion that is that of a neighbouring motion.
 

@@ -276,9 +276,9 @@ def leaves_at(family: Family, graze: OnExtremum, rate: float) -> bool:
     half, last = place.half_periods, place.orbit.last
     if not gives(half.map, Tangent):
         return False
-    row = gradient_of(half, last.linearised.segments, one) / place.weights
     if (one.value > 0) == one.highest:  # it has crossed
         return _is_driven_on(last.linearised.motion, one)
+    row = gradient_of(half, last.linearised.segments, one) / place.weights
     across = -float(np.copysign(_JUST_BEYOND * abs(rate), one.value)) - one.value
     point = half.map.moved(place.point, across * row / float(row @ row) / place.weights)
     return _is_driven_on(family.linearised(place.value, point, place.count).linearised.motion, one)
