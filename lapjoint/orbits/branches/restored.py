@@ -65,17 +65,21 @@ def _restored(family: Family, one: Bifurcation, motion: MotionThere) -> Listed |
 
 
 def _sharper(one: Listed) -> Listed:
-    """The same by finer selves, as far as they have it where the file does: their motions are nearer to the truth."""
-    for _ in range(_SHARPER):
+    """The same by finer selves, as far as they come to where the file has it: their motions are nearer to the truth."""
+    for _ in range(_SHARPER if np.isfinite(one.bifurcation.error) else 0):
         known = one.family.finer(one.bifurcation.value)
         there = None if known is None else _again(one, known[1])
-        if there is None or there.found is None:
-            break
-        value = there.found.place.value if isinstance(there.found, Located) else there.found.value
-        if not abs(value - one.bifurcation.value) <= one.bifurcation.error < np.inf:
+        if there is None or not _off(there) <= max(_off(one), one.bifurcation.error):
             break
         one = there
     return one
+
+
+def _off(one: Listed) -> float:
+    """How far from the file's number a self has a bifurcation, in the same unit."""
+    assert one.found is not None
+    value = one.found.place.value if isinstance(one.found, Located) else one.found.value
+    return abs(value - one.bifurcation.value)
 
 
 def _again(one: Listed, family: Family) -> Listed | None:

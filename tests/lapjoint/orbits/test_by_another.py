@@ -109,14 +109,18 @@ def test_a_neighbour_is_not_taken_for_one_that_the_other_solver_lacks(seed: int)
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("kind", ["flip", "neimark-sacker"])
 def test_a_bifurcation_is_restored_where_it_is_said_to_be(kind: Kind, seed: int) -> None:
-    """The motion is that of the coarsest self, the number that of the next; a number that is wrong changes nothing."""
+    """The motion is that of the coarsest self, the number that of the next, or of one much finer, with a small error.
+
+    A number from which finer selves lie farther changes nothing.
+    """
     rng = np.random.default_rng((84, seed))
     shift, angle, rate = rng.choice([-1, 1]) * 10 ** rng.uniform(-5, -3), rng.uniform(0.5, 2.5), rng.uniform(5, 50)
     family = family_of(Shifted(lambda p: [critical(kind, rate * (p - AT), angle), pair(0.3, 1.0)], shift))
     motion = MotionThere(AT + shift, family.at(AT + shift).map.initial(), 2)
     finest = shift * RATIO ** (-2 * ORDER)
-    for value, off in ((AT + shift / RATIO**ORDER, finest), (AT - shift, shift)):
-        one = restored(family, Bifurcation(kind, value, abs(shift), 0, motion=motion))
+    near, far, error = AT + shift / RATIO**ORDER, AT + 3 * shift, abs(shift)
+    for value, stated, off in ((near, error, finest), (AT, 1e-6 * error, finest), (far, error, shift)):
+        one = restored(family, Bifurcation(kind, value, stated, 0, motion=motion))
         assert one is not None
         assert isinstance(one.found, Located)
         assert one.found.place.value - AT == pytest.approx(off, rel=1e-3)
