@@ -22,11 +22,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 from typing import Literal, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -237,9 +236,9 @@ def _may_come_back(family: Family, first: Place, last: Place, around: Around, be
     passing = None if besides is None else _passing(besides)
     count = int(np.count_nonzero(_moduli(first, passing) > 1 + _ROUNDING))
     near = slice(max(count - _PAIR, 0), count + _PAIR)
-    if _may_pass(family, first, last, around, lambda place: _moduli(place, passing)[near], 1.0):
+    if _may_pass(family, first, last, around, lambda place: _moduli(place, passing)[near].tolist(), 1.0):
         return True
-    return _may_pass(family, first, last, around, lambda place: np.array([_near_minus_one(place, passing)]), 0.0)
+    return _may_pass(family, first, last, around, lambda place: [_near_minus_one(place, passing)], 0.0)
 
 
 def _passing(one: Located) -> slice:
@@ -258,7 +257,7 @@ def _moduli(place: Place, without: slice | None = None) -> FloatArray:
 
 
 def _may_pass(
-    family: Family, first: Place, last: Place, around: Around, of: Callable[[Place], FloatArray], bound: float
+    family: Family, first: Place, last: Place, around: Around, of: Callable[[Place], list[float]], bound: float
 ) -> bool:
     """Whether one of the numbers that are given `of` each place may pass a bound between two places and come back.
 
@@ -266,21 +265,19 @@ def _may_pass(
     either place, unless it rises or falls from the place before both to the one behind.
     """
     a, b = of(first), of(last)
-    if bool((np.abs(b - a) > np.minimum(np.abs(a - bound), np.abs(b - bound))).any()):
+    if any(abs(y - x) > min(abs(x - bound), abs(y - bound)) for x, y in zip(a, b, strict=False)):
         return True
     before, after = (None if place is None else of(place) for place in around)
-    turns = ~_steady((before, a, b, after))
+    turns = [True] * len(a)
+    if before is not None and after is not None and len(before) == len(a) == len(b) == len(after):
+        turns = [not _steady(values) for values in zip(before, a, b, after, strict=True)]
     ways = ((around[0], first, last), (before, a)), ((around[1], last, first), (after, b))
-    return bool(turns.any()) and any(_goes_on_past(family, *way, *numbers, bound, turns) for way, numbers in ways)
+    return any(turns) and any(_goes_on_past(family, *way, *numbers, bound, turns) for way, numbers in ways)
 
 
-def _steady(values: Sequence[FloatArray | None]) -> npt.NDArray[np.bool_]:
-    """Whether numbers at four places in turn rise or fall all the way; not if they are not known at all of them."""
-    known = [one for one in values if one is not None]
-    if len(known) < len(values) or len({one.shape for one in known}) > 1:
-        return np.zeros(known[0].shape, dtype=bool)
-    steps = np.diff(known, axis=0)
-    return np.asarray((steps > 0).all(axis=0) | (steps < 0).all(axis=0))
+def _steady(values: Sequence[float]) -> bool:
+    """Whether a number at places in turn rises or falls all the way."""
+    return all(x < y for x, y in pairwise(values)) or all(x > y for x, y in pairwise(values))
 
 
 def _near_minus_one(place: Place, without: slice | None = None) -> float:
@@ -295,29 +292,30 @@ def _goes_on_past(
     before: Place | None,
     here: Place,
     other: Place,
-    then: FloatArray | None,
-    now: FloatArray,
+    then: list[float] | None,
+    now: list[float],
     bound: float,
-    which: npt.NDArray[np.bool_],
+    which: list[bool],
 ) -> bool:
     """Whether one of some numbers passes a bound on the way to another place, if it goes on as from the one before.
 
     `then` they are at the place before, `now` here.  One may grow by as much as before, or as many times: where a
     contact is light, as one over the root of its depth.
     """
-    if before is None or then is None or now.shape != then.shape:
+    if before is None or then is None or len(now) != len(then):
         return False
-    now, then = (np.maximum(one[which] if which.size == one.size else one, _TINY) for one in (now, then))
-    if not _passes(now, then, bound, _GOES_ON):
+    ways = [(max(x, _TINY), max(y, _TINY)) for x, y, asked in zip(now, then, which, strict=True) if asked]
+    if not any(_passes(*way, bound, _GOES_ON) for way in ways):
         return False
     way, came = (float(np.linalg.norm(other.chord(family, here))), float(np.linalg.norm(here.chord(family, before))))
-    return _passes(now, then, bound, min(way / max(came, 1e-300), _GOES_ON))
+    steps = min(way / max(came, 1e-300), _GOES_ON)
+    return any(_passes(*way, bound, steps) for way in ways)
 
 
-def _passes(now: FloatArray, then: FloatArray, bound: float, steps: float) -> bool:
+def _passes(now: float, then: float, bound: float, steps: float) -> bool:
     """Whether a number passes a bound that goes on for so many times the way from one to the other, either way."""
     ahead = now + steps * (now - then), now * (now / then) ** (_SHARPER * steps)
-    return any(bool(((now > bound) != (one > bound)).any()) for one in ahead)
+    return any((now > bound) != (one > bound) for one in ahead)
 
 
 def _middle(family: Family, first: Place, last: Place) -> Place | None:
