@@ -19,7 +19,7 @@ import numpy as np
 
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem, StepLoad
-from lapjoint.problem.excitation import Excitation
+from lapjoint.problem.excitation import BaseMotion, Excitation
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.forces import multiple_of
 from lapjoint.problem.override import assign, path_keys
@@ -225,6 +225,9 @@ class Grid:
         InputError
             If there is no such problem; the message names the values.
         """
+        if self._base_fields:
+            with suppress(InputError):
+                return self.problem.with_base_numbers(**dict(zip(self._base_fields, values, strict=True)))
         numbers = [
             (path, number, f"axis {axis.path}")
             for axis, value in zip(self.axes, values, strict=True)
@@ -236,6 +239,16 @@ class Grid:
                 return self.problem.with_excitation(**parts)
             return problem_from_tables(self._untouched | parts)
         return problem_from_tables(_assigned(self._tables, numbers), _described(self.axes, values))
+
+    @cached_property
+    def _base_fields(self) -> tuple[str, ...]:
+        """The field of a sine of the base that each axis sets; none, if one sets more or another."""
+        if not isinstance(self.problem.base_motion, BaseMotion):
+            return ()
+        paths = [path for axis in self.axes for path, _ in self._numbers(axis, axis.values[0])]
+        keys = [path_keys(path) for path in paths]
+        own = all(len(one) == 2 and one[0] == "base_motion" and one[1] in BaseMotion.model_fields for one in keys)
+        return tuple(one[1] for one in keys) if own and len(keys) == len(self.axes) else ()
 
     @cached_property
     def _tables(self) -> dict[str, Any]:

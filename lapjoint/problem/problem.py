@@ -14,7 +14,7 @@ from pydantic import model_validator
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
-from lapjoint.problem.excitation import AnyBaseMotion, Excitation, PointLoad, StepLoad, Wave
+from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.messages import shown
@@ -316,6 +316,34 @@ class Problem(Part):
         if any(_outside_the_beam(made, ("point_loads",))) or any(_driven_too_fast(made)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
+        return made
+
+    def with_base_numbers(self, **numbers: float) -> Problem:
+        """A copy whose base moves as a sine with some other numbers; nothing else is looked at again.
+
+        Parameters
+        ----------
+        **numbers : float
+            New values by the names of the fields of `BaseMotion`, such as ``angular_frequency``.
+
+        Returns
+        -------
+        Problem
+            The same as from `with_excitation`; this problem stays as it is.
+
+        Raises
+        ------
+        InputError
+            If the base does not move as a sine, or a number is not valid.
+        """
+        if not isinstance(self.base_motion, BaseMotion):
+            raise InputError("base_motion: is no sine")
+        _ = self.structure  # found once, for all copies
+        base = BaseMotion(**vars(self.base_motion) | numbers)
+        if any(_too_fast("base_motion", base)):
+            return self.replace(base_motion=base)  # it is refused there
+        made = self.model_copy(update={"base_motion": base})
+        vars(made).pop("forces", None)  # those of this problem
         return made
 
 

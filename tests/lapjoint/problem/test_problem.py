@@ -256,6 +256,26 @@ def test_other_excitation_is_validated_and_the_rest_stays_as_it_is() -> None:
             own.with_excitation(**wrong)
 
 
+def test_other_numbers_of_the_base_are_validated() -> None:
+    own = paper_joint(angular_frequency=515.0)
+    assert own.forces.fundamental == 515.0
+    other = own.with_base_numbers(angular_frequency=300.0, phase=0.5)
+    base = BaseMotion(**vars(own.base_motion) | {"angular_frequency": 300.0, "phase": 0.5})
+    assert other == own.replace(base_motion=base)
+    assert (other.forces, own.forces.fundamental) == (own.replace(base_motion=base).forces, 515.0)
+    assert other.structure is own.structure
+    for numbers, message in (
+        ({"amplitude": -1.0}, "amplitude = -1.0: must be at least 0"),
+        ({"angular_frequency": 1e200}, "Problem: base_motion: the acceleration comes to inf"),
+        ({"angular_frequency": float("nan")}, "angular_frequency = nan"),
+        ({"speed": 1.0}, "speed"),
+    ):
+        with pytest.raises(InputError, match=message):
+            own.with_base_numbers(**numbers)
+    with pytest.raises(InputError, match="base_motion: is no sine"):
+        own.replace(base_motion=None).with_base_numbers(amplitude=1.0)
+
+
 def test_a_section_that_underflows_is_refused() -> None:
     with pytest.raises(InputError, match="EI comes to 0"):
         Beam(length=1.0, material=Material(youngs_modulus=1.0, density=1.0), section=Circle(diameter=1e-100))
