@@ -66,7 +66,8 @@ class Branch:
     """Its bifurcations, in the same sequence."""
     ends: tuple[str, str]
     """Why it ends at its first and at its last point: ``boundary`` of the range, ``closed`` to a ring, ``graze`` where
-    the map jumps, ``bifurcation`` from which it springs, ``lost``, or the ``effort`` that was allowed."""
+    the map jumps, ``bifurcation`` from which it springs, ``lost``, or the ``effort`` that was allowed; in a diagram,
+    too, where it ``joins`` a branch that was followed before it."""
 
     @property
     def period_multiple(self) -> int:

@@ -15,7 +15,6 @@ from lapjoint.campaigns.point import plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.free_motion import free_seed
 from lapjoint.orbits.branches.run import Limits
@@ -25,8 +24,6 @@ from lapjoint.solver import Solver
 
 _A_FEW = 3
 """Number of points that tell whether all is compiled that a branch takes."""
-_PROBES = (0.5, 0.25, 0.75)
-"""Shares of the way along a branch at which its motions are compared with another one."""
 _KEPT = 8
 """Number of plans of which the period maps are kept: values of a second number whose branches are followed at once."""
 
@@ -174,42 +171,26 @@ def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, An
     springs = [(value, section_from(section)) for value, section in branch["springs"]]
     if springs_where(family, seed, springs, count):
         return True
-    return _lies_on(family, seed, branch)
+    return lies_on(family, seed, branch)
 
 
-@in_one_thread
-def repeats(plan: BranchPlan, branch: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether a branch is one of some others over again, as motions all along it tell.
-
-    Two branches that spring at two bifurcations and come together at a part that is not resolved go on as one.
+def lies_on(family: Family, seed: Seed, branch: Mapping[str, Any]) -> bool:
+    """Whether a motion is one of a branch.
 
     Parameters
     ----------
-    plan : BranchPlan
-        The plan.
+    family : Family
+        The period maps.
+    seed : Seed
+        The motion.
     branch : mapping
         The branch, as `solve_branch` gives it.
-    others : sequence of mapping
-        The others, likewise.
 
     Returns
     -------
     bool
-        Whether it is.
+        Whether it is, or its mirror image is.
     """
-    family, count, last = family_of(plan), branch["count"], len(branch["points"]) - 1
-    left = [other for other in others if other["count"] == count]
-    for i in dict.fromkeys(int(share * last) for share in _PROBES):
-        value = branch["values"][i]
-        guess = family.adopted(value, section_from(branch["sections"][i]))
-        place = corrected(family, value, guess, count, fixed=True)  # a finer solver may have followed it there
-        seed = None if place is None else Seed(value, place.point, count)
-        left = [] if seed is None else [other for other in left if _lies_on(family, seed, other)]
-    return bool(left)
-
-
-def _lies_on(family: Family, seed: Seed, branch: Mapping[str, Any]) -> bool:
-    """Whether a motion is one of a branch, as `solve_branch` gives it."""
     return on_branch(family, seed, branch["values"], _Sections(branch["sections"]), branch["count"])
 
 

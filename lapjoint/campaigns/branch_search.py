@@ -12,7 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lapjoint.campaigns.branch_parts import is_known, repeats, solve_branch, solve_start
+from lapjoint.campaigns.branch_overlap import own_parts
+from lapjoint.campaigns.branch_parts import is_known, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.solver import Progress
 
@@ -228,9 +229,10 @@ class Search:
             self._failures += [reason] if reason not in self._failures else []
         elif part.seed is None:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
-        elif not repeats(self._plan, one, list(self._taken.values())):
-            self._taken[part.name] = one
-            self._points += sum(int(point["period_multiple"]) for point in one["points"])
+        elif own := own_parts(self._plan, one, list(self._taken.values())):
+            for i, piece in enumerate(own):
+                self._taken[f"{part.name}, part {i}" if i else part.name] = piece
+                self._points += sum(int(point["period_multiple"]) for point in piece["points"])
             sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]
             for first in range(_CLOSE + 1):  # those that are close may be the two ends of one branch
                 self._waiting += sprung[first :: _CLOSE + 1]

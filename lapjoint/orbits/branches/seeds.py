@@ -16,6 +16,7 @@ from lapjoint.orbits.branches.tracing import Seed
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.search import TRANSIENT, Effort, Search
+from lapjoint.problem import FloatArray
 
 _LOCATED = 1e-6, 1e-3
 """Distances of the number over its scale, and of the motion over its size, up to which two bifurcations that have been
@@ -126,9 +127,10 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
     """
     if count != seed.count:
         return False
-    all_values, tiny = np.array(values), 1e-9 * family.scale(seed.value)
+    all_values = np.array(values)
     low, high = np.minimum(all_values[:-1], all_values[1:]), np.maximum(all_values[:-1], all_values[1:])
-    beside = np.flatnonzero((low - tiny <= seed.value) & (seed.value <= high + tiny)).tolist()
+    reach = _beyond_folds(np.diff(all_values)) + 1e-9 * family.scale(seed.value)
+    beside = np.flatnonzero((low - reach <= seed.value) & (seed.value <= high + reach)).tolist()
     if not beside:
         return False
     half = family.at(seed.value)
@@ -140,12 +142,25 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
             if min(half.apart(image, end) for end in ends) > _NEAR * width:
                 continue
             share = (seed.value - all_values[i]) / ((all_values[i + 1] - all_values[i]) or 1.0)
+            share = min(max(share, 0.0), 1.0)
             guess = half.map.moved(ends[0], share * half.map.difference(ends[1], ends[0]))
             for one in (guess, *ends, *_on_chord(half, ends, image)):
                 found = corrected(family, seed.value, one, count, fixed=True)
                 if found is not None and half.apart(found.point, image) <= SAME:
                     return True
     return False
+
+
+def _beyond_folds(steps: FloatArray) -> FloatArray:
+    """How far beyond its ends a number may go between two neighbours on a branch, from its change between all of them.
+
+    Nowhere, but where it turns back beside them; there hardly as far as it comes from.
+    """
+    if not steps.size:
+        return steps
+    before, after = np.abs(steps[:-1]), np.abs(steps[1:])
+    far = np.where(steps[:-1] * steps[1:] < 0, np.maximum(before, after), 0.0)
+    return np.asarray(np.maximum(np.append(far, 0.0), np.append(0.0, far)))
 
 
 def _on_chord(half: HalfPeriods, ends: Sequence[SectionPoint], image: SectionPoint) -> list[SectionPoint]:

@@ -26,7 +26,7 @@ def plan(effort: int) -> BranchPlan:
 
 @pytest.fixture(autouse=True)
 def made(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Motions are whole numbers, each of the branch of its remainder by 7; some branches fail."""
+    """Motions are whole numbers, each of the branch of its remainder by 7; some fail, and one is cut by another."""
 
     def start(plan: BranchPlan, number: int) -> dict[str, Any]:
         return {"seeds": [{"value": number + k, "count": counted(number + k)} for k in range(number % 3)]}
@@ -41,7 +41,12 @@ def made(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(branch_search, "solve_start", start)
     monkeypatch.setattr(branch_search, "solve_branch", branch)
-    monkeypatch.setattr(branch_search, "repeats", lambda plan, one, others: one["own"] in {x["own"] for x in others})
+
+    def own_parts(plan: BranchPlan, one: dict[str, Any], others: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        known = {other["own"] for other in others}
+        return [] if one["own"] in known else [one] * (2 if one["own"] == 4 and 2 in known else 1)
+
+    monkeypatch.setattr(branch_search, "own_parts", own_parts)
     monkeypatch.setattr(branch_search, "is_known", lambda plan, seed, one: one.get("own") == seed["value"] % 7)
 
 

@@ -14,8 +14,6 @@ import lapjoint
 from lapjoint import FREQUENCY, Axis, BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns import branch_search
 from lapjoint.campaigns.branch_dataset import KINDS, read_branches
-from lapjoint.campaigns.branch_parts import repeats, solve_branch, solve_start
-from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.dataset import read_curve
 from lapjoint.campaigns.journal import journal_path
 from lapjoint.errors import Interrupted
@@ -57,20 +55,6 @@ def test_the_starts_at_both_ends_lead_to_one_branch_with_two_folds(found: xr.Dat
     assert (found.stable.values[:first] == 1).all()
     assert (found.stable.values[first:last] == 0).all()
     assert (found.stable.values[last:] == 1).all()
-
-
-def test_a_branch_that_is_followed_from_another_of_its_motions_is_known_again(problem: Problem) -> None:
-    plan = BranchPlan(problem, AMPLITUDE, LOW, HIGH, options=OPTIONS, errors=False)
-    whole = solve_branch(plan, solve_start(plan, 0)["seeds"][0])
-    i = len(whole["points"]) // 3
-    again = solve_branch(plan, {"value": whole["values"][i], "section": whole["sections"][i], "count": whole["count"]})
-    assert again["values"] != whole["values"]
-    part = whole | {key: whole[key][:i] for key in ("values", "points", "sections")}
-    assert repeats(plan, again, [whole])
-    assert repeats(plan, whole, [part, again])
-    assert repeats(plan, part, [whole])
-    assert not repeats(plan, whole, [part])
-    assert not repeats(plan, whole, [whole | {"count": 2 * whole["count"]}])
 
 
 def test_contacts_begin_at_the_graze(found: xr.Dataset) -> None:

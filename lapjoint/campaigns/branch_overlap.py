@@ -1,0 +1,137 @@
+"""What of a branch is its own, and not one over again that was followed before it.
+
+Two branches that spring at two bifurcations and come together at a part that is not resolved go on as one from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+from lapjoint.campaigns.branch_parts import family_of, lies_on
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.point import section_from
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.tracing import Seed
+
+_PROBES = (0.5, 0.25, 0.75)
+"""Shares of the way along a branch at which its motions are compared with another one at first."""
+_MORE = tuple(i / 16 for i in range(1, 16))
+"""The same once one of those lies on it."""
+_INWARD = 3
+"""Number of points between either end and a motion that is asked then, too.  Those beyond are not: two branches that
+end at one bifurcation end at some distance from it."""
+_JOINS = "joins"
+"""Why a part ends where it comes to another branch."""
+
+
+@in_one_thread
+def own_parts(plan: BranchPlan, branch: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The parts of a branch that lie on none of some others, as motions all along it tell.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    branch : mapping
+        The branch, as `lapjoint.campaigns.branch_parts.solve_branch` gives it.
+    others : sequence of mapping
+        The others, likewise.
+
+    Returns
+    -------
+    list of dict
+        Likewise, in sequence; each goes on to the first motion on another one, and ends there as ``joins``.  The branch
+        as it is, if it is all its own; empty, if nothing of it is.
+    """
+    whole = _Whole(plan, branch)
+    parts = [_Part(0, len(branch["points"]) - 1, *branch["ends"])]
+    for other in others:
+        if other["count"] == branch["count"]:
+            parts = [own for part in parts for own in whole.without(part, other)]
+    return [whole.cut(part) for part in parts]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a branch."""
+
+    first: int
+    """Index of its first point."""
+    last: int
+    """Index of its last point."""
+    begin: str
+    """Why it ends at its first point."""
+    end: str
+    """Why it ends at its last point."""
+
+
+@dataclass(frozen=True)
+class _Whole:
+    """A branch of which parts may lie on others."""
+
+    plan: BranchPlan
+    branch: Mapping[str, Any]
+
+    def without(self, part: _Part, other: Mapping[str, Any]) -> list[_Part]:
+        """What of a part does not lie on another branch."""
+        lie = {i: self._lies_on(i, other) for i in _indices(part, _PROBES)}
+        if not any(lie.values()):
+            return [part]
+        more = {*lie, *_indices(part, _MORE), part.first + _INWARD, part.last - _INWARD}
+        lie = {i: self._lies_on(i, other) for i in sorted(more) if part.first <= i <= part.last}
+        return list(self._own(part, lie, other))
+
+    def _own(self, part: _Part, lie: Mapping[int, bool], other: Mapping[str, Any]) -> Iterator[_Part]:
+        """The parts between motions that lie on another branch."""
+        left = None if lie[next(iter(lie))] else part
+        for i, j in pairwise(lie):
+            if lie[i] == lie[j]:
+                continue
+            inside, outside = self._edge(i, j, other) if lie[i] else self._edge(j, i, other)
+            if outside > inside:
+                left = replace(part, first=inside, begin=_JOINS)
+            elif left is not None:
+                yield replace(left, last=inside, end=_JOINS)
+                left = None
+        if left is not None:
+            yield left
+
+    def _edge(self, inside: int, outside: int, other: Mapping[str, Any]) -> tuple[int, int]:
+        """Two neighbours of which the first lies on another branch and the second does not, between two that are so."""
+        while abs(outside - inside) > 1:
+            between = (inside + outside) // 2
+            inside, outside = (between, outside) if self._lies_on(between, other) else (inside, between)
+        return inside, outside
+
+    def _lies_on(self, i: int, other: Mapping[str, Any]) -> bool:
+        if i not in self._seeds:
+            family, value, count = family_of(self.plan), self.branch["values"][i], self.branch["count"]
+            guess = family.adopted(value, section_from(self.branch["sections"][i]))
+            place = corrected(family, value, guess, count, fixed=True)  # a finer solver may have followed it there
+            self._seeds[i] = None if place is None else Seed(value, place.point, count)
+        seed = self._seeds[i]
+        return seed is not None and lies_on(family_of(self.plan), seed, other)
+
+    @cached_property
+    def _seeds(self) -> dict[int, Seed | None]:
+        """Its motions, by their indices, as far as they have been asked for."""
+        return {}
+
+    def cut(self, part: _Part) -> dict[str, Any]:
+        """A part as a branch, with the bifurcations on it."""
+        first, last, branch = part.first, part.last, self.branch
+        kept = {key: branch[key][first : last + 1] for key in ("values", "points", "sections")}
+        # A bifurcation lies before the point of its index, or at it.
+        begins = first if first == 0 else first + 1
+        on_it = [one for one in branch["bifurcations"] if begins <= one["index"] <= last]
+        moved = [one | {"index": one["index"] - first} for one in on_it]
+        return {**branch, **kept, "bifurcations": moved, "ends": [part.begin, part.end]}
+
+
+def _indices(part: _Part, shares: Sequence[float]) -> list[int]:
+    return list(dict.fromkeys(part.first + int(share * (part.last - part.first)) for share in shares))

@@ -1,0 +1,109 @@
+"""What of a branch is its own: nothing where it is followed again, and what comes before where it joins another."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
+from lapjoint.campaigns.branch_overlap import own_parts
+from lapjoint.campaigns.branch_parts import solve_branch, solve_start
+from lapjoint.campaigns.branch_plan import BranchPlan
+
+PLAN = BranchPlan(
+    # A viscously damped cantilever with one stop: one branch, with a graze and two folds.
+    Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
+        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
+        damping=ViscousDamping(coefficient=0.8),
+        base_motion=BaseMotion(amplitude=3e-4, angular_frequency=5.0),
+    ),
+    "base_motion.amplitude",
+    3e-4,
+    4e-4,
+    options={"n_modes": 3},
+    errors=False,
+)
+
+
+@pytest.fixture(scope="module")
+def whole() -> dict[str, Any]:
+    return solve_branch(PLAN, solve_start(PLAN, 0)["seeds"][0])
+
+
+@pytest.fixture(scope="module")
+def again(whole: dict[str, Any]) -> dict[str, Any]:
+    """The same branch, followed from another of its motions."""
+    i = len(whole["points"]) // 3
+    found = solve_branch(PLAN, {"value": whole["values"][i], "section": whole["sections"][i], "count": whole["count"]})
+    assert found["values"] != whole["values"]
+    return found
+
+
+def piece(branch: dict[str, Any], first: int, last: int) -> dict[str, Any]:
+    """The points of a branch from one to another, both included."""
+    return branch | {key: branch[key][first : last + 1] for key in ("values", "points", "sections")}
+
+
+def test_nothing_of_a_branch_that_is_followed_again_is_its_own(whole: dict[str, Any], again: dict[str, Any]) -> None:
+    assert own_parts(PLAN, again, [whole]) == []
+    assert own_parts(PLAN, whole, [piece(whole, 0, 5), again]) == []
+    assert own_parts(PLAN, piece(whole, 0, len(whole["points"]) // 3), [whole]) == []
+
+
+def test_a_branch_that_meets_no_other_is_all_its_own(whole: dict[str, Any]) -> None:
+    assert own_parts(PLAN, whole, []) == [whole]
+    assert own_parts(PLAN, whole, [whole | {"count": 2 * whole["count"]}]) == [whole]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_does_not_lie_on_parts_of_the_branch_is_its_own(
+    whole: dict[str, Any], again: dict[str, Any], seed: int
+) -> None:
+    """Others hold up to two stretches of it: the rest is its own, up to the first motion on them at either end."""
+    rng, n = np.random.default_rng((77, seed)), len(whole["points"])
+    known = np.zeros(n, dtype=bool)
+    others = list[dict[str, Any]]()
+    for _ in range(rng.integers(1, 3)):
+        first, last = sorted(rng.choice(n, 2, replace=False).tolist())
+        if last - first < n // 4:  # so short a one may lie between the motions that are asked
+            continue
+        known[first : last + 1] = True
+        others.append(piece(whole, first, last))
+    parts = own_parts(PLAN, whole, others)
+    own = np.zeros(n, dtype=bool)
+    seen = list[tuple[float, str]]()
+    for part in parts:
+        first = whole["values"].index(part["values"][0])
+        last = first + len(part["values"]) - 1
+        assert part["values"] == whole["values"][first : last + 1]
+        begins, ends = (end == "joins" for end in part["ends"])
+        assert begins == (first > 0)
+        assert known[first] == begins
+        assert ends == (last < n - 1)
+        assert known[last] == ends
+        own[first + begins : last + 1 - ends] = True
+        for one in part["bifurcations"]:
+            assert 0 < one["index"] < len(part["points"]) or (one["index"] == 0 and not begins)
+            seen.append((one["value"], one["kind"]))
+    wrong = np.flatnonzero(own == known)
+    runs = np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1)
+    assert all(run.size <= 3 for run in runs)  # so near to an end, or to another cut, no motion is asked
+    assert len(seen) == len(set(seen))
+    listed = [
+        (one["value"], one["kind"]) for one in whole["bifurcations"] if own[one["index"] - 1 : one["index"] + 1].all()
+    ]
+    assert set(listed) <= set(seen)
+
+
+def test_a_branch_that_comes_to_another_twice_loses_what_lies_between(whole: dict[str, Any]) -> None:
+    n = len(whole["points"])
+    low, high = n // 3, 2 * n // 3
+    first, last = own_parts(PLAN, whole, [piece(whole, low, high)])
+    assert first["ends"] == [whole["ends"][0], "joins"]
+    assert first["values"] == whole["values"][: low + 1]
+    assert last["ends"] == ["joins", whole["ends"][1]]
+    assert last["values"] == whole["values"][high:]
