@@ -5,6 +5,7 @@ Two branches that spring at two bifurcations and come together at a part that is
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -27,6 +28,9 @@ _INWARD = 3
 end at one bifurcation end at some distance from it."""
 _JOINS = "joins"
 """Why a part ends where it comes to another branch."""
+_LEAST = 1 / 16
+"""Share of a branch that a part of it must have at least if none of its bifurcations is its own: of what one branch
+goes through step by step, another may leave a little out."""
 
 
 @in_one_thread
@@ -82,9 +86,21 @@ class _Whole:
         lie = {i: self._lies_on(i, other) for i in _indices(part, _PROBES)}
         if not any(lie.values()):
             return [part]
-        more = {*lie, *_indices(part, _MORE), part.first + _INWARD, part.last - _INWARD}
+        beside = {one["index"] - by for one in self.branch["bifurcations"] for by in (0, 1)}
+        more = {*lie, *_indices(part, _MORE), *beside, part.first + _INWARD, part.last - _INWARD}
         lie = {i: self._lies_on(i, other) for i in sorted(more) if part.first <= i <= part.last}
-        return list(self._own(part, lie, other))
+        return [own for own in self._own(part, lie, other) if self._is_worth(own, other)]
+
+    def _is_worth(self, part: _Part, other: Mapping[str, Any]) -> bool:
+        """Whether a part has more than what another branch, of which it comes and to which it goes, leaves out."""
+        if part.last - part.first > _LEAST * len(self.branch["points"]):
+            return True
+        return any(not _is_one_of(one, other["bifurcations"]) for one in self._bifurcations(part))
+
+    def _bifurcations(self, part: _Part) -> list[dict[str, Any]]:
+        """Those of a part: each lies before the point of its index, or at it."""
+        begins = part.first if part.first == 0 else part.first + 1
+        return [one for one in self.branch["bifurcations"] if begins <= one["index"] <= part.last]
 
     def _own(self, part: _Part, lie: Mapping[int, bool], other: Mapping[str, Any]) -> Iterator[_Part]:
         """The parts between motions that lie on another branch."""
@@ -126,11 +142,21 @@ class _Whole:
         """A part as a branch, with the bifurcations on it."""
         first, last, branch = part.first, part.last, self.branch
         kept = {key: branch[key][first : last + 1] for key in ("values", "points", "sections")}
-        # A bifurcation lies before the point of its index, or at it.
-        begins = first if first == 0 else first + 1
-        on_it = [one for one in branch["bifurcations"] if begins <= one["index"] <= last]
-        moved = [one | {"index": one["index"] - first} for one in on_it]
+        moved = [one | {"index": one["index"] - first} for one in self._bifurcations(part)]
         return {**branch, **kept, "bifurcations": moved, "ends": [part.begin, part.end]}
+
+
+def _is_one_of(one: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a bifurcation is among others, or is not surely one."""
+    if one["kind"] == "unresolved" or one["error"] == math.inf:
+        return True
+    mine = one["kind"], one["stop"]
+    errors = ((abs(other["value"] - one["value"]), other["error"]) for other in others if mine == _kind_of(other))
+    return any(apart <= one["error"] + error for apart, error in errors)
+
+
+def _kind_of(one: Mapping[str, Any]) -> tuple[str, int]:
+    return one["kind"], one["stop"]
 
 
 def _indices(part: _Part, shares: Sequence[float]) -> list[int]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 ORDINATES = {"impulse": "impulse in a period [N s]", "peak_force": "largest force [N]"}
 """Variables that a diagram may show, and the labels of their axes."""
+_SOLID, _DASHED = "-", (0, (2.5, 1.5))
+"""Patterns of stable motions and of unstable ones: a stop is told by its colour alone."""
 
 
 @style()
@@ -56,7 +58,9 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
         for stop in range(values.shape[1]):
             _draw(axes, curve, stop)
     for stop, label in enumerate(dataset.stop_name.values):
-        axes.plot([], [], color=COLOURS[stop % len(COLOURS)], label=str(label))
+        axes.plot([], [], _SOLID, color=COLOURS[stop % len(COLOURS)], label=str(label))
+    if dataset.stop_name.size and not dataset.stable.values.all():
+        axes.plot([], [], color=GREY, linestyle=_DASHED, label="unstable")
     if dataset.stop_name.size:
         _mark(axes, dataset, values, heights)
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
@@ -73,7 +77,7 @@ def _draw(axes: Axes, curve: Curve, stop: int) -> None:
     colour, stable = COLOURS[stop % len(COLOURS)], curve.stable
     edges = [0, *(np.flatnonzero(stable[1:] != stable[:-1]) + 1).tolist(), stable.size]
     for first, last in pairwise(edges):
-        part, dashes = slice(first, last + 1), "-" if stable[first : first + 1].all() else (0, (2.5, 1.5))
+        part, dashes = slice(first, last + 1), _SOLID if stable[first : first + 1].all() else _DASHED
         axes.plot(curve.x[part], curve.y[part, stop], color=colour, linestyle=dashes, linewidth=0.9)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.closing import SAME, images_of
+from lapjoint.orbits.branches.closing import SAME, Start, images_of
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.tracing import Seed
@@ -148,7 +148,29 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
                 found = corrected(family, seed.value, one, count, fixed=True)
                 if found is not None and half.apart(found.point, image) <= SAME:
                     return True
+            neighbours = [(values[i + k], points[i + k]) for k in (0, 1)]
+            if _leads_through(family, (seed.value, image), neighbours, count):
+                return True
     return False
+
+
+def _leads_through(
+    family: Family,
+    one: tuple[float, SectionPoint],
+    neighbours: Sequence[tuple[float, SectionPoint]],
+    count: int,
+) -> bool:
+    """Whether a smooth curve leads through a motion from one neighbour on a branch to the next, be it that it folds.
+
+    Each is a number, and a section point.
+    """
+    here, a, b = (
+        corrected(family, value, family.adopted(value, point), count, fixed=True) for value, point in (one, *neighbours)
+    )
+    if here is None or a is None or b is None or a.tangent.shape != b.tangent.shape:
+        return False
+    way = b.chord(family, a)
+    return Start(family, here, itself=True).between(a.along(way), b.along(way)) is not None
 
 
 def _beyond_folds(steps: FloatArray) -> FloatArray:

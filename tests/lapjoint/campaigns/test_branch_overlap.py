@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
+from lapjoint.campaigns import branch_overlap
 from lapjoint.campaigns.branch_overlap import own_parts
 from lapjoint.campaigns.branch_parts import solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
@@ -107,3 +108,40 @@ def test_a_branch_that_comes_to_another_twice_loses_what_lies_between(whole: dic
     assert first["values"] == whole["values"][: low + 1]
     assert last["ends"] == ["joins", whole["ends"][1]]
     assert last["values"] == whole["values"][high:]
+
+
+@pytest.mark.parametrize(
+    ("own", "other", "kept"),
+    [
+        (None, None, False),
+        (("flip", 2.0, 1e-6), None, True),
+        (("flip", 2.0, 1e-6), ("flip", 2.0 + 1.9e-6, 1e-6), False),
+        (("flip", 2.0, 1e-6), ("flip", 2.0 + 2.1e-6, 1e-6), True),
+        (("flip", 2.0, 1e-6), ("fold", 2.0, 1e-6), True),
+        (("flip", 2.0, np.inf), None, False),
+        (("unresolved", 2.0, 1e-6), None, False),
+    ],
+)
+def test_a_little_that_another_leaves_out_is_kept_for_its_bifurcations(
+    monkeypatch: pytest.MonkeyPatch,
+    own: tuple[str, float, float] | None,
+    other: tuple[str, float, float] | None,
+    kept: bool,
+) -> None:
+    """Of 320 motions, all but some ten lie on the other branch."""
+
+    def listed(one: tuple[str, float, float] | None) -> list[dict[str, Any]]:
+        return (
+            []
+            if one is None
+            else [{**dict(zip(("kind", "value", "error"), one, strict=True)), "index": 155, "stop": -1}]
+        )
+
+    apart = range(150, 160)
+    monkeypatch.setattr(branch_overlap._Whole, "_lies_on", lambda self, i, other: i not in apart)
+    points = {key: list(range(320)) for key in ("values", "points", "sections")}
+    branch = {**points, "count": 2, "ends": ["boundary", "boundary"], "bifurcations": listed(own)}
+    parts = own_parts(PLAN, branch, [branch | {"bifurcations": listed(other)}])
+    assert [(part["values"][0], part["values"][-1], len(part["bifurcations"])) for part in parts] == [
+        (149, 160, 1)
+    ] * kept

@@ -118,7 +118,21 @@ def test_bifurcations_are_marked_with_their_names(dataset: xr.Dataset) -> None:
     axes = plot_branches(dataset)
     (marked,) = [line for line in axes.lines if line.get_label() == "fold"]
     assert marked.get_xdata().tolist() == [3.1, 1.9]
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["tip", "fold"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["tip", "unstable", "fold"]
+
+
+def test_the_legend_tells_stops_by_colour_and_unstable_motions_by_dashes() -> None:
+    joint, one = cantilever(), diagram()
+    other = joint.stops[0].model_copy(update={"side": "bottom", "name": "below"})
+    for point in one.branches[0]["points"]:
+        point["impulses"] = (*point["impulses"], -1.0)
+    plan = BranchPlan(joint.replace(stops=(*joint.stops, other)), "base_motion.angular_frequency", 1.0, 4.0)
+    legend = plot_branches(branch_dataset(plan, [one])).get_legend()
+    names = [text.get_text() for text in legend.get_texts()]
+    dashed = dict(zip(names, [line.is_dashed() for line in legend.get_lines()], strict=True))
+    assert dashed == {"tip": False, "below": False, "unstable": True}
+    colours = [line.get_color() for line in legend.get_lines()]
+    assert len(set(colours)) == len(colours)
 
 
 def test_an_unknown_ordinate_is_refused(dataset: xr.Dataset) -> None:
