@@ -23,7 +23,6 @@ PICTURE = re.compile(r"!\[([^\]]+)\]\((\w+)(\.png|\.svg|\.gif)\)")
 MEASURED = re.compile(r"(-?[\d.]+) ± ([\d.]+)")
 COARSE: dict[str, dict[str, Any]] = {  # whole curves take longer: here a point now and then
     "basins": {"points": 12},
-    "branch_of_figure_4": {"last": 60.0},
     "cascade": {"marches": 9, "multiple": 2},
     "figure_4": {"step": 100.0, "workers": 1},
     "first_graze": {"points": 3},

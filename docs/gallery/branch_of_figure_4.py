@@ -7,19 +7,14 @@ back, or begins to touch a stop.  All of that is below 130 rad/s, which is drawn
 from lapjoint import FREQUENCY, branch, figures, paper_joint
 
 
-def main(first: float = 40.0, last: float = 5000.0) -> None:
-    found = branch(paper_joint(), FREQUENCY, first, last, errors=False)
-    names = found.bifurcation_kind.flag_meanings.split()
-    kinds = [names[kind] for kind in found.bifurcation_kind.values]
-    counts = ", ".join(f"{kinds.count(kind)} {kind.replace('_', ' ')}" for kind in ("fold", "symmetry_breaking"))
-    quiet = bool(found.stable.values[found.angular_frequency.values > 130.0].all())
-    print(f"{counts}; all stable above 130 rad/s: {quiet}")
-    whole, low = figures.new_panels(1, 2, 6.4, 2.6)
-    figures.plot_branches(found, whole)
-    figures.plot_branches(found, low)
-    low.set(xlim=(first, 130.0), ylim=(-3000.0, 3000.0))
-    figures.save((whole, low), __file__.replace(".py", ".png"))
-
-
-if __name__ == "__main__":
-    main()
+found = branch(paper_joint(), FREQUENCY, 40.0, 5000.0, errors=False)
+names = found.bifurcation_kind.flag_meanings.split()
+kinds = [names[kind] for kind in found.bifurcation_kind.values]
+counts = ", ".join(f"{kinds.count(kind)} {kind.replace('_', ' ')}" for kind in ("fold", "symmetry_breaking"))
+quiet = bool(found.stable.values[found.angular_frequency.values > 130.0].all())
+print(f"{counts}; all stable above 130 rad/s: {quiet}")
+whole, low = figures.new_panels(1, 2, 6.4, 2.6)
+figures.plot_branches(found, whole)
+figures.plot_branches(found, low)
+low.set(xlim=(40.0, 130.0), ylim=(-3000.0, 3000.0))
+figures.save((whole, low), __file__.replace(".py", ".png"))

@@ -24,8 +24,8 @@ _PROBES = (0.5, 0.25, 0.75)
 _MORE = tuple(i / 16 for i in range(1, 16))
 """The same once one of those lies on it."""
 _INWARD = 3
-"""Number of points between either end and a motion that is asked then, too.  Those beyond are not: two branches that
-end at one bifurcation end at some distance from it."""
+"""Number of points, or a quarter of them, between either end and the first motion that is asked then.  Those beyond are
+not: two branches that end at one bifurcation end at some distance from it."""
 _JOINS = "joins"
 """Why a part ends where it comes to another branch."""
 _LEAST = 1 / 16
@@ -87,8 +87,10 @@ class _Whole:
         if not any(lie.values()):
             return [part]
         beside = {one["index"] - by for one in self.branch["bifurcations"] for by in (0, 1)}
-        more = {*lie, *_indices(part, _MORE), *beside, part.first + _INWARD, part.last - _INWARD}
-        lie = {i: self._lies_on(i, other) for i in sorted(more) if part.first <= i <= part.last}
+        inward = min(_INWARD, (part.last - part.first + 2) // 4)
+        first, last = part.first + inward, part.last - inward
+        more = {*lie, *_indices(part, _MORE), *beside, first, last}
+        lie = {i: self._lies_on(i, other) for i in sorted(more) if first <= i <= last}
         return [own for own in self._own(part, lie, other) if self._is_worth(own, other)]
 
     def _is_worth(self, part: _Part, other: Mapping[str, Any]) -> bool:

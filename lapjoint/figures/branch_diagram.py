@@ -22,6 +22,8 @@ ORDINATES = {"impulse": "impulse in a period [N s]", "peak_force": "largest forc
 """Variables that a diagram may show, and the labels of their axes."""
 _SOLID, _DASHED = "-", (0, (2.5, 1.5))
 """Patterns of stable motions and of unstable ones: a stop is told by its colour alone."""
+_ALIKE = 1e-6
+"""Relative difference of numbers of twin stops up to which rounding, or where a branch has its points, makes it."""
 
 
 @style()
@@ -82,8 +84,9 @@ def _draw(axes: Axes, curve: Curve, stop: int) -> None:
 
 
 def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, heights: FloatArray) -> None:
-    """Bifurcations, on the curve of the stop that is pressed hardest."""
-    stop = int(np.argmax(np.abs(values).max(axis=0))) if values.size else 0
+    """Bifurcations, on the curve of the stop that is pressed hardest; of twins, pressed alike, on that of the first."""
+    most = np.abs(values).max(axis=0, initial=0.0)
+    stop = int(np.argmax(most >= (1 - _ALIKE) * most.max()))
     kinds = dataset.bifurcation_kind.values
     for kind, label in enumerate(KIND_NAMES):
         mine = kinds == kind

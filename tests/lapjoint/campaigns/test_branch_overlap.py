@@ -145,3 +145,12 @@ def test_a_little_that_another_leaves_out_is_kept_for_its_bifurcations(
     assert [(part["values"][0], part["values"][-1], len(part["bifurcations"])) for part in parts] == [
         (149, 160, 1)
     ] * kept
+
+
+@pytest.mark.parametrize("count", range(3, 12))
+def test_ends_of_a_short_branch_that_stick_out_are_not_its_own(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
+    """Two that end at one bifurcation end at some distance from it."""
+    points = {key: list(range(count)) for key in ("values", "points", "sections")}
+    branch = {**points, "count": 2, "ends": ["bifurcation", "bifurcation"], "bifurcations": []}
+    monkeypatch.setattr(branch_overlap._Whole, "_lies_on", lambda self, i, other: 0 < i < count - 1)
+    assert own_parts(PLAN, branch, [branch]) == []
