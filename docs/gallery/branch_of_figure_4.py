@@ -6,7 +6,6 @@ back, or begins to touch a stop.  All of that is below 130 rad/s, which is drawn
 
 from lapjoint import FREQUENCY, branch, figures, paper_joint
 
-
 found = branch(paper_joint(), FREQUENCY, 40.0, 5000.0, errors=False)
 names = found.bifurcation_kind.flag_meanings.split()
 kinds = [names[kind] for kind in found.bifurcation_kind.values]
