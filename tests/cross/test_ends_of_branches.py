@@ -73,12 +73,25 @@ def test_a_place_that_is_no_more_of_a_curve_is_no_mark() -> None:
     places = [places[0], *(beside(family, places[0], 1e-4 * (k + 1)) for k in range(110)), *places[4:], *places[:4]]
     marks = Marks(family, start)
     for i in range(135):  # until a mark has been set at 100, and the curve has left it
-        assert marks.come_back(places, i) is None
+        assert marks.come_back(places, i, True) is None
     marks.forget_from(60)
     places = places[:60] + places[115:]
-    found = [marks.come_back(places, i) for i in range(59, len(places) - 1)]
+    found = [marks.come_back(places, i, True) for i in range(59, len(places) - 1)]
     assert any(found)
     assert all(one is None or one[0] < len(places) for one in found)
+
+
+def test_a_part_that_was_left_out_does_not_close_a_curve() -> None:
+    """Beyond such a part, near where the curve had begun, it was taken for a ring; it goes on, and round once more."""
+    family = family_of(Tongue(1), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+    start = corrected(family, 1.0, SectionPoint(FREE, np.array([[0.0, 1.0]])), 2, fixed=True)
+    assert start is not None
+    once = follow(family, start, Limits(1000)).places[:-1]  # its next place is the start again
+    n = len(once)
+    for left_out, last in (((), n - 1), ((n - 1, n), 2 * n - 1)):
+        marks = Marks(family, start)
+        found = [i for i in range(3 * n - 1) if marks.come_back(3 * once, i, i not in left_out) is not None]
+        assert found[0] == last
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -178,7 +178,7 @@ class Marks:
         self._marks = {own: mark for own, mark in self._marks.items() if own < index}
         self._left &= self._marks.keys()
 
-    def come_back(self, places: Sequence[Place], i: int) -> tuple[int, Place] | None:
+    def come_back(self, places: Sequence[Place], i: int, connected: bool) -> tuple[int, Place] | None:
         """Whether a curve has been before where it is between two neighbouring places.
 
         Parameters
@@ -187,6 +187,8 @@ class Marks:
             The curve so far.
         i : int
             Index of the first of the two; to be asked for each in turn.
+        connected : bool
+            Whether a curve leads from one to the other: across a part that was left out it comes back to nothing.
 
         Returns
         -------
@@ -199,7 +201,7 @@ class Marks:
         for index, mark in self._marks.items():
             if index not in self._left and i > index and self._is_away(places[i], mark):
                 self._left.add(index)
-            back = mark.between(places[i], places[i + 1]) if index in self._left else None
+            back = mark.between(places[i], places[i + 1]) if connected and index in self._left else None
             if back is not None:
                 return self._once_around(places, index, mark) or (i, back)
         return None

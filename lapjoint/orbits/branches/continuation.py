@@ -173,7 +173,8 @@ class _Follower:
                 self._end_at(i, there, "until")
                 break
             missed = _missed(new)
-            back = None if self._limits.enough is not None else self._marks.come_back(self._places, i)
+            connected = all(jump.index != i + 1 for jump in self._jumps)
+            back = None if self._limits.enough is not None else self._marks.come_back(self._places, i, connected)
             if back is not None:
                 jumped_back = self._jumped_back()
                 if jumped_back is None:
