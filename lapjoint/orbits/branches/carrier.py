@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.shooting import taken_over
 from lapjoint.problem import SampledShape
 
 _SAMPLES = 401
@@ -68,6 +69,10 @@ class Carrier:
         own = other.is_a_self_of(self.family)
         return other.adopted(self.place.value, self.place.point) if own else self.started(other)
 
+    def _at(self, point: SectionPoint) -> Carrier:
+        """The same with the motion from another of its section points on."""
+        return self if point is self.place.point else Carrier(self.family, self.place.beginning_at(point))
+
     def seen_by(self, other: Family) -> Place:
         """Where the motion lies for another solver, which need have no motion there.
 
@@ -81,7 +86,7 @@ class Carrier:
         Place
             The motion with its section point on that solver's map: to measure distances from.
         """
-        return replace(self.place, orbit=replace(self.place.orbit, point=self.guess(other)))
+        return self.place.beginning_at(self.guess(other))
 
     def carried(self, other: Family) -> Place | None:
         """The motion by another solver, with its tangent the same way along the curve.
@@ -97,7 +102,7 @@ class Carrier:
             None if that solver has no motion like it.
         """
         place = self.place
-        near = corrected(other, place.value, self.guess(other), place.count)
+        near = taken_over(other, place, lambda point: self._at(point).guess(other))
         if near is None or near.extrema.closings != place.extrema.closings:
             return None
         return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()

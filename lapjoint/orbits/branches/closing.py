@@ -8,7 +8,7 @@ of them is looked for between two neighbouring places: near the chord, and then 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -77,7 +77,7 @@ class Start:
         for point in images_of(first.half_periods, first.point, first.count)[1:]:
             exact = corrected(family, first.value, point, first.count, fixed=True)  # an unstable motion is left soon
             point = point if exact is None else exact.point
-            found.append(replace(first, orbit=replace(first.orbit, point=point)))
+            found.append(first.beginning_at(point))
         return tuple(found)
 
     @cached_property

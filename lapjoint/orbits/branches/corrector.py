@@ -148,6 +148,21 @@ class Place:
                 same.__dict__[name] = self.__dict__[name]
         return same
 
+    def beginning_at(self, point: SectionPoint) -> Place:
+        """The same with another section point: to measure distances from, or to sample the motion there.
+
+        Parameters
+        ----------
+        point : SectionPoint
+            The section point.
+
+        Returns
+        -------
+        Place
+            With the multipliers and the tangent of this one.
+        """
+        return replace(self, orbit=replace(self.orbit, point=point))
+
     def light(self) -> Place:
         """The same without the march from switch to switch, of which the extrema have been found.
 
@@ -257,7 +272,7 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
             if settled(step, weights * r):
                 return closed
         else:
-            step = _newton_step(J, weights * r, fixed)
+            step = newton_step(J, weights * r, fixed)
         point = half.map.moved(point, step[:-1] / weights)
         if step[-1]:
             value += float(step[-1]) * family.scale(value)
@@ -284,8 +299,23 @@ def settled(step: FloatArray, left: FloatArray) -> bool:
     return float(np.linalg.norm(step)) <= max(_SETTLED, _HARDLY * float(np.linalg.norm(left)))
 
 
-def _newton_step(J: FloatArray, F: FloatArray, fixed: bool) -> FloatArray:
-    """The shortest step (u, w) with J (u, w) = -F, or that with w = 0, shape ``(n + 1,)``."""
+def newton_step(J: FloatArray, F: FloatArray, fixed: bool) -> FloatArray:
+    """The step of Newton's method.
+
+    Parameters
+    ----------
+    J : FloatArray, shape (n, n + 1)
+        Derivative of F, scaled.
+    F : FloatArray, shape (n,)
+        What is to vanish, scaled.
+    fixed : bool
+        Whether the number is to stay as it is.
+
+    Returns
+    -------
+    FloatArray, shape (n + 1,)
+        The shortest (u, w) with J (u, w) = -F, or that with w = 0.
+    """
     if fixed:
         return np.append(np.linalg.solve(J[:, :-1], -F), 0.0)
     along, step = _null_and(J, -F)

@@ -12,6 +12,7 @@ from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze, sharper
+from lapjoint.orbits.branches.shooting import taken_over
 
 _REACHES = (1e-4, 1e-2)
 """Arc lengths, to both sides of where the coarser solver has it, within which a bifurcation is looked for."""
@@ -132,7 +133,7 @@ def alike(family: Family, place: Place) -> Place | None:
     Place, or None
         At the same number; None if it has other contacts there, or other multipliers outside the circle.
     """
-    near = corrected(family, place.value, family.adopted(place.value, place.point), place.count, fixed=True)
+    near = taken_over(family, place, fixed=True)
     if near is None or near.extrema.closings != place.extrema.closings:
         return None
     near = near.going_on_from(place)
@@ -156,7 +157,7 @@ def with_same_contacts(family: Family, place: Place, like: Place | None = None) 
     Place, or None
         The number may be another one; None if it has other contacts.
     """
-    near, like = corrected(family, place.value, family.adopted(place.value, place.point), place.count), like or place
+    near, like = taken_over(family, place), like or place
     same = near is not None and near.extrema.closings == like.extrema.closings
     return near.going_on_from(like) if near is not None and same else None
 
@@ -179,7 +180,7 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
 
     def find(family: Family, place: Place) -> Again | None:
         own = family.at(place.value) is place.half_periods  # then it is not marched once more
-        near = place if own else corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+        near = place if own else taken_over(family, place)
         if near is None:
             return None
         vanishes = critical(kind, like or place)
@@ -341,7 +342,7 @@ def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
     def find(family: Family, place: Place) -> Again | None:
         for back in _BACK:
             value, guess = place.moved(family, -back * place.tangent)
-            near = corrected(family, value, guess, place.count)
+            near = corrected(family, value, guess, place.count) if back else taken_over(family, place)
             mine = None if near is None else near.matching(extremum, duration)
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
             if graze is not None:

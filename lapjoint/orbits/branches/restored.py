@@ -19,6 +19,7 @@ from lapjoint.orbits.branches.grazing import OnExtremum, located_graze, slow_swi
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import Coming, rates_of
 from lapjoint.orbits.branches.run import Graze
+from lapjoint.orbits.branches.shooting import taken_over
 
 _FINER = 2
 """Most finer selves of the solver that are asked: its branches are resolved by so many."""
@@ -89,7 +90,7 @@ def _again(one: Listed, family: Family) -> Listed | None:
     try:
         if isinstance(one.found, Located):
             return _found(family, one.bifurcation, place)
-        near = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+        near = taken_over(family, place)
         return None if near is None else _found(family, one.bifurcation, near.going_on_from(place))
     except SolverError:
         return None

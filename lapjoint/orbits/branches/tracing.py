@@ -20,6 +20,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.resolving import resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run, joined
+from lapjoint.orbits.branches.shooting import taken_over
 from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung_from, switched
 from lapjoint.orbits.steady_state import periodic_state
 
@@ -135,7 +136,7 @@ def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
 
 def _coarser(family: Family, place: Place) -> Place | None:
     """A motion of a finer solver by a coarser one; None if that has none that does not repeat sooner."""
-    found = corrected(family, place.value, family.adopted(place.value, place.point), place.count)
+    found = taken_over(family, place)
     if found is None:
         return None
     half = found.half_periods
@@ -162,7 +163,7 @@ def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tupl
     up = np.append(np.zeros(start.tangent.size - 1), 1.0)
     if seed.away_from is not None:
         value, point = seed.away_from
-        up = start.chord(family, replace(start, value=value, orbit=replace(start.orbit, point=point)))
+        up = start.chord(family, replace(start.beginning_at(point), value=value))
         limits = replace(limits, first=float(np.linalg.norm(up)))  # beside it lies the branch that it springs from
     start, behind = start.along(up), start.along(-up)
     ahead = followed(family, start, limits)

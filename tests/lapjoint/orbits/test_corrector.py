@@ -127,6 +127,6 @@ def test_the_tangent_and_the_shortest_step_hold_up_to_a_fold(least: float) -> No
         w, s, vt = np.linalg.svd(J)
         tangent, _ = corrector._null_and(J, F)
         assert np.linalg.norm(tangent - (tangent @ vt[-1]) * vt[-1]) <= 1e-9
-        step = corrector._newton_step(J, F, fixed=False)
+        step = corrector.newton_step(J, F, fixed=False)
         shortest = -vt[:n].T @ ((w.T @ F) / s)
         assert np.linalg.norm(step - shortest) <= 1e-7 * np.linalg.norm(shortest)

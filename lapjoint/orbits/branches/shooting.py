@@ -1,0 +1,139 @@
+r"""A motion of one solver taken to another from several of its section points: multiple shooting.
+
+Newton's method from one section point misses a motion with a multiplier of 1e4 as soon as both solvers differ by 1e-4
+of its size.  Between two of m section points of the motion a deviation grows by the m-th root of that.  With the map
+over the way from point k to the next, F_k = P_k(x_k, p) - x_{k+1}, its derivatives A_k and b_k, and x_m = x_0, a step
+is
+
+    d_{k+1} = A_k d_k + b_k w + F_k,   (A - 1) d_0 + b w = -F,
+
+with the products A of all A_k, and b and F carried to the end alike: the system of Newton's method from one point.
+
+[1] U. M. Ascher, R. M. M. Mattheij, R. D. Russell, Numerical Solution of Boundary Value Problems for Ordinary
+Differential Equations, SIAM, 1995, section 4.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.branches.corrector import Place, corrected, newton_step, scaling
+from lapjoint.orbits.branches.family import Family
+
+_STEPS = 10
+"""Most steps: of twelve motions that Newton's method missed from one point, none took more than six."""
+_FAR = 0.1
+"""Largest residual over the size of the motion from which a step is made."""
+_WORSE = 10.0
+"""Most by which a step may make the least residual so far worse: at first, motions on either side of a graze do."""
+_CLOSED, _ROUNDED = 1e-11, 1e-8
+"""Residual over the size of the motion at which it is found, and below which it is where steps leave half of it."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a motion."""
+
+    point: SectionPoint
+    """Where it begins."""
+    half_periods: int
+    """Its length."""
+
+
+def stretches_of(place: Place) -> list[Stretch]:
+    """The parts of a motion between its section points that have the contact state of the first.
+
+    Parameters
+    ----------
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    list of Stretch
+        Together as long as the motion: what deviations are in other states' modes, these modes cannot carry.
+    """
+    half, points = place.half_periods, [place.point]
+    for _ in range(1, place.count // half.least):
+        points.append(half.marched(points[-1], half.least))
+    at = [k for k, point in enumerate(points) if point.state == place.point.state]
+    ends = [*at[1:], len(points)]
+    return [Stretch(points[k], (end - k) * half.least) for k, end in zip(at, ends, strict=True)]
+
+
+def taken_over(
+    family: Family, place: Place, guess: Callable[[SectionPoint], SectionPoint] | None = None, *, fixed: bool = False
+) -> Place | None:
+    """The motion of a solver that is nearest to one of another.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of the solver.
+    place : Place
+        The motion of the other.
+    guess : callable, optional
+        Takes a section point of the other one to the map of this one, at the same number; `Family.adopted` by default.
+    fixed : bool
+        Whether the number is to stay as it is.
+
+    Returns
+    -------
+    Place, or None
+        None if Newton's method finds none, neither from the first section point nor from several.
+    """
+    to_map = guess or (lambda point: family.adopted(place.value, point))
+    found = corrected(family, place.value, to_map(place.point), place.count, fixed=fixed)
+    if found is not None:
+        return found
+    try:
+        stretches = stretches_of(place)
+        if len(stretches) == 1:
+            return None
+        there = [Stretch(to_map(one.point), one.half_periods) for one in stretches]
+        return _shot(family, place.value, there, place.count, fixed)
+    except (SolverError, InputError, np.linalg.LinAlgError):  # a step led out of what can be marched
+        return None
+
+
+def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int, fixed: bool) -> Place | None:
+    """The motion near some stretches; None if steps do not lead to one."""
+    points, lengths = [one.point for one in stretches], [one.half_periods for one in stretches]
+    least = last = np.inf
+    for _ in range(_STEPS):
+        if len({point.state for point in points}) > 1:
+            return None
+        half = family.at(value)
+        found = [family.linearised(value, point, length) for point, length in zip(points, lengths, strict=True)]
+        after = [*points[1:], points[0]]
+        misses = [half.map.difference(one.end, point) for one, point in zip(found, after, strict=True)]
+        residual = max(half.relative(miss, point) for miss, point in zip(misses, after, strict=True))
+        if residual <= _CLOSED or (residual <= _ROUNDED and residual > 0.5 * last):
+            return corrected(family, value, points[0], count, fixed=fixed)
+        if not residual <= min(_FAR, _WORSE * least):
+            return None
+        least, last = min(least, residual), residual
+        columns = [
+            family.derivative(value, point, length) if one.by_number is None else one.by_number
+            for one, point, length in zip(found, points, lengths, strict=True)
+        ]
+        n = misses[0].size
+        whole, by_number, missed = np.eye(n), np.zeros(n), np.zeros(n)
+        for one, column, miss in zip(found, columns, misses, strict=True):
+            whole, by_number, missed = one.matrix @ whole, one.matrix @ by_number + column, one.matrix @ missed + miss
+        weights, scale = scaling(half, points[0], n), family.scale(value)
+        jacobian = np.column_stack([whole * (weights[:, None] / weights) - np.eye(n), weights * by_number * scale])
+        step = newton_step(jacobian, weights * missed, fixed)
+        deviation, change = step[:-1] / weights, float(step[-1]) * scale
+        moved = list[SectionPoint]()
+        for one, point, column, miss in zip(found, points, columns, misses, strict=True):
+            moved.append(half.map.moved(point, deviation))
+            deviation = one.matrix @ deviation + column * change + miss
+        value += change
+        points = [family.adopted(value, point) for point in moved]
+    return None
