@@ -152,13 +152,8 @@ def _is_one_of(one: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> b
     """Whether a bifurcation is among others, or is not surely one."""
     if one["kind"] == "unresolved" or one["error"] == math.inf:
         return True
-    mine = one["kind"], one["stop"]
-    errors = ((abs(other["value"] - one["value"]), other["error"]) for other in others if mine == _kind_of(other))
-    return any(apart <= one["error"] + error for apart, error in errors)
-
-
-def _kind_of(one: Mapping[str, Any]) -> tuple[str, int]:
-    return one["kind"], one["stop"]
+    alike = (other for other in others if (other["kind"], other["stop"]) == (one["kind"], one["stop"]))
+    return any(abs(other["value"] - one["value"]) <= one["error"] + other["error"] for other in alike)
 
 
 def _indices(part: _Part, shares: Sequence[float]) -> list[int]:

@@ -308,11 +308,9 @@ class Problem(Part):
         InputError
             If a part is not valid, or does not fit this beam.
         """
-        _ = self.structure  # found once, for all copies
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
-        made = self.model_copy(update={name: getattr(parts, name) for name in changes})
-        vars(made).pop("forces", None)  # those of this problem
+        made = self._driven_by(**{name: getattr(parts, name) for name in changes})
         if any(_outside_the_beam(made, ("point_loads",))) or any(_driven_too_fast(made)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
@@ -338,11 +336,15 @@ class Problem(Part):
         """
         if not isinstance(self.base_motion, BaseMotion):
             raise InputError("base_motion: is no sine")
-        _ = self.structure  # found once, for all copies
         base = BaseMotion(**vars(self.base_motion) | numbers)
         if any(_too_fast("base_motion", base)):
             return self.replace(base_motion=base)  # it is refused there
-        made = self.model_copy(update={"base_motion": base})
+        return self._driven_by(base_motion=base)
+
+    def _driven_by(self, **parts: Any) -> Problem:
+        """A copy with other parts of its excitation, which are valid."""
+        _ = self.structure  # found once, for all copies
+        made = self.model_copy(update=parts)
         vars(made).pop("forces", None)  # those of this problem
         return made
 

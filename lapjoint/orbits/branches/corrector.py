@@ -264,7 +264,7 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
                 column, weights = found.by_number, scaling(half, point, r.size)
             elif column.size != r.size or (residual <= RESIDUAL and fixed):
                 column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
-            J, state, first = jacobian(found, column * family.scale(value), weights), point.state, residual
+            J, state, first = jacobian(found.matrix, column * family.scale(value), weights), point.state, residual
         if residual <= RESIDUAL:
             tangent, step = _null_and(J, -weights * r)
             closed = Place(value, Orbit(count, point, residual, found), weights, tangent, found.half_periods)
@@ -375,13 +375,13 @@ def place_from(
     return Place(value, Orbit(found.count, point, residual, found), weights, tangent, found.half_periods)
 
 
-def jacobian(found: Return, column: FloatArray, weights: FloatArray) -> FloatArray:
+def jacobian(matrix: FloatArray, column: FloatArray, weights: FloatArray) -> FloatArray:
     """[P_x - 1, P_p] in scaled coordinates.
 
     Parameters
     ----------
-    found : Return
-        A march with its derivative P_x.
+    matrix : FloatArray, shape (n, n)
+        P_x of a march.
     column : FloatArray, shape (n,)
         P_p times the scale of the number.
     weights : FloatArray, shape (n,)
@@ -394,7 +394,7 @@ def jacobian(found: Return, column: FloatArray, weights: FloatArray) -> FloatArr
     """
     n = weights.size
     J = np.empty((n, n + 1))
-    np.multiply(found.matrix, weights[:, None] / weights, out=J[:, :n])
+    np.multiply(matrix, weights[:, None] / weights, out=J[:, :n])
     J.ravel()[:: n + 2] -= 1.0  # on the diagonal
     J[:, n] = weights * column
     return J

@@ -102,7 +102,7 @@ class _FromGraze:
         half = self.other.at(value)
         end, begin = (half.map.adopted(Carrier(self.own, one).guess(self.other)) for one in (place, self.origin))
         point = half.map.moved(half.map.adopted(self.there.point), half.map.difference(end, begin))
-        return replace(self.there, value=value, orbit=replace(self.there.orbit, point=point), half_periods=half)
+        return replace(self.there.beginning_at(point), value=value, half_periods=half)
 
     def found_from(self, place: Place) -> Again | None:
         """The bifurcation, from where the one has it."""

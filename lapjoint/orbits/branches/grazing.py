@@ -463,7 +463,7 @@ class _Search:
         elif last or miss > _QUICK * self._miss or self._column.size != now.r.size:
             self._column, self._slope = _by_number(self._family, now, self._place.count)
         self._miss = miss
-        J = jacobian(found, self._column * scale, now.weights)
+        J = jacobian(found.matrix, self._column * scale, now.weights)
         row = gradient_of(now.half_periods, segments, now.extremum) / now.weights
         bordered = np.empty((row.size + 1, row.size + 1))
         bordered[:-1], bordered[-1, :-1], bordered[-1, -1] = J, row / self._scale, self._slope * scale / self._scale

@@ -152,7 +152,7 @@ def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: f
         residual = left
         weights = scaling(half, point, r.size)
         column = family.derivative(value, point, count) if found.by_number is None else found.by_number
-        J = jacobian(found, column * family.scale(value), weights)
+        J = jacobian(found.matrix, column * family.scale(value), weights)
         away = half.map.difference(point, half.map.adopted(bifurcation.point)) * weights
         step = np.linalg.solve(np.vstack([J, border]), np.append(-weights * r, length - float(direction @ away)))
         if residual <= RESIDUAL:

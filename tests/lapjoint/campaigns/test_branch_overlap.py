@@ -61,9 +61,7 @@ def test_a_branch_that_meets_no_other_is_all_its_own(whole: dict[str, Any]) -> N
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_what_does_not_lie_on_parts_of_the_branch_is_its_own(
-    whole: dict[str, Any], again: dict[str, Any], seed: int
-) -> None:
+def test_what_does_not_lie_on_parts_of_the_branch_is_its_own(whole: dict[str, Any], seed: int) -> None:
     """Others hold up to two stretches of it: the rest is its own, up to the first motion on them at either end."""
     rng, n = np.random.default_rng((77, seed)), len(whole["points"])
     known = np.zeros(n, dtype=bool)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from finer_curve import family as lightly_damped
 
-import analytic
 from lapjoint import Axis, paper_joint
 from lapjoint.campaigns import Grid
 from lapjoint.campaigns.branch_parts import motion_from
@@ -23,21 +23,14 @@ from lapjoint.orbits.branches.shooting import stretches_of, taken_over
 from lapjoint.orbits.newton import RESIDUAL
 
 MOTIONS = json.loads((Path(__file__).parent / "strongly_unstable.json").read_text(encoding="utf-8"))
-FREQUENCY = "base_motion.angular_frequency"
 RATIO = 0.02
 STEPS = 3  # each to a solver with half as many modes again
 FAR = 2e-3  # distance of the coarsest self's motion, over its size
 
 
-def family_over(path: str, low: float, high: float, frequency: float = 200.0, solver: object = None) -> Family:
-    """The lightly damped joint over one of its numbers."""
-    grid = Grid(paper_joint(damping_ratio=RATIO, angular_frequency=frequency), (Axis(path, (low, high)),))
-    return Family(solver or analytic.Solver(), lambda value: grid.with_values((value,)), path, low, high)
-
-
 @pytest.fixture(scope="module")
 def family() -> Family:
-    return family_over(FREQUENCY, 100.0, 5000.0)
+    return lightly_damped()
 
 
 def own_place(family: Family, number: int) -> Place:
@@ -99,8 +92,10 @@ def test_stretches_make_up_the_motion_in_one_state(family: Family, number: int) 
 
 def test_a_number_by_which_the_solver_has_no_derivative_is_as_good(family: Family) -> None:
     place = own_place(family, 1)
+    path, low, high = "damping.ratio", 0.9 * RATIO, 1.1 * RATIO
+    grid = Grid(paper_joint(angular_frequency=place.value), (Axis(path, (low, high)),))
     solver = family.solver_at(place.value)
-    over_damping = family_over("damping.ratio", 0.9 * RATIO, 1.1 * RATIO, place.value, solver)
+    over_damping = Family(solver, lambda value: grid.with_values((value,)), path, low, high)
     own = corrected(over_damping, RATIO, over_damping.adopted(RATIO, place.point), place.count, fixed=True)
     assert own is not None
     assert own.orbit.last.by_number is None
