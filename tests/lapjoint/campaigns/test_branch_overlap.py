@@ -126,23 +126,21 @@ def test_a_little_that_another_leaves_out_is_kept_for_its_bifurcations(
     other: tuple[str, float, float] | None,
     kept: bool,
 ) -> None:
-    """Of 320 motions, all but some ten lie on the other branch."""
+    """Of 320 motions, all but ten between two sixteenths of the way lie on the other branch, a fold just before."""
 
-    def listed(one: tuple[str, float, float] | None) -> list[dict[str, Any]]:
-        return (
-            []
-            if one is None
-            else [{**dict(zip(("kind", "value", "error"), one, strict=True)), "index": 155, "stop": -1}]
-        )
+    def listed(one: tuple[str, float, float], index: int) -> dict[str, Any]:
+        return {**dict(zip(("kind", "value", "error"), one, strict=True)), "index": index, "stop": -1}
 
-    apart = range(150, 160)
+    apart = range(143, 153)
     monkeypatch.setattr(branch_overlap._Whole, "_lies_on", lambda self, i, other: i not in apart)
     points = {key: list(range(320)) for key in ("values", "points", "sections")}
-    branch = {**points, "count": 2, "ends": ["boundary", "boundary"], "bifurcations": listed(own)}
-    parts = own_parts(PLAN, branch, [branch | {"bifurcations": listed(other)}])
-    assert [(part["values"][0], part["values"][-1], len(part["bifurcations"])) for part in parts] == [
-        (149, 160, 1)
-    ] * kept
+    before = listed(("fold", 1.0, 1e-6), apart[0] - 1)
+    mine = [before] + [listed(one, apart[5]) for one in (own,) if one is not None]
+    branch = {**points, "count": 2, "ends": ["boundary", "boundary"], "bifurcations": mine}
+    others = [listed(one, apart[5]) for one in (other,) if one is not None]
+    parts = own_parts(PLAN, branch, [branch | {"bifurcations": others}])
+    found = [(part["values"][0], part["values"][-1], [one["kind"] for one in part["bifurcations"]]) for part in parts]
+    assert found == ([(apart[0] - 1, apart[-1] + 1, ["flip"])] if kept else [])
 
 
 @pytest.mark.parametrize("count", range(3, 12))

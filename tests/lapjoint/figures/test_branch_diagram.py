@@ -135,6 +135,16 @@ def test_the_legend_tells_stops_by_colour_and_unstable_motions_by_dashes() -> No
     assert len(set(colours)) == len(colours)
 
 
+def test_of_twins_that_rounding_tells_apart_the_first_is_marked() -> None:
+    joint, one = cantilever(), diagram((3.1, 3))
+    twin = joint.stops[0].model_copy(update={"side": "bottom", "name": "below"})
+    for some in (*one.branches[0]["points"], *one.branches[0]["bifurcations"]):
+        some["impulses"] = (*some["impulses"], -some["impulses"][0] * (1 + 1e-12))
+    plan = BranchPlan(joint.replace(stops=(*joint.stops, twin)), "base_motion.angular_frequency", 1.0, 4.0)
+    (marked,) = [line for line in plot_branches(branch_dataset(plan, [one])).lines if line.get_label() == "fold"]
+    assert marked.get_ydata().tolist() == [0.2]
+
+
 def test_an_unknown_ordinate_is_refused(dataset: xr.Dataset) -> None:
     with pytest.raises(InputError, match="ordinate = 'speed': allowed: impulse, peak_force"):
         plot_branches(dataset, ordinate="speed")
