@@ -10,8 +10,10 @@ import pytest
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns import branch_overlap
 from lapjoint.campaigns.branch_overlap import own_parts
-from lapjoint.campaigns.branch_parts import solve_branch, solve_start
+from lapjoint.campaigns.branch_parts import family_of, lies_on, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.point import section_from
+from lapjoint.orbits.branches.tracing import Seed
 
 PLAN = BranchPlan(
     # A viscously damped cantilever with one stop: one branch, with a graze and two folds.
@@ -53,6 +55,16 @@ def test_nothing_of_a_branch_that_is_followed_again_is_its_own(whole: dict[str, 
     assert own_parts(PLAN, again, [whole]) == []
     assert own_parts(PLAN, whole, [piece(whole, 0, 5), again]) == []
     assert own_parts(PLAN, piece(whole, 0, len(whole["points"]) // 3), [whole]) == []
+
+
+@pytest.mark.parametrize("step", [2, 3, 4])
+def test_each_motion_lies_on_the_branch_with_few_of_its_points(whole: dict[str, Any], step: int) -> None:
+    """Where it folds between two of them, motions have numbers beyond both, and the chord does not lead to them."""
+    few = whole | {key: whole[key][::step] for key in ("values", "points", "sections")}
+    motions = zip(whole["values"], whole["sections"], strict=True)
+    seeds = [Seed(value, section_from(section), whole["count"]) for value, section in motions]
+    last = 1 + step * (len(few["points"]) - 1)  # none lies behind its last point
+    assert all(lies_on(family_of(PLAN), seed, few) for seed in seeds[:last])
 
 
 def test_a_branch_that_meets_no_other_is_all_its_own(whole: dict[str, Any]) -> None:
