@@ -12,7 +12,7 @@ import fe_lapjoint
 from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_turning_point, slope_of, turning_points
+from lapjoint.orbits.branches.gap_extrema import Extremum, derivatives_of, same_turning_point, turning_points
 from lapjoint.orbits.half_periods import Return
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
@@ -76,7 +76,7 @@ def test_a_turning_point_changes_as_its_derivatives_say_whether_the_switch_comes
         half, value = found.half_periods, 2 * np.pi / found.half_periods.map.period
         duration = found.count * half.map.period / 2
         for one in turning_points(found):
-            row = gradient_of(half, found.linearised.segments, one)
+            row, slope = derivatives_of(half, found.linearised.segments, one)
             unit = half.unit_norms(row.size)
             way = row / unit**2 / np.sum((row / unit) ** 2)  # the shortest that changes it by one metre
             if half.map.norm(way * one.value) > 1e-3 * half.size(found.start) or abs(one.value) > 2e-7:
@@ -89,8 +89,8 @@ def test_a_turning_point_changes_as_its_derivatives_say_whether_the_switch_comes
                 assert there is not None
                 assert there.value == pytest.approx((1 - share) * one.value, abs=0.1 * abs(one.value))
                 assert comes_first(beside, there) == (share < 1)
-            if found.by_number is not None:
-                slope = slope_of(half, found.linearised.segments, one)
+            assert (slope is None) == (found.by_number is None)
+            if slope is not None:
                 step = min(0.3 * abs(one.value / slope), 1e-6 * value)
                 other = family.linearised(value + step, family.adopted(value + step, found.start), found.count)
                 there = same_turning_point(other, one, duration)

@@ -35,6 +35,10 @@ _ABOUT = 3
 _NEXT = 5.0
 """The first term that the series of a step lacks, over the product of the step and the third power of what its terms
 shrink by: that of the inverse of a parabola."""
+_NEAR_STEPS = 12
+"""Most steps of Newton's method from the phase of an extremum of a neighbouring motion."""
+_NEAR_EXACT = 1e-10
+"""Last of these steps over the length of the segment: the value is wrong by the square of this."""
 _OPEN = -1
 """It cannot be said how often a rate vanishes."""
 
@@ -354,28 +358,48 @@ def moved_events(
 
 
 @njit_called()
-def nearest(kind: IndexArray, phase: FloatArray, other_kind: IndexArray, other_phase: FloatArray) -> IndexArray:
-    """For each of some events of a motion that repeats, the event of another motion that is the nearest in phase.
+def polished(
+    rates: ComplexArray, waves: ComplexArray, polynomial: FloatArray, tau: float, length: float, last: float
+) -> tuple[bool, float, float, float]:
+    """An extremum of a sum of exponentials and a parabola, by Newton's method from a time near it.
 
     Parameters
     ----------
-    kind, phase : ndarray, shape (m,)
-        What each event is, and when, over the length of the motion.
-    other_kind, other_phase : ndarray, shape (n,)
-        The same of the events among which it is looked for.
+    rates, waves : ndarray, shape (K,)
+        Rates, 1/s, and amplitudes, m, of the terms.
+    polynomial : ndarray, shape (3,)
+        Coefficients of 1, tau, tau^2, m over powers of s.
+    tau : float
+        Where it begins, s.
+    length : float
+        Length of the segment, s, with which the last step is compared.
+    last : float
+        Latest time at which there may be an extremum, s; the earliest is 0.
 
     Returns
     -------
-    ndarray, shape (m,)
-        Their indices; -1 where there is none of that kind.
+    found : bool
+        Whether there is one.
+    tau, z, bend : float
+        When, s; the value, m; and its second derivative, m/s2.
     """
-    found = np.full(kind.size, -1)
-    for i in range(kind.size):
-        least = math.inf
-        for j in range(other_kind.size):
-            if other_kind[j] == kind[i]:
-                apart = other_phase[j] - phase[i]
-                apart = abs(apart - round(apart))
-                if apart < least:
-                    found[i], least = j, apart
-    return found
+    shortest = math.inf
+    for _ in range(_NEAR_STEPS):
+        rate, bend = polynomial[1] + 2 * tau * polynomial[2], 2 * polynomial[2]
+        for k in range(rates.size):
+            turning = waves[k] * np.exp(rates[k] * tau) * rates[k]
+            rate += turning.real
+            bend += (turning * rates[k]).real
+        if bend == 0.0:
+            break
+        step = -rate / bend
+        tau += step
+        if not 0.0 <= tau <= last or abs(step) > shortest:
+            break
+        if abs(step) <= _NEAR_EXACT * length:
+            z = polynomial[0] + tau * (polynomial[1] + tau * polynomial[2])
+            for k in range(rates.size):
+                z += (waves[k] * np.exp(rates[k] * tau)).real
+            return True, tau, z, bend
+        shortest = abs(step)
+    return False, tau, 0.0, 0.0

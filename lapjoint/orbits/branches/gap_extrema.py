@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.orbits.branches.compiled_extrema import gap_extrema
+from lapjoint.orbits.branches.compiled_extrema import gap_extrema, polished
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.period_map import Tangent
@@ -24,10 +24,6 @@ from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
 from lapjoint.problem.structure import Structure
 
-_STEPS = 12
-"""Most steps of Newton's method from the phase of an extremum of a neighbouring motion."""
-_EXACT = 1e-10
-"""Last of these steps over the length of the segment: the value is wrong by the square of this."""
 _MOST_BEYOND = 0.5
 """Time to a turning point beyond a switch over the length of the segment before, at most: farther on, it is another
 motion's."""
@@ -322,23 +318,11 @@ def _polished_in(one: Segment, at: int, t: float, beyond: float) -> tuple[float,
 
     None if it is not in the segment, or at most some time `beyond` it, s.
     """
-    wave, p = one.weights[at] * one.amplitudes, one.polynomial[at]
-    tau, last = t - one.start, np.inf
-    for _ in range(_STEPS):
-        now = wave * np.exp(one.rates * tau)
-        rate = float((now @ one.rates).real) + p[1] + 2 * tau * p[2]
-        bend = float((now @ one.rates**2).real) + 2 * p[2]
-        if bend == 0.0:
-            return None
-        step = -rate / bend
-        tau += step
-        if not (0.0 <= tau <= one.end - one.start + beyond) or abs(step) > last:
-            return None
-        if abs(step) <= _EXACT * (one.end - one.start):
-            z = float((wave * np.exp(one.rates * tau)).real.sum()) + p[0] + tau * (p[1] + tau * p[2])
-            return one.start + tau, z, bend
-        last = abs(step)
-    return None
+    length = one.end - one.start
+    found, tau, z, bend = polished(
+        one.rates, one.weights[at] * one.amplitudes, one.polynomial[at], t - one.start, length, length + beyond
+    )
+    return (one.start + tau, z, bend) if found else None
 
 
 def _polished(found: Return, extremum: Extremum) -> Extremum:
@@ -363,33 +347,10 @@ def _segment_of(segments: Sequence[Segment], extremum: Extremum) -> Segment:
     return timed.at(extremum.time) if extremum.segment is None else timed[extremum.segment]
 
 
-def slope_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum) -> float:
-    """Derivative of an extremum's value by the number of which the motion's segments know the change.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    segments : sequence of Segment
-        The motion, with `Segment.change`.
-    extremum : Extremum
-        One of its extrema.
-
-    Returns
-    -------
-    float
-        m over the number's unit, while the start of the motion stays where it is.
-    """
-    one = _segment_of(segments, extremum)
-    tau, k, change = extremum.time - one.start, extremum.at, one.change
-    assert change is not None
-    waves = (change.waves[k] + tau * change.secular[k]) @ np.exp(one.rates * tau)
-    z = float(waves.real) + float(change.polynomial[k] @ np.array([1.0, tau, tau * tau]))
-    return half_periods.map.problem.stops[k].sign * z
-
-
-def gradient_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum) -> FloatArray:
-    """Derivative of an extremum's value by the start of the motion.
+def derivatives_of(
+    half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum
+) -> tuple[FloatArray, float | None]:
+    """Derivatives of an extremum's value by the start of the motion, and by the number.
 
     Parameters
     ----------
@@ -404,10 +365,16 @@ def gradient_of(half_periods: HalfPeriods, segments: Sequence[Segment], extremum
     -------
     FloatArray, shape (n,)
         m over the unit of each coordinate of the section point.
+    float or None
+        m over the number's unit, while the start of the motion stays where it is; None if the segments do not know
+        their change with a number.
     """
-    one = _segment_of(segments, extremum)
-    tau, k = extremum.time - one.start, extremum.at
-    count = one.deviations.shape[0]
-    terms = one.weights[k, :count] * np.exp(one.rates[:count] * tau)
-    row = np.real(terms @ one.deviations) + one.drift[k, 0] + tau * one.drift[k, 1]
-    return np.asarray(half_periods.map.problem.stops[k].sign * row)
+    one, sign = _segment_of(segments, extremum), half_periods.map.problem.stops[extremum.at].sign
+    tau, k, change = extremum.time - one.start, extremum.at, one.change
+    count, wave = one.deviations.shape[0], np.exp(one.rates * tau)
+    row = np.real((one.weights[k, :count] * wave[:count]) @ one.deviations) + one.drift[k, 0] + tau * one.drift[k, 1]
+    if change is None:
+        return np.asarray(sign * row), None
+    first, second, third = change.polynomial[k].tolist()
+    z = float(((change.waves[k] + tau * change.secular[k]) @ wave).real) + first + tau * (second + tau * third)
+    return np.asarray(sign * row), sign * z

@@ -26,7 +26,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place, jacobian, place_from, scaling
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum, gradient_of, same_extremum, slope_of, turning_points
+from lapjoint.orbits.branches.gap_extrema import Extremum, derivatives_of, same_extremum, turning_points
 from lapjoint.orbits.branches.passings import Coming
 from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
 from lapjoint.orbits.newton import RESIDUAL
@@ -234,14 +234,12 @@ def slow_switch(family: Family, place: Place) -> Coming | None:
         return None
     there = list[Coming]()
     for one in turning_points(found):
-        row = gradient_of(place.half_periods, found.linearised.segments, one) / place.weights
-        if found.by_number is not None:
-            slope = slope_of(place.half_periods, found.linearised.segments, one)
-        else:
+        row, slope = derivatives_of(place.half_periods, found.linearised.segments, one)
+        if slope is None:
             r = place.half_periods.map.difference(found.end, place.point)
             own = _Try(place.value, place.point, found, r, place.orbit.residual, one)
             slope = _by_number(family, own, place.count)[1]
-        rate = float(np.append(row, slope * family.scale(place.value)) @ place.tangent)
+        rate = float(np.append(row / place.weights, slope * family.scale(place.value)) @ place.tangent)
         if rate * one.value < 0 and abs(one.value) <= _SLOW * abs(rate):
             there.append(Coming(one, rate))
     return min(there, key=lambda one: one.length) if there else None
@@ -278,7 +276,7 @@ def leaves_at(family: Family, graze: OnExtremum, rate: float) -> bool:
         return False
     if (one.value > 0) == one.highest:  # it has crossed
         return _is_driven_on(last.linearised.motion, one)
-    row = gradient_of(half, last.linearised.segments, one) / place.weights
+    row = derivatives_of(half, last.linearised.segments, one)[0] / place.weights
     across = -float(np.copysign(_JUST_BEYOND * abs(rate), one.value)) - one.value
     point = half.map.moved(place.point, across * row / float(row @ row) / place.weights)
     return _is_driven_on(family.linearised(place.value, point, place.count).linearised.motion, one)
@@ -457,16 +455,17 @@ class _Search:
     def _bordered(self, now: _Try, last: bool) -> tuple[FloatArray, FloatArray]:
         """`jacobian`, and the same with the derivatives of the extremum over the scale, shape ``(n + 1, n + 1)``."""
         found, scale = now.found, self._family.scale(now.value)
-        segments, miss = found.linearised.segments, math.hypot(now.residual, self._way(now))
-        if found.by_number is not None:
-            self._column, self._slope = found.by_number, slope_of(now.half_periods, segments, now.extremum)
+        row, slope = derivatives_of(now.half_periods, found.linearised.segments, now.extremum)
+        miss = math.hypot(now.residual, self._way(now))
+        if found.by_number is not None and slope is not None:
+            self._column, self._slope = found.by_number, slope
         elif last or miss > _QUICK * self._miss or self._column.size != now.r.size:
             self._column, self._slope = _by_number(self._family, now, self._place.count)
         self._miss = miss
         J = jacobian(found.matrix, self._column * scale, now.weights)
-        row = gradient_of(now.half_periods, segments, now.extremum) / now.weights
         bordered = np.empty((row.size + 1, row.size + 1))
-        bordered[:-1], bordered[-1, :-1], bordered[-1, -1] = J, row / self._scale, self._slope * scale / self._scale
+        bordered[:-1], bordered[-1, :-1] = J, row / now.weights / self._scale
+        bordered[-1, -1] = self._slope * scale / self._scale
         return J, bordered
 
     def _found(self, now: _Try, J: FloatArray, bordered: FloatArray) -> OnExtremum:

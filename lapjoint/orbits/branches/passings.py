@@ -18,7 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.orbits.branches.compiled_extrema import moved_events, nearest
+from lapjoint.orbits.branches.compiled_extrema import moved_events
+from lapjoint.orbits.branches.compiled_passings import Events, met, nearest
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of, motion_of, stops_of
@@ -31,21 +32,6 @@ _BESIDE = 3e-6
 """Largest arc length to the motion by which rates are found: curvature leaves five digits or more."""
 _SAME = 1e-4
 """Change of phase on that way beyond which an event is another one: what moves so fast cannot be followed."""
-_REACH = 3.0
-"""Change of an extremum over what its rates make of it, up to which it may be due to this step: a rate may grow
-threefold in a step, and an extremum that changes by more is another one."""
-_TIMES = np.linspace(0.0, 1.0, 17)[1:-1]
-"""Where, between two motions, the cubic of an extremum is looked at."""
-_CUBICS = np.stack(
-    [
-        (1 + 2 * _TIMES) * (1 - _TIMES) ** 2,
-        _TIMES * (1 - _TIMES) ** 2,
-        _TIMES**2 * (3 - 2 * _TIMES),
-        -(_TIMES**2) * (1 - _TIMES),
-    ],
-    axis=1,
-)
-"""The cubics there that have value 1 or rate 1 at the first or second end, and else 0: Hermite's."""
 
 
 @dataclass(frozen=True)
@@ -240,47 +226,24 @@ def passed(here: Place, rates: Rates, new: Place, new_rates: Rates | None, lengt
     Passed
         What happens.
     """
-    a, b = here.extrema, new.extrema
-    ahead, switch = _pairs(a, a.phase + length * rates.phase, a.switch_phase + length * rates.switch, b)
-    behind = b.phase if new_rates is None else b.phase - length * new_rates.phase
-    back, _ = _pairs(b, behind, b.switch_phase, a)
-    same = a.switch_time.size == b.switch_time.size == np.unique(switch[switch >= 0]).size
-    mine = np.flatnonzero(ahead >= 0)
-    mine = mine[back[ahead[mine]] == mine]
-    h0, h1 = a.value[mine], b.value[ahead[mine]]
-    v0 = length * rates.value[mine]
-    v1 = v0 if new_rates is None else length * new_rates.value[ahead[mine]]
-    reach = _REACH * np.maximum(np.abs(v0), np.abs(v1))
-    flips = ((h0 > 0) != (h1 > 0)) & (np.abs(h1 - h0) <= reach)
-    if new_rates is not None:
-        near = np.flatnonzero((np.minimum(np.abs(h0), np.abs(h1)) <= reach) & ((h0 > 0) == (h1 > 0)))
-        flips[near] = _comes_back(h0[near], v0[near], h1[near], v1[near])
-    through = _passes_alone(a, length * rates.value, mine) or (
-        new_rates is not None and _passes_alone(b, -length * new_rates.value, ahead[mine])
-    )
-    crossed = np.flatnonzero(flips)
-    order = crossed[np.argsort(np.abs(h0[crossed]) / np.maximum(np.abs(v0[crossed]), 1e-300), kind="stable")]
-    rates_there = np.where(v0 == 0.0, h1 - h0, v0) / max(length, 1e-300)  # a graze may be where the curve is
-    grazes = tuple(Coming(a[int(mine[i])], float(rates_there[i])) for i in order if rates_there[i] != 0.0)
-    return Passed(same and a.closings == b.closings and not crossed.size and not through, grazes)
+    a = _events(here.extrema, rates)
+    b = _events(new.extrema, rates if new_rates is None else new_rates)
+    same, through, passes, partner = met(a, b, length, new_rates is not None)
+    crossed = np.flatnonzero(passes)
+    nothing = same and not through and not crossed.size and here.extrema.closings == new.extrema.closings
+    if not crossed.size:
+        return Passed(nothing, ())
+    h0, h1, rate = a.value[crossed], b.value[partner[crossed]], a.value_rate[crossed]
+    order = np.argsort(np.abs(h0) / np.maximum(np.abs(length * rate), 1e-300), kind="stable")
+    rate = np.where(rate == 0.0, (h1 - h0) / max(length, 1e-300), rate)  # a graze may be where the curve is
+    grazes = (Coming(here.extrema[int(crossed[i])], float(rate[i])) for i in order if rate[i] != 0.0)
+    return Passed(nothing, tuple(grazes))
 
 
-def _passes_alone(extrema: Extrema, change: FloatArray, paired: IndexArray) -> bool:
-    """Whether an extremum passes zero on the way to the other motion, by its rate, that is not found there.
-
-    A maximum and a minimum may arise as one on the way, and pass zero one after the other; both motions then have as
-    many contacts.
-    """
-    alone = np.ones(extrema.value.size, dtype=bool)
-    alone[paired] = False
-    value = extrema.value[alone]
-    return bool(((value > 0) != (value + change[alone] > 0)).any())
-
-
-def _comes_back(h0: FloatArray, v0: FloatArray, h1: FloatArray, v1: FloatArray) -> npt.NDArray[np.bool_]:
-    """Whether cubics with values of one sign, and rates, at both ends of a step have another sign between them."""
-    cubic = _CUBICS @ np.array((h0, v0, h1, v1))
-    return np.asarray(((cubic > 0) != (h0 > 0)).any(axis=0))
+def _events(extrema: Extrema, rates: Rates) -> Events:
+    """The events of a motion as compiled functions take them."""
+    known = extrema.kind, extrema.phase, extrema.value, rates.phase, rates.value
+    return Events(*known, extrema.switch_kind, extrema.switch_phase, rates.switch)
 
 
 def _pairs(a: Extrema, phase: FloatArray, switch: FloatArray, b: Extrema) -> tuple[IndexArray, IndexArray]:

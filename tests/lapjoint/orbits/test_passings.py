@@ -12,7 +12,7 @@ import analytic
 from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support, paper_joint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches import passings
-from lapjoint.orbits.branches.compiled_extrema import nearest
+from lapjoint.orbits.branches.compiled_passings import nearest
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extrema, stops_of
