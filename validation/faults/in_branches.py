@@ -16,7 +16,7 @@ BRANCHES = (
     Fault(
         "branch-graze-other-side",
         "a sign",
-        "lapjoint.orbits.branches.grazing",
+        "lapjoint.orbits.branches.extremum_search",
         "From the motion just before a graze its number is taken off the wrong way along the tangent.",
         old="self.place.value - self.rate * self.extremum.value",
         new="self.place.value + self.rate * self.extremum.value",

@@ -9,9 +9,10 @@ import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, signature
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
+from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum
-from lapjoint.orbits.branches.grazing import OnExtremum, beyond_graze, located_graze, sharper
+from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
 from lapjoint.orbits.branches.shooting import taken_over
 
 _REACHES = (1e-4, 1e-2)

@@ -11,11 +11,12 @@ from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.errors import SolverError
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.found_along import Surroundings, motion_at
 from lapjoint.orbits.branches.gap_extrema import Extremum
-from lapjoint.orbits.branches.grazing import OnExtremum, located_graze, slow_switch
+from lapjoint.orbits.branches.grazing import located_graze, slow_switch
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import Coming, rates_of
 from lapjoint.orbits.branches.run import Graze

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from lapjoint.orbits.branches.corrector import Place
-from lapjoint.orbits.branches.grazing import OnExtremum
+from lapjoint.orbits.branches.extremum_search import OnExtremum
 
 
 @dataclass(frozen=True)
