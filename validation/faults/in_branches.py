@@ -24,7 +24,7 @@ BRANCHES = (
     Fault(
         "branch-gone-back",
         "a check dropped",
-        "lapjoint.orbits.branches.continuation",
+        "lapjoint.orbits.branches.grazing",
         "A branch may go back across the graze that it has just come over.",
         old="    if _leads_back(family, before, after):",
         new="    if before.value < 0 and _leads_back(family, before, after):",
@@ -56,7 +56,7 @@ BRANCHES = (
     Fault(
         "branch-graze-folds",
         "a sign",
-        "lapjoint.orbits.branches.continuation",
+        "lapjoint.orbits.branches.grazing",
         "A branch that persists at a graze is said to fold there.",
         old='"persists" if came * goes > 0',
         new='"persists" if came * goes < 0',

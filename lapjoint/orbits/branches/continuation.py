@@ -11,12 +11,13 @@ import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.closing import Marks, Start, has_been_at
-from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import beyond_graze, leaves_at, located_graze, sharper, slow_switch
+from lapjoint.orbits.branches.grazing import AT_GRAZE, across, leaves_at, slow_switch
 from lapjoint.orbits.branches.jumping import WIDTHS, across_jump, jumped
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
+from lapjoint.orbits.branches.stepping import WIDEST, at_boundary, bend_of, share_to_shorter, stepped
 from lapjoint.problem import FloatArray
 
 _FIRST, _LONGEST, _SHORTEST = 0.02, 0.25, 1e-7
@@ -26,10 +27,6 @@ _SHARE = 0.1
 _TURN = 0.2
 """Angle between a step and the tangent at its end that is aimed at, rad: the curve is then known to some 1e-2 of a step
 between its points."""
-_WIDEST = 0.45
-"""Largest angle, rad: a wider one may be due to another curve."""
-_STRETCH = 1.4
-"""Largest ratio of the step made and the step meant."""
 _GROWS = 2.5
 """By how much a step is lengthened at most: of longer ones, one in seven turns too far and is not taken."""
 _RISES = 1.5
@@ -66,8 +63,6 @@ _TRIES = 4
 """Number of steps that may be tried for each point that is allowed: in the hardest ranges known two are needed."""
 _GRAZE_TRIES = 5
 """Number of steps that the search for a graze counts for, as it takes about as long."""
-_AT_GRAZE = 1e-5
-"""Arc length to a graze up to which the curve is at it, before or behind."""
 _TOO_NEAR = 1e-5
 """Arc length to a graze that cannot be located within which what lies around it is left out: from 1e-4, where the curve
 turns before a graze, it is found from nearer in one of three cases."""
@@ -77,9 +72,6 @@ the bifurcation at which they part, what is left of a motion that does not close
 _TOLD_AT_FIRST = 0.1
 """The same over what the motion misses from which the branch is followed, where that is less: so near to where it
 springs that a finer solver found it."""
-_BOTH_SIDES = 3.0
-"""Largest ratio of what two motions miss together and the way between them, where this leads past a motion that misses
-nothing: 2 on a straight way."""
 _CLOSER, _MOST_CLOSER = 0.7, 8
 """Share of the way to a motion that repeats sooner that a step takes which would lead past it; most such in turn."""
 _AT_LAST = 1.3
@@ -87,9 +79,6 @@ _AT_LAST = 1.3
 _UP_TO = (0.99, 0.995, 0.98, 0.95, 0.9)
 """Shares of the way to a motion that repeats sooner at which a curve ends if a graze lies between, in the sequence in
 which they are tried: the number then lacks some 1e-4 of its way."""
-_BACKWARD = 0.5
-"""Least cosine between the curve beyond a graze and the way back to it, where it has been gone across backward: above
-0.98 where a curve came back over a graze that it had just crossed, and below 0.4 else."""
 _TRIED_AGAIN = 0.2
 """By how much nearer a graze must be that was not crossed, until it is tried again."""
 
@@ -219,7 +208,7 @@ class _Follower:
             if soon.length <= _TOO_NEAR and self._jump(self._widened()):
                 return
             self._step = max(min(self._step, _TOWARDS * soon.length), 0.5 * _SHORTEST)
-        new, angle = _stepped(self._family, self._here, self._step, self._bend)
+        new, angle = stepped(self._family, self._here, self._step, self._bend)
         if new is not None:
             rates = rates_of(self._family, new)
             seen = passed(self._here, self._rates, new, rates, self._step)
@@ -231,7 +220,7 @@ class _Follower:
                 seen.grazes[0], self._step
             ):
                 return
-        turned = angle > _WIDEST  # not so if it is not known
+        turned = angle > WIDEST  # not so if it is not known
         self._ceiling = max(_SHORTER * self._step, _AFRESH)
         self._step *= max(_TURN / angle, _SHORTEST_SHARE) if turned else _SHORTER
         if self._step < _SHORTEST and self._closer:
@@ -247,17 +236,17 @@ class _Follower:
             return False
         self._refused = graze.length
         self._tries += _GRAZE_TRIES
-        found = _across(self._family, self._here, graze, len(self._places))
+        found = across(self._family, self._here, graze, len(self._places))
         if found is None:
             return False
         before = found[0].before.place.going_on_from(self._here)
         chord = before.chord(self._family, self._here)
         length = float(np.linalg.norm(chord))
-        if length > max(farthest, _AT_GRAZE):
+        if length > max(farthest, AT_GRAZE):
             return False
         if self._ends_at_shorter(before):
             return True
-        if length > _AT_GRAZE and float(chord @ before.tangent) < 0 and not self._turns_sharply(before):
+        if length > AT_GRAZE and float(chord @ before.tangent) < 0 and not self._turns_sharply(before):
             return False  # it lies behind
         if passed(self._here, self._rates, before, None, length).grazes:
             return False
@@ -298,10 +287,10 @@ class _Follower:
     def _take(self, new: Place, rates: Rates, angle: float) -> None:
         """Take a step to a place with the same contacts."""
         if not self._family.low <= new.value <= self._family.high:
-            self._places += _at_boundary(self._family, self._here, new)
+            self._places += at_boundary(self._family, self._here, new)
             self._end = "boundary"
         elif not (self._turned_back(new) and self._leave_out_more()):
-            self._bend = _bend(self._family, self._here, new)
+            self._bend = bend_of(self._family, self._here, new)
             self._come_to(new, rates)
             grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
             self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
@@ -315,7 +304,7 @@ class _Follower:
         if here.missed is None or beyond.missed is None or not self._family.low <= beyond.value <= self._family.high:
             return False
         missed, there = (float(np.linalg.norm(one)) for one in (here.missed, beyond.missed))
-        share = _share_to_shorter(self._family, here, beyond)
+        share = share_to_shorter(self._family, here, beyond)
         if share is None and not there <= _TOLD < missed:  # else Newton's method came to such a motion itself
             return False
         self._closer += 1
@@ -329,7 +318,7 @@ class _Follower:
     def _ends_at_shorter(self, beyond: Place) -> bool:
         """End the curve just before a motion that repeats sooner, if one lies between here and a place beyond."""
         here = self._here
-        share = _share_to_shorter(self._family, here, beyond)
+        share = share_to_shorter(self._family, here, beyond)
         if share is None:
             return False
         length = float(np.linalg.norm(beyond.chord(self._family, here)))
@@ -401,7 +390,7 @@ class _Follower:
         """Go across the graze that is so near that no step leads past it, or leave out what cannot be resolved."""
         passed: tuple[Graze, Place | None] | None = None
         for soon in self._near_grazes():
-            there = None if soon is None else _across(self._family, self._here, soon, len(self._places))
+            there = None if soon is None else across(self._family, self._here, soon, len(self._places))
             if there is not None and there[1] is not None:
                 self._pass(*there)
                 return
@@ -438,7 +427,7 @@ class _Follower:
         if found is None or (past and (found[1] > _NOTHING or self._has_contacts_of(found[0]))):
             return False
         beyond, width = found
-        if _share_to_shorter(self._family, self._here, beyond) is not None:
+        if share_to_shorter(self._family, self._here, beyond) is not None:
             self._end = "bifurcation"
             return True
         self._leave_out(beyond, width)
@@ -488,115 +477,3 @@ def _outward(family: Family, place: Place) -> bool:
 def _missed(place: Place) -> float:
     """Size of what a motion misses to repeat in half the time; 1 where there is no such motion."""
     return 1.0 if place.missed is None else float(np.linalg.norm(place.missed))
-
-
-def _share_to_shorter(family: Family, here: Place, new: Place) -> float | None:
-    """The share of the way from one place to another at which the branch comes to a motion that repeats sooner.
-
-    It springs from a branch of half as many half periods there, and would be gone through again.  By how much its
-    motions miss to repeat after these changes its sign, and twice the way there is what is missed: a motion and its
-    image lie on either side.  So does the orientation change, as two curves meet there.  None if it does not.
-    """
-    a, b = here.missed, new.missed
-    if a is None or b is None or a.shape != b.shape or float(a @ (b * new.weights / here.weights)) >= 0:
-        return None
-    sizes = float(np.linalg.norm(a)), float(np.linalg.norm(b))
-    if sum(sizes) > _BOTH_SIDES * float(np.linalg.norm(new.chord(family, here))):
-        return None
-    return sizes[0] / sum(sizes)
-
-
-def _bend(family: Family, here: Place, new: Place) -> FloatArray | None:
-    """Change of the tangent with the arc length from one place to the next, in its coordinates, shape ``(n + 1,)``.
-
-    None where their coordinates are not the same.
-    """
-    if here.point.state != new.point.state or here.weights.shape != new.weights.shape:
-        return None
-    scales = np.append(new.weights / here.weights, family.scale(here.value) / family.scale(new.value))
-    return np.asarray((new.tangent - here.tangent * scales) / float(np.linalg.norm(new.chord(family, here))))
-
-
-def _stepped(family: Family, here: Place, step: float, bend: FloatArray | None) -> tuple[Place | None, float]:
-    """The next place of the curve, and the angle between the step and the tangent there; None if it is not found.
-
-    Another orientation than here shows that it is of another curve, or that a graze spoils its tangent.
-    """
-    ahead = step * here.tangent
-    if bend is not None and step * float(np.linalg.norm(bend)) <= _WIDEST:
-        ahead = ahead + 0.5 * step**2 * bend
-    value, guess = here.moved(family, ahead)
-    steep = abs(here.tangent[-1]) > STEEP
-    new = corrected(family, value, guess, here.count, fixed=steep and family.low <= value <= family.high)
-    if new is None:
-        return None, math.nan
-    chord = new.chord(family, here)
-    length = float(np.linalg.norm(chord))
-    new = new.along(chord)
-    angle = math.acos(min(1.0, float(chord @ new.tangent) / max(length, 1e-300)))
-    if angle > _WIDEST or not 1 / _STRETCH < length / step < _STRETCH:
-        return None, angle
-    if new.orientation != here.orientation and _share_to_shorter(family, here, new) is None:
-        return None, angle
-    return new, angle
-
-
-def _across(
-    family: Family, here: Place, coming: Coming, index: int, sooner: bool = True
-) -> tuple[Graze, Place | None] | None:
-    """A graze after a place, and the place beyond it; None if it is not found.
-
-    Where there is none beyond, it may be that another extremum vanishes sooner, which arises on the way to this graze:
-    then it is that one's.
-    """
-    extremum = coming.extremum
-    graze = located_graze(family, here, extremum, coming.rate)
-    if graze is None:
-        return None
-    before, beyond = graze.place.going_on_from(here), beyond_graze(family, graze, coming.rate)
-    first = _vanishes_sooner(family, before, coming) if beyond is None and sooner else None
-    there = None if first is None else _across(family, before, first, index, sooner=False)
-    if there is not None and there[1] is not None:
-        return there
-    best = sharper(family, graze, beyond, coming.rate)
-
-    def named(kind: str) -> Graze:
-        return Graze(extremum.stop, best.value, kind, graze, coming.rate, index, best.left)
-
-    if beyond is None:
-        return named("ends"), None
-    after = beyond.place.going_on_from(here)
-    if _leads_back(family, before, after):
-        return None
-    came, goes = before.tangent[-1], after.tangent[-1]
-    kind = "persists" if came * goes > 0 else "folds"
-    return named(kind), after
-
-
-def _vanishes_sooner(family: Family, place: Place, than: Coming) -> Coming | None:
-    """The graze that comes before the one just before which a place is; None if that is the first."""
-    first = coming(place, rates_of(family, place))
-    if first is None or first.length > _AT_GRAZE:
-        return None
-    mine, its = than.extremum, first.extremum
-    return None if (mine.at, mine.highest) == (its.at, its.highest) else first
-
-
-def _leads_back(family: Family, before: Place, after: Place) -> bool:
-    """Whether the way across a graze goes against the curve on both sides: it is gone back, across a graze behind.
-
-    On one side alone it may: there the curve turns as soon as the map's root outweighs what is smooth.
-    """
-    way = after.chord(family, before)
-    ahead = float(way @ after.tangent) / max(float(np.linalg.norm(way)), 1e-300)
-    return ahead < -_BACKWARD and float(way @ before.tangent) < 0
-
-
-def _at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
-    """The place at the end of the range, between two places; empty if it is not found."""
-    value = family.low if new.value < family.low else family.high
-    share = (value - here.value) / (new.value - here.value)
-    length = float(np.linalg.norm(new.chord(family, here)))
-    _, guess = here.moved(family, share * length * here.tangent)
-    found = corrected(family, value, family.adopted(value, guess), here.count, fixed=True)
-    return [] if found is None else [found.along(found.chord(family, here))]

@@ -18,11 +18,17 @@ from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.extremum_search import OnExtremum, by_difference, on_extremum
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum, derivatives_of, turning_points
-from lapjoint.orbits.branches.passings import Coming
+from lapjoint.orbits.branches.passings import Coming, coming, rates_of
+from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.half_periods import gives
 from lapjoint.orbits.period_map import Tangent
 from lapjoint.orbits.segments import Segment, Segments
 
+AT_GRAZE = 1e-5
+"""Arc length to a graze up to which the curve is at it, before or behind."""
+_BACKWARD = 0.5
+"""Least cosine between the curve beyond a graze and the way back to it, where it has been gone across backward: above
+0.98 where a curve came back over a graze that it had just crossed, and below 0.4 else."""
 _CLOSE = 1e-6
 """Arc length to the graze, as the extremum's rate has it, at which it counts as located; the rest is taken off along
 the tangent, and leaves the square of this.  Light contacts of a stiff stop are far less deep than its gap is wide, and
@@ -221,3 +227,72 @@ def _acceleration(segment: Segment, k: int, t: float) -> float:
     """That of stop `k` at a time of a segment, m/s2."""
     wave = segment.weights[k] * segment.amplitudes * np.exp(segment.rates * (t - segment.start))
     return float((wave @ segment.rates**2).real) + 2 * float(segment.polynomial[k, 2])
+
+
+def across(
+    family: Family, here: Place, soon: Coming, index: int, sooner: bool = True
+) -> tuple[Graze, Place | None] | None:
+    """A graze after a place, and the place beyond it.
+
+    Where there is none beyond, it may be that another extremum vanishes sooner, which arises on the way to this graze:
+    then it is that one's.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    here : Place
+        The place.
+    soon : Coming
+        The graze, as the rates there have it.
+    index : int
+        Number of the place beyond it on the curve.
+    sooner : bool
+        Whether to look for one that comes sooner.
+
+    Returns
+    -------
+    tuple of Graze and Place, or None
+        The graze ``ends`` the curve where there is no place beyond it, as None then says; None if it is not found.
+    """
+    extremum = soon.extremum
+    graze = located_graze(family, here, extremum, soon.rate)
+    if graze is None:
+        return None
+    before, beyond = graze.place.going_on_from(here), beyond_graze(family, graze, soon.rate)
+    first = _vanishes_sooner(family, before, soon) if beyond is None and sooner else None
+    there = None if first is None else across(family, before, first, index, sooner=False)
+    if there is not None and there[1] is not None:
+        return there
+    best = sharper(family, graze, beyond, soon.rate)
+
+    def named(kind: str) -> Graze:
+        return Graze(extremum.stop, best.value, kind, graze, soon.rate, index, best.left)
+
+    if beyond is None:
+        return named("ends"), None
+    after = beyond.place.going_on_from(here)
+    if _leads_back(family, before, after):
+        return None
+    came, goes = before.tangent[-1], after.tangent[-1]
+    kind = "persists" if came * goes > 0 else "folds"
+    return named(kind), after
+
+
+def _vanishes_sooner(family: Family, place: Place, than: Coming) -> Coming | None:
+    """The graze that comes before the one just before which a place is; None if that is the first."""
+    first = coming(place, rates_of(family, place))
+    if first is None or first.length > AT_GRAZE:
+        return None
+    mine, its = than.extremum, first.extremum
+    return None if (mine.at, mine.highest) == (its.at, its.highest) else first
+
+
+def _leads_back(family: Family, before: Place, after: Place) -> bool:
+    """Whether the way across a graze goes against the curve on both sides: it is gone back, across a graze behind.
+
+    On one side alone it may: there the curve turns as soon as the map's root outweighs what is smooth.
+    """
+    way = after.chord(family, before)
+    ahead = float(way @ after.tangent) / max(float(np.linalg.norm(way)), 1e-300)
+    return ahead < -_BACKWARD and float(way @ before.tangent) < 0

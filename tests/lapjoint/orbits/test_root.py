@@ -165,8 +165,8 @@ def test_a_branch_ends_at_a_graze_where_what_has_touched_is_not_turned_back(seed
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_branch_that_only_is_not_found_beyond_a_graze_is_lost(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("beyond_graze", "across_jump", "jumped"):
-        monkeypatch.setattr(f"lapjoint.orbits.branches.continuation.{name}", lambda *_: None)
+    for name in ("grazing.beyond_graze", "continuation.across_jump", "continuation.jumped"):
+        monkeypatch.setattr(f"lapjoint.orbits.branches.{name}", lambda *_: None)
     _, _, run = across(seed)
     assert run.end == "lost"
     assert run.grazes[-1].kind == "lost"
