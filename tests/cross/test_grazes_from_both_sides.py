@@ -6,6 +6,7 @@ there, and a straight line from the nearest motion misses the graze by as much a
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import analytic
@@ -15,8 +16,11 @@ from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_along import directly
+from lapjoint.orbits.branches.grazing import beyond_graze, located_graze
 from lapjoint.orbits.branches.run import Graze, Limits
 from lapjoint.orbits.branches.seeds import seed_from
+from lapjoint.orbits.branches.tracing import trace
 
 LOW, HIGH = 327.9, 328.05  # rad/s: the first stop's second contact arises at 327.979
 
@@ -60,3 +64,40 @@ def test_a_graze_is_where_its_motion_is() -> None:
         assert len(run.grazes) >= 4
         for graze in run.grazes:
             assert graze.value == pytest.approx(graze.before.place.value, rel=1e-6)
+
+
+@in_one_thread
+def test_beyond_a_graze_at_which_a_symmetry_breaks_lies_the_motion_that_touches_neither_twin() -> None:
+    """And not the mirror image of the motion before it, which is as near, and on the branch's other side.
+
+    How far beyond the graze it is looked for depends on how fast the extremum changes with the arc length.
+    """
+    joint = paper_joint()
+    joint = joint.replace(damping=joint.damping.model_copy(update={"ratio": 0.02}))
+    grid = Grid(joint, (Axis(FREQUENCY, (326.1, 326.3)),))
+    family = Family(analytic.Solver(), lambda v: grid.with_values((v,)), FREQUENCY, 326.1, 326.3)
+    seed = seed_from(family, 326.3, family.at(326.3).map.initial(), 1)
+    assert seed is not None
+    both = trace(family, seed, most_multiple=1, errors=False)
+    assert both is not None
+    (one,) = (trace(family, seed, most_multiple=1, errors=False) for seed in both.seeds)
+    assert one is not None
+    graze = one.bifurcations[0].found
+    assert isinstance(graze, Graze)
+    assert graze.value == pytest.approx(both.branch.bifurcations[0].value, rel=1e-12)
+    before, value = graze.before, graze.value
+    assert before.place.extrema.closings == (2, 1, 1, 1)
+    for _ in range(3):
+        for rate in np.copysign(np.geomspace(1e-5, 3e-3, 12), graze.rate):
+            beyond = beyond_graze(family, before, rate)
+            assert beyond is not None
+            assert beyond.place.extrema.closings == (1, 1, 1, 1)
+            assert beyond.value == pytest.approx(value, rel=1e-8)
+        finer = family.finer(value)
+        assert finer is not None
+        family = finer[1]
+        again = directly(graze)(family, before.place)
+        assert again is not None
+        found = located_graze(family, again.place, before.extremum, graze.rate)
+        assert found is not None
+        before, value = found, again.value

@@ -128,8 +128,11 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
         there = on_extremum(family, graze.place, graze.extremum, target, abs(rate), patiently=patiently)
         if there is None or float(np.linalg.norm(there.place.chord(family, graze.place))) > _NEAR:
             return None
-        changed = np.abs(np.subtract(there.place.extrema.closings, graze.place.extrema.closings)).sum()
-        return there if changed == 1 or (changed and not patiently) else None
+        changed = np.subtract(there.place.extrema.closings, graze.place.extrema.closings)
+        count = int(np.abs(changed).sum())
+        if count != abs(int(changed.sum())):  # one contact has come, and another gone: two grazes lie between
+            return None
+        return there if count == 1 or (count and not patiently) else None
 
     if graze.extremum.segment is not None and leaves_at(family, graze, rate):
         return None
