@@ -4,7 +4,7 @@ The other solver finds it by its own marches, derivatives and multipliers.  Of i
 before, a finer one begins, as its motion is nearer to that of the first solver; the next coarser one begins from the
 finer one's motion, and how far apart both are gives the error.  The first solver's number decides only which two are
 asked first.  Where none comes from the motion at the bifurcation, they follow the curve from motions beside it, or
-begin at the graze next to it as they have that.
+begin at the graze next to it as they have that; they begin there at once where that is very near.
 
 A bifurcation that the next finer self of the first solver does not find is looked for in the same way by its selves.
 """
@@ -25,6 +25,7 @@ from lapjoint.orbits.branches.found_again import NEAR, Again, comes_back, leads_
 from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at, same_graze
 from lapjoint.orbits.branches.found_beside import Beside
 from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.passings import coming, rates_of
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
@@ -34,6 +35,9 @@ _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 _SURE = 3e-4
 """Arc length within which what another solver finds on a smooth part is not asked to lead back: a flip 1e-3 off was
 taken for another, and motions on the other side of a graze are not carried back."""
+_CLOSE = 2e-5
+"""Arc length to a graze, as its rate has it, within which a bifurcation is looked for from there first: two solvers
+have most of them some 1e-5 apart."""
 _ALONG = 2
 """Number of the first self that follows the curve, the coarsest being 0: of coarser ones it often leads elsewhere."""
 _FINER = 5
@@ -97,15 +101,31 @@ class _Search:
     def run(self) -> Stated | None:
         """From the motion at the bifurcation, along the curve of the other solver, or from a graze beside it.
 
-        A finer self of the first solver has looked for it from that motion already.
+        A finer self of the first solver has looked for it from that motion already.  Where a graze is closer than the
+        solvers have it to each other, it is looked for from there at once.
         """
         own = self.family.is_a_self_of(self.one.family)
-        best = None if own else self._direct()
-        if best is None or not np.isfinite(best.error):
-            best = self._along() or best
-        if best is None or not np.isfinite(best.error):
-            best = self._beside() or best
+        ways = [self._along, self._beside] if own else [self._direct, self._along, self._beside]
+        if self._is_close_to_a_graze:
+            ways.insert(0, ways.pop())
+        best: Stated | None = None
+        for way in ways:
+            best = way() or best
+            if best is not None and np.isfinite(best.error):
+                break
         return best
+
+    @property
+    def _is_close_to_a_graze(self) -> bool:
+        """Whether another graze lies closer to the bifurcation than both solvers have it."""
+        if isinstance(self.one.found, Graze):
+            return False
+        ways = (self.motion, self.motion.turned())
+        try:
+            near = [coming(place, rates_of(self.one.family, place)) for place in ways]
+        except SolverError:
+            return False
+        return any(one is not None and one.length <= _CLOSE for one in near)
 
     def _direct(self) -> Stated | None:
         """From the motion at the bifurcation: by a self and the next finer one, up to the finest."""

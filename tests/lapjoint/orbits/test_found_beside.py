@@ -15,10 +15,12 @@ import pytest
 from finer_curve import FINER, both_ways, family, unconfirmed
 
 from lapjoint.campaigns.branch_parts import motion_from
+from lapjoint.orbits.branches import by_another_solver
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.run import Limits
 
 HAIRPINS = json.loads((Path(__file__).parent / "hairpins.json").read_text(encoding="utf-8"))
+VERY_CLOSE = json.loads((Path(__file__).parent / "very_close_to_a_graze.json").read_text(encoding="utf-8"))
 AROUND = Limits(most=80, length=2e-3)  # within which the hairpins turn
 AIM = 1e-5  # error over the frequency
 
@@ -35,3 +37,17 @@ def test_a_bifurcation_in_a_hairpin_is_found_from_the_graze_beside_it(hairpin: i
     assert truth
     assert found is not None
     assert min(abs(found.value - value) for value in truth) <= found.error <= AIM * found.value
+
+
+@pytest.mark.parametrize("which", range(len(VERY_CLOSE)))
+def test_one_that_is_very_close_to_a_graze_is_looked_for_from_there_first(
+    which: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Along the curve it takes thrice as long, and by finite elements most of a minute."""
+    asked = list[object]()
+    monkeypatch.setattr(by_another_solver._Search, "_along", asked.append)
+    own, said = family(), VERY_CLOSE[which]
+    found = by_another(unconfirmed(own, said["kind"], motion_from(said["motion"])), own, FINER - 1)
+    assert not asked
+    assert found is not None
+    assert found.error <= AIM * found.value
