@@ -62,6 +62,23 @@ class Return:
         """Derivative of the end by the start, in the coordinates that belong to the start, shape ``(n, n)``."""
         return -self.linearised.matrix if self.count % 2 else self.linearised.matrix
 
+    def carried(self, deviations: FloatArray) -> FloatArray:
+        """Deviations from the start as they are at the end: the product with `matrix`.
+
+        Parameters
+        ----------
+        deviations : FloatArray, shape (n,) or (n, m)
+            One, or several as columns.
+
+        Returns
+        -------
+        FloatArray, shape (n,) or (n, m)
+            By the factors of the matrix, where these are known: that is far less work where they are of few columns.
+        """
+        matrix, _, factors = self.linearised.known
+        own = matrix @ deviations if factors is None else factors[0] @ (factors[1] @ deviations)
+        return -own if self.count % 2 else own
+
     @property
     def multipliers(self) -> ComplexArray:
         """Eigenvalues of `matrix`, shape ``(n,)``; of a pair the one with the positive imaginary part comes first."""

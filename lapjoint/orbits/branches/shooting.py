@@ -125,14 +125,14 @@ def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int
         n = misses[0].size
         whole, by_number, missed = np.eye(n), np.zeros(n), np.zeros(n)
         for one, column, miss in zip(found, columns, misses, strict=True):
-            whole, by_number, missed = one.matrix @ whole, one.matrix @ by_number + column, one.matrix @ missed + miss
+            whole, by_number, missed = one.carried(whole), one.carried(by_number) + column, one.carried(missed) + miss
         weights, scale = scaling(half, points[0], n), family.scale(value)
         step = newton_step(jacobian(whole, by_number * scale, weights), weights * missed, fixed)
         deviation, change = step[:-1] / weights, float(step[-1]) * scale
         moved = list[SectionPoint]()
         for one, point, column, miss in zip(found, points, columns, misses, strict=True):
             moved.append(half.map.moved(point, deviation))
-            deviation = one.matrix @ deviation + column * change + miss
+            deviation = one.carried(deviation) + column * change + miss
         value += change
         points = [family.adopted(value, point) for point in moved]
     return None
