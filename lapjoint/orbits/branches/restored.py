@@ -24,6 +24,9 @@ from lapjoint.orbits.branches.shooting import taken_over
 
 _FINER = 2
 """Most finer selves of the solver that are asked: its branches are resolved by so many."""
+_AS_IT_IS = 1e-8
+"""Arc length from a motion in the file up to which it is the one that closes: what closes to 1e-9 on one processor may
+miss by a little more on another, where multipliers are a thousand.  Other selves have theirs at 1e-6 and more."""
 _SHARPER = 2
 """Most selves finer than that which found it by which it is located again: the third one's motion is hardly nearer."""
 _SLOWER = 10.0
@@ -59,11 +62,18 @@ def _restored(family: Family, one: Bifurcation, motion: MotionThere) -> Listed |
     """`restored` by the self that found it, or else the first one that finds it."""
     places = list(_places(family, motion))
     for own, place in places:
-        if place.value == motion.value:  # it closes as it is: this is the self that found it
+        if _way(own, place, motion) <= _AS_IT_IS:  # it closes as it is: this is the self that found it
             found = _as_it_is(own, one, place)
             if found is not None:
                 return found
     return next((found for own, place in places if (found := _found(own, one, place)) is not None), None)
+
+
+def _way(family: Family, place: Place, motion: MotionThere) -> float:
+    """Arc length from the motion in a file to a place near it."""
+    map_ = place.half_periods.map
+    u = map_.difference(map_.adopted(motion.point), place.point) * place.weights
+    return float(np.hypot(np.linalg.norm(u), (place.value - motion.value) / family.scale(place.value)))
 
 
 def _sharper(one: Listed) -> Listed:

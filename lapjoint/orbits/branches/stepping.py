@@ -32,7 +32,7 @@ def stepped(family: Family, here: Place, step: float, bend: FloatArray | None) -
         A place of the curve.
     step : float
         Arc length to the next one.
-    bend : FloatArray or None
+    bend : FloatArray, shape (n + 1,), or None
         `bend_of` the last step, if it is known.
 
     Returns

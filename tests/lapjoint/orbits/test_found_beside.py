@@ -45,7 +45,7 @@ def test_one_that_is_very_close_to_a_graze_is_looked_for_from_there_first(
 ) -> None:
     """Along the curve it takes thrice as long, and by finite elements most of a minute."""
     asked = list[object]()
-    monkeypatch.setattr(by_another_solver._Search, "_along", asked.append)
+    monkeypatch.setattr(by_another_solver._Search, "_along", lambda search: asked.append(search))
     own, said = family(), VERY_CLOSE[which]
     found = by_another(unconfirmed(own, said["kind"], motion_from(said["motion"])), own, FINER - 1)
     assert not asked
