@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-_RIVALS, _AS_NEAR = 4, 1e-3
-"""Most other bifurcations of a branch, of the kind that is looked for, from which it is told; and the distance of the
-number, over it, within which they may be taken for it: both solvers have nearly all to 1e-5."""
 _UNSURE = 2
 """Most finer selves of the other solver that look for what the first one states no error of, and so cannot agree on."""
 
@@ -74,16 +71,18 @@ class Row:
         Row
             With the motions of the nearest ones.
         """
+        from lapjoint.orbits.branches.listing import AS_NEAR, RIVALS
+
         mine = (self.kind, self.stop, self.also, self.branch)
         others = [
             row
             for row in rows
             if row.number != self.number
             and (row.kind, row.stop, row.also, row.branch) == mine
-            and abs(row.value - self.value) <= _AS_NEAR * abs(self.value)
+            and abs(row.value - self.value) <= AS_NEAR * abs(self.value)
         ]
         others.sort(key=lambda row: abs(row.value - self.value))
-        return replace(self, rivals=tuple(row.motion for row in others[:_RIVALS]))
+        return replace(self, rivals=tuple(row.motion for row in others[:RIVALS]))
 
 
 @dataclass(frozen=True)

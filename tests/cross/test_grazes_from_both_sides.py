@@ -101,3 +101,21 @@ def test_beyond_a_graze_at_which_a_symmetry_breaks_lies_the_motion_that_touches_
         found = located_graze(family, again.place, before.extremum, graze.rate)
         assert found is not None
         before, value = found, again.value
+
+
+@in_one_thread
+def test_branches_that_meet_at_a_graze_have_it_at_one_number() -> None:
+    """A motion that touches one twin more and one that touches both come from one that touches neither."""
+    grid = Grid(paper_joint(), (Axis(FREQUENCY, (4.295, 4.2975)),))
+    family = Family(analytic.Solver(n_modes=16), lambda v: grid.with_values((v,)), FREQUENCY, 4.295, 4.2975)
+    seed = seed_from(family, 4.2975, family.at(4.2975).map.initial(), 1)
+    assert seed is not None
+    both = trace(family, seed, most_multiple=1, errors=False)
+    assert both is not None
+    (one,) = (trace(family, seed, most_multiple=1, errors=False) for seed in both.seeds)
+    assert one is not None
+    first, *_ = (it.found for it in both.bifurcations if isinstance(it.found, Graze))
+    (second,) = (it.found for it in one.bifurcations if isinstance(it.found, Graze))
+    assert [graze.before.place.extrema.closings for graze in (first, second)] == [(4, 0, 4, 0), (4, 0, 3, 0)]
+    assert abs(second.before.value - first.value) > 1e-7 * first.value  # what the straight line misses it by
+    assert second.value == pytest.approx(first.value, rel=1e-9)

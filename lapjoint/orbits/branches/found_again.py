@@ -11,7 +11,6 @@ from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, si
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
 from lapjoint.orbits.branches.shooting import taken_over
 
@@ -322,23 +321,24 @@ def _between_ends(family: Family, near: Place, kind: Kind) -> Place | None:
     return None
 
 
-def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
+def graze_finder(before: OnExtremum, rate: float) -> Finder:
     """Finds a graze.
 
     Parameters
     ----------
-    extremum : Extremum
-        The extremum that vanishes there, as the coarsest solver has it just before.
+    before : OnExtremum
+        The motion just before it, as the coarsest solver has it, and its extremum that vanishes there.
     rate : float
-        Change of its value with the arc length before it, m.
-    duration : float
-        Length of the motion there, s.
+        Change of the extremum's value with the arc length before it, m.
 
     Returns
     -------
     Finder
         The function.
     """
+    extremum, duration = before.extremum, before.place.extrema.duration
+    count, touched = before.place.extrema.closings[extremum.stop], (extremum.value > 0) == extremum.highest
+    closings = {count, count - 1 if touched else count + 1}  # before it, and beyond: a contact comes, or is split
 
     def find(family: Family, place: Place) -> Again | None:
         for back in _BACK:
@@ -346,7 +346,7 @@ def graze_finder(extremum: Extremum, rate: float, duration: float) -> Finder:
             near = corrected(family, value, guess, place.count) if back else taken_over(family, place)
             mine = None if near is None else near.matching(extremum, duration)
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
-            if graze is not None:
+            if graze is not None and graze.place.extrema.closings[extremum.stop] in closings:
                 beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
                 best = sharper(family, graze, beyond, rate)
                 return Again(graze.place, best.value, best.left, _graze_shift(graze, duration))

@@ -208,7 +208,7 @@ def directly(one: Located | Graze, like: Place | None = None) -> Finder:
     """
     if isinstance(one, Located):
         return smooth_finder(one.kind, like)
-    return graze_finder(one.before.extremum, one.rate, one.before.place.extrema.duration)
+    return graze_finder(one.before, one.rate)
 
 
 def along(one: Located | Graze, starts: Starts) -> Finder:

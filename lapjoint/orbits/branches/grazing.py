@@ -42,10 +42,14 @@ _SLOW = 1e-3
 as that goes as the square."""
 _JUST_BEYOND = 1e-5
 """The same at which it is seen whether a motion comes back."""
-_SAME, _LEFT_AT_MOST = 2e-4, 10.0
+_SURE, _LEFT_AT_MOST = 1e-5, 10.0
 """Arc length between the motions on both sides of a graze, and distance of its numbers as both have it over what the
-one may leave: where both are larger, it is a neighbour.  Of 93, most have 1e-5 and 0.2; two neighbours had 7e-4 at
-least, and 140."""
+one may leave, up to which either shows that it is the same."""
+_SHARE_BACK = 0.1
+"""Most by which the way back across it may miss where it began, over the way between both: of 60, two missed all of
+it, and the others 2e-4 at most."""
+_SAME = 2e-4
+"""Arc length between both up to which it is the same where no motion is found on the way back."""
 _NEAR = 0.05
 """Arc length from the graze within which the motion beyond it must lie."""
 
@@ -74,8 +78,23 @@ def sharper(family: Family, graze: OnExtremum, beyond: OnExtremum | None, rate: 
     other = located_graze(family, beyond.place, beyond.extremum, rate)
     if other is None or other.left >= graze.left:
         return graze
+    return other if _is_same(family, graze, other, rate) else graze
+
+
+def _is_same(family: Family, graze: OnExtremum, other: OnExtremum, rate: float) -> bool:
+    """Whether a motion on the other side is at the same graze: near by, or going back across it leads to the first one.
+
+    Where several branches meet at a graze, it may lead to another one.
+    """
     way = float(np.linalg.norm(other.place.chord(family, graze.place)))
-    return other if way <= _SAME or abs(other.value - graze.value) <= _LEFT_AT_MOST * graze.left else graze
+    if way <= _SURE or abs(other.value - graze.value) <= _LEFT_AT_MOST * graze.left:
+        return True
+    target, scale = graze.extremum.value, abs(rate)
+    for patiently in (False, True):
+        back = on_extremum(family, other.place, other.extremum, target, scale, patiently=patiently)
+        if back is not None:
+            return float(np.linalg.norm(back.place.chord(family, graze.place))) <= _SHARE_BACK * way
+    return way <= _SAME
 
 
 def located_graze(family: Family, place: Place, extremum: Extremum, rate: float) -> OnExtremum | None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from lapjoint.orbits.branches.found_along import About, Way, directly, motion_at
 from lapjoint.orbits.branches.run import Graze, Jump, Run
 from lapjoint.orbits.branches.value_errors import Stated, stated
 
+RIVALS, AS_NEAR = 4, 1e-3
+"""Most other bifurcations of a branch, of the kind that is looked for, from which it is told; and the distance of the
+number, over it, within which they may be taken for it: two solvers have nearly all to 1e-5."""
 _SPRINGING = ("flip", "symmetry breaking")
 """Kinds of bifurcations from which a branch of periodic motions springs."""
 
@@ -49,6 +52,32 @@ class Listed:
         """The motion there, if a branch springs from it."""
         found = self.found
         return found.place if isinstance(found, Located) and found.kind in _SPRINGING else None
+
+
+def among(one: Listed, others: Iterable[Listed]) -> Listed:
+    """A bifurcation with its rivals.
+
+    Parameters
+    ----------
+    one : Listed
+        The bifurcation.
+    others : iterable of Listed
+        All of its branch.
+
+    Returns
+    -------
+    Listed
+        With the motions at the nearest ones for which another solver may take it.
+    """
+    mine = one.bifurcation
+    near = [
+        (abs(other.bifurcation.value - mine.value), other.found)
+        for other in others
+        if other is not one and (other.bifurcation.kind, other.bifurcation.stop) == (mine.kind, mine.stop)
+    ]
+    near.sort(key=lambda it: it[0])
+    found = [it for apart, it in near[:RIVALS] if it is not None and apart <= AS_NEAR * abs(mine.value)]
+    return replace(one, rivals=tuple(motion_at(it) for it in found))
 
 
 def listed(family: Family, run: Run, errors: bool) -> list[Listed]:

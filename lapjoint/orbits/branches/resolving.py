@@ -23,7 +23,7 @@ from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.found_along import Surroundings, motion_at
-from lapjoint.orbits.branches.listing import Listed, listed
+from lapjoint.orbits.branches.listing import Listed, among, listed
 from lapjoint.orbits.branches.run import Limits, Run, joined
 from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung
 from lapjoint.orbits.branches.value_errors import AIM
@@ -104,7 +104,8 @@ def resolved(
         The curve.
     """
     found = _resolved(family, run, levels, progress)
-    return replace(found, bifurcations=[asked_again(one) for one in found.bifurcations])
+    own = found.bifurcations
+    return replace(found, bifurcations=[asked_again(among(one, own)) if one.doubtful else one for one in own])
 
 
 def _resolved(family: Family, run: Run, levels: int, progress: Callable[[float], None] | None = None) -> Resolved:
