@@ -71,18 +71,15 @@ class Row:
         Row
             With the motions of the nearest ones.
         """
-        from lapjoint.orbits.branches.listing import AS_NEAR, RIVALS
+        from lapjoint.orbits.branches.listing import rivals_of
 
         mine = (self.kind, self.stop, self.also, self.branch)
-        others = [
-            row
+        others = (
+            (row.value, row.motion)
             for row in rows
-            if row.number != self.number
-            and (row.kind, row.stop, row.also, row.branch) == mine
-            and abs(row.value - self.value) <= AS_NEAR * abs(self.value)
-        ]
-        others.sort(key=lambda row: abs(row.value - self.value))
-        return replace(self, rivals=tuple(row.motion for row in others[:RIVALS]))
+            if row.number != self.number and (row.kind, row.stop, row.also, row.branch) == mine
+        )
+        return replace(self, rivals=rivals_of(self.value, others))
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from lapjoint.orbits.branches.found_again import NEAR, Again, comes_back, leads_
 from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at, same_graze
 from lapjoint.orbits.branches.found_beside import Beside
 from lapjoint.orbits.branches.listing import Listed
-from lapjoint.orbits.branches.passings import coming, rates_of
+from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
@@ -120,12 +120,11 @@ class _Search:
         """Whether another graze lies closer to the bifurcation than both solvers have it."""
         if isinstance(self.one.found, Graze):
             return False
-        ways = (self.motion, self.motion.turned())
         try:
-            near = [coming(place, rates_of(self.one.family, place)) for place in ways]
+            rates = rates_of(self.one.family, self.motion).value
         except SolverError:
             return False
-        return any(one is not None and one.length <= _CLOSE for one in near)
+        return bool(((rates != 0) & (np.abs(self.motion.extrema.value) <= _CLOSE * np.abs(rates))).any())
 
     def _direct(self) -> Stated | None:
         """From the motion at the bifurcation: by a self and the next finer one, up to the finest."""

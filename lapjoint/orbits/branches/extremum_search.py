@@ -83,10 +83,14 @@ class OnExtremum:
         return float(self.place.value - self.rate * self.extremum.value)
 
     @property
+    def touched(self) -> bool:
+        """Whether it has the contact that comes at the graze, or the gap that splits one there."""
+        return (self.extremum.value > 0) == self.extremum.highest
+
+    @property
     def left(self) -> float:
         """What may be left of the way to there, in the same unit: nothing on the smooth side of the graze."""
-        touched = (self.extremum.value > 0) == self.extremum.highest
-        return SAFETY * abs(self.rate * self.extremum.value) if touched else 0.0
+        return SAFETY * abs(self.rate * self.extremum.value) if self.touched else 0.0
 
 
 def on_extremum(

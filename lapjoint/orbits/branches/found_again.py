@@ -337,8 +337,8 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
         The function.
     """
     extremum, duration = before.extremum, before.place.extrema.duration
-    count, touched = before.place.extrema.closings[extremum.stop], (extremum.value > 0) == extremum.highest
-    closings = {count, count - 1 if touched else count + 1}  # before it, and beyond: a contact comes, or is split
+    count = before.place.extrema.closings[extremum.stop]
+    closings = {count, count - 1 if before.touched else count + 1}  # before it, and beyond
 
     def find(family: Family, place: Place) -> Again | None:
         for back in _BACK:

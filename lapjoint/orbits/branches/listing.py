@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,9 +16,10 @@ from lapjoint.orbits.branches.found_along import About, Way, directly, motion_at
 from lapjoint.orbits.branches.run import Graze, Jump, Run
 from lapjoint.orbits.branches.value_errors import Stated, stated
 
-RIVALS, AS_NEAR = 4, 1e-3
+_RIVALS, _AS_NEAR = 4, 1e-3
 """Most other bifurcations of a branch, of the kind that is looked for, from which it is told; and the distance of the
 number, over it, within which they may be taken for it: two solvers have nearly all to 1e-5."""
+T = TypeVar("T")
 _SPRINGING = ("flip", "symmetry breaking")
 """Kinds of bifurcations from which a branch of periodic motions springs."""
 
@@ -54,6 +56,25 @@ class Listed:
         return found.place if isinstance(found, Located) and found.kind in _SPRINGING else None
 
 
+def rivals_of(value: float, others: Iterable[tuple[float, T]]) -> tuple[T, ...]:
+    """What another solver may take for a bifurcation.
+
+    Parameters
+    ----------
+    value : float
+        The number at the bifurcation, in its SI unit.
+    others : iterable of tuple
+        The numbers at others of its kind on its branch, and whatever they are told by.
+
+    Returns
+    -------
+    tuple
+        What the nearest ones are told by, the nearest first.
+    """
+    near = sorted(others, key=lambda other: abs(other[0] - value))[:_RIVALS]
+    return tuple(told_by for there, told_by in near if abs(there - value) <= _AS_NEAR * abs(value))
+
+
 def among(one: Listed, others: Iterable[Listed]) -> Listed:
     """A bifurcation with its rivals.
 
@@ -70,14 +91,14 @@ def among(one: Listed, others: Iterable[Listed]) -> Listed:
         With the motions at the nearest ones for which another solver may take it.
     """
     mine = one.bifurcation
-    near = [
-        (abs(other.bifurcation.value - mine.value), other.found)
+    near = (
+        (other.bifurcation.value, motion_at(other.found))
         for other in others
-        if other is not one and (other.bifurcation.kind, other.bifurcation.stop) == (mine.kind, mine.stop)
-    ]
-    near.sort(key=lambda it: it[0])
-    found = [it for apart, it in near[:RIVALS] if it is not None and apart <= AS_NEAR * abs(mine.value)]
-    return replace(one, rivals=tuple(motion_at(it) for it in found))
+        if other.found is not None
+        and other is not one
+        and (other.bifurcation.kind, other.bifurcation.stop) == (mine.kind, mine.stop)
+    )
+    return replace(one, rivals=rivals_of(mine.value, near))
 
 
 def listed(family: Family, run: Run, errors: bool) -> list[Listed]:

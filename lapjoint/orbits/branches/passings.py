@@ -139,7 +139,8 @@ def _by_difference(family: Family, place: Place) -> Rates:
         there = extrema_of(family.at(value).linearised(family.adopted(value, moved), place.count))
         if there.closings == here.closings:
             break
-    match, switch = _pairs(here, here.phase, here.switch_phase, there)
+    match = nearest(here.kind, here.phase, there.kind, there.phase)
+    switch = nearest(here.switch_kind, here.switch_phase, there.switch_kind, there.switch_phase)
     shifted, same = _moved(here.phase, there.phase, match)
     turned, _ = _moved(here.switch_phase, there.switch_phase, switch)
     rise = np.zeros(here.time.size)
@@ -227,7 +228,7 @@ def passed(here: Place, rates: Rates, new: Place, new_rates: Rates | None, lengt
         What happens.
     """
     a = _events(here.extrema, rates)
-    b = _events(new.extrema, rates if new_rates is None else new_rates)
+    b = _events(new.extrema, rates if new_rates is None else new_rates)  # those of `here` are not looked at there
     same, through, passes, partner = met(a, b, length, new_rates is not None)
     crossed = np.flatnonzero(passes)
     nothing = same and not through and not crossed.size and here.extrema.closings == new.extrema.closings
@@ -244,11 +245,6 @@ def _events(extrema: Extrema, rates: Rates) -> Events:
     """The events of a motion as compiled functions take them."""
     known = extrema.kind, extrema.phase, extrema.value, rates.phase, rates.value
     return Events(*known, extrema.switch_kind, extrema.switch_phase, rates.switch)
-
-
-def _pairs(a: Extrema, phase: FloatArray, switch: FloatArray, b: Extrema) -> tuple[IndexArray, IndexArray]:
-    """The extrema and switches of `b` nearest to those of `a` at some phases, as indices; -1 where there is none."""
-    return nearest(a.kind, phase, b.kind, b.phase), nearest(a.switch_kind, switch, b.switch_kind, b.switch_phase)
 
 
 def _apart(phase: FloatArray, origin: FloatArray) -> FloatArray:

@@ -62,18 +62,12 @@ def _restored(family: Family, one: Bifurcation, motion: MotionThere) -> Listed |
     """`restored` by the self that found it, or else the first one that finds it."""
     places = list(_places(family, motion))
     for own, place in places:
-        if _way(own, place, motion) <= _AS_IT_IS:  # it closes as it is: this is the self that found it
+        in_file = replace(place.beginning_at(motion.point), value=motion.value)
+        if float(np.linalg.norm(place.chord(own, in_file))) <= _AS_IT_IS:  # this is the self that found it
             found = _as_it_is(own, one, place)
             if found is not None:
                 return found
     return next((found for own, place in places if (found := _found(own, one, place)) is not None), None)
-
-
-def _way(family: Family, place: Place, motion: MotionThere) -> float:
-    """Arc length from the motion in a file to a place near it."""
-    map_ = place.half_periods.map
-    u = map_.difference(map_.adopted(motion.point), place.point) * place.weights
-    return float(np.hypot(np.linalg.norm(u), (place.value - motion.value) / family.scale(place.value)))
 
 
 def _sharper(one: Listed) -> Listed:

@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 from finer_curve import family as lightly_damped
 
+import analytic
+import fe_lapjoint
 from lapjoint import Axis, paper_joint
 from lapjoint.campaigns import Grid
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.orbits.branches.corrector import Place, corrected
-from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.family import Family, HasPeriodMap
 from lapjoint.orbits.branches.shooting import stretches_of, taken_over
+from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL
 
 MOTIONS = json.loads((Path(__file__).parent / "strongly_unstable.json").read_text(encoding="utf-8"))
@@ -111,3 +114,17 @@ def test_a_motion_that_is_elsewhere_is_not_found(family: Family) -> None:
     n = half.map.adopted(place.point).coordinates.size
     step = 0.3 * half.size(place.point) * np.ones(n) / half.unit_norms(n)
     assert taken_over(finer, place, lambda point: half.map.moved(half.map.adopted(point), step)) is None
+
+
+@pytest.mark.parametrize("half_periods", [1, 2])
+@pytest.mark.parametrize("solver", [fe_lapjoint.Solver(elements=60), analytic.Solver()], ids=["fe", "analytic"])
+def test_deviations_are_carried_as_by_the_whole_matrix(solver: HasPeriodMap, half_periods: int) -> None:
+    """Also where it is known by two factors, and where the end of a march over an odd number is mirrored."""
+    half = HalfPeriods(solver.period_map(paper_joint(angular_frequency=300.0)))
+    start = half.marched(half.map.initial(), 20)
+    found = half.linearised(start, half_periods)
+    assert (found.linearised.known.factors is None) == isinstance(solver, analytic.Solver)
+    deviations = np.random.default_rng(34).normal(size=(found.matrix.shape[0], 3))
+    for some in (deviations, deviations[:, 0]):
+        carried, whole = found.carried(some), found.matrix @ some
+        assert carried == pytest.approx(whole, rel=1e-9, abs=1e-12 * np.abs(whole).max())
