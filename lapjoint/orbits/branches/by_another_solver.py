@@ -27,6 +27,7 @@ from lapjoint.orbits.branches.found_beside import Beside
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
+from lapjoint.orbits.branches.springing import Springing, springing
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 
@@ -180,12 +181,14 @@ class _Search:
         own = self.one.family
         return comes_back(way, own, self.motion, lambda: there.carried(own), self.from_motion, sure)
 
-    def _is_nearest(self, i: int, found: Again) -> bool:
+    def _is_nearest(self, i: int, found: Again, spring: Springing | None = None) -> bool:
         """Whether what a self has found is nearer to the first solver's motion than to those at its rivals."""
         mine, family = self._before(0.0), self.selves[i]
         if not self.rivals or mine is None:
             return True
-        ways = [found.place.chord(family, motion.seen_by(family)) for motion in (mine, *self.rivals)]
+        motions = (mine, *self.rivals)
+        seen = [one.seen_by(family) if spring is None else spring.expected(one.place) for one in motions]
+        ways = [found.place.chord(family, there) for there in seen]
         return int(np.argmin([np.linalg.norm(way) for way in ways])) == 0
 
     def _contacts_beyond(self, place: Place) -> bool | None:
@@ -237,9 +240,15 @@ class _Search:
         here = self._before(0.0)
         if self.one.way is None or self.one.found is None or here is None:
             return None
-        family = self.selves[i]
-        found = along(self.one.found, CarriedWay(self.one.way, self.one.family, family))(family, here.seen_by(family))
-        return found if found is not None and self._is_nearest(i, found) else None
+        family, own = self.selves[i], self.one.family
+        found = along(self.one.found, CarriedWay(self.one.way, own, family))(family, here.seen_by(family))
+        if found is not None and self._is_nearest(i, found):
+            return found
+        for spring in springing(own, self.motion, family):
+            found = along(self.one.found, spring)(family, spring.expected(self.motion))
+            if found is not None and self._is_nearest(i, found, spring):
+                return found
+        return None
 
     def _beside(self) -> Stated | None:
         """Beside a graze: by a self and the next finer one that agree, each from the graze as it has that."""

@@ -330,7 +330,7 @@ def _passes_by(family: Family, a: Place, b: Place, near: Place) -> bool:
 
 
 def same_graze(one: Graze, other: Graze) -> bool:
-    """Whether two grazes are one: of one extremum, and come to from the same side.
+    """Whether two grazes are one: of one extremum, and come to from the same side, or from the other.
 
     Parameters
     ----------
@@ -345,8 +345,11 @@ def same_graze(one: Graze, other: Graze) -> bool:
     mine, its = one.before.extremum, other.before.extremum
     here, there = one.before.place.extrema, other.before.place.extrema
     later = its.time / there.duration - mine.time / here.duration
-    same = (mine.stop, mine.highest, here.closings) == (its.stop, its.highest, there.closings)
-    return same and abs(later - round(later)) <= _PHASE
+    if (mine.stop, mine.highest) != (its.stop, its.highest) or abs(later - round(later)) > _PHASE:
+        return False
+    beyond = list(here.closings)
+    beyond[mine.stop] += -1 if one.before.touched else 1
+    return there.closings in (here.closings, tuple(beyond))
 
 
 def _follow(family: Family, start: Approach, look: _Look) -> None:

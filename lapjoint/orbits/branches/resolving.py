@@ -4,19 +4,21 @@ Close to a graze, where a map of few modes jumps or turns sharply, a coarse solv
 one has not, or none at all.  What is not confirmed there says nothing of the joint.  So each such part, with a little
 of the curve before and behind it, is followed by the finer solver from the motion before to the one behind; its
 motions and bifurcations take the place of the others, if less of them is in doubt.  Where the branch springs from
-another beside such a part, the finer solver begins at that bifurcation as it has it, or ends there; a branch that is
-all in doubt is followed from one to the other.
+another beside such a part, or is lost there, the finer solver follows it to where it springs; a branch that is all in
+doubt is followed both ways from a motion within.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from functools import cached_property
+from itertools import chain, pairwise, repeat
 
 import numpy as np
 
 from lapjoint.errors import SolverError
+from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place
@@ -25,7 +27,8 @@ from lapjoint.orbits.branches.found_again import alike
 from lapjoint.orbits.branches.found_along import Surroundings, motion_at
 from lapjoint.orbits.branches.listing import Listed, among, listed
 from lapjoint.orbits.branches.run import Limits, Run, joined
-from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung
+from lapjoint.orbits.branches.shooting import taken_over
+from lapjoint.orbits.branches.switching import repeated_near, repeats_in_half, springs_beside, switched
 from lapjoint.orbits.branches.value_errors import AIM
 
 _LISTED = 0.3
@@ -41,15 +44,21 @@ _MARGINS = (1e-3, 1e-2, 5e-2)
 """Arc lengths before and behind a part from which on the finer solver may begin and end, in turn, until it comes from
 end to end: of 78 wider tries after that, two left less in doubt."""
 _FARTHEST = 30
-"""Most places before and behind a part at which it may begin and end."""
+"""Most places before and behind a part at which it may begin and end, and most of a branch that is all in doubt."""
 _LONGER = 2.0
 """Most by which the finer solver's curve is longer than the coarser one's."""
+_AHEAD = 0.05
+"""Arc length that it may be longer beyond where a curve is lost."""
 _POINTS = 100
 """Most points of the finer solver's curve, besides twice as many as there were."""
+_FIRST = 0.1
+"""First step from within a branch over the length of that."""
 _NEAR = 0.05
 """Largest distance of the motions of two solvers over their size."""
 _SPRINGS = "bifurcation"
 """Why a curve ends where its branch springs from another."""
+_OPEN = (_SPRINGS, "lost", "graze")
+"""Why a curve ends that a finer solver may follow to where it springs, without a motion behind that both have."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,24 @@ class Resolved:
     """Its bifurcations, in sequence."""
     families: list[Family]
     """The period maps of each place."""
+    ends: tuple[str, str]
+    """Why it ends at its first place, and at its last."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a curve as a finer solver has it."""
+
+    first: int
+    """Index of the first place that it takes the place of."""
+    last: int
+    """Index of the last one."""
+    found: Resolved
+    """The part."""
+
+    def covers(self, one: Listed) -> bool:
+        """Whether a bifurcation of the curve lies in it; one that is at the first place of the curve does."""
+        return (self.first < one.index or self.first == 0) and one.index <= self.last
 
 
 def unrefined(family: Family, run: Run) -> Resolved:
@@ -79,7 +106,7 @@ def unrefined(family: Family, run: Run) -> Resolved:
     Resolved
         The curve.
     """
-    return Resolved(run.places, listed(family, run, errors=False), [family] * len(run.places))
+    return _as_followed(family, run, errors=False)
 
 
 def resolved(
@@ -108,19 +135,25 @@ def resolved(
     return replace(found, bifurcations=[asked_again(among(one, own)) if one.doubtful else one for one in own])
 
 
+def _as_followed(family: Family, run: Run, *, errors: bool) -> Resolved:
+    """A curve as it was followed."""
+    places = run.places
+    return Resolved(places, listed(family, run, errors), [family] * len(places), (run.begin, run.end))
+
+
 def _resolved(family: Family, run: Run, levels: int, progress: Callable[[float], None] | None = None) -> Resolved:
     """`resolved`, before what is left in doubt is asked for again."""
-    own, last = listed(family, run, errors=True), len(run.places)
-    now, parts = Resolved(run.places, own, [family] * last), list(_parts(own)) if levels else []
+    now = _as_followed(family, run, errors=True)
+    if not levels:
+        return now
+    search, taken = _Search(family, run, now.bifurcations, levels), list[Part]()
+    parts = list(_parts(now.bifurcations))
     for done, part in enumerate(reversed(parts)):  # the indices of those before stay as they are
         if progress is not None:
             progress(_LISTED + (1 - _LISTED) * done / len(parts))
-        try:
-            finer = _followed(family, run, own, part, last, levels)
-        except SolverError:
-            continue
-        if finer is not None:
-            now, last = _put_in(now, *finer), finer[0]
+        taken = search.taken_with(part, taken)
+    for one in taken:
+        now = _put_in(now, one)
     return now
 
 
@@ -158,73 +191,170 @@ def _parts(bifurcations: list[Listed]) -> Iterator[tuple[int, int]]:
             yield indices[first], indices[last - 1]
 
 
-def _followed(
-    family: Family, run: Run, bifurcations: list[Listed], part: tuple[int, int], before_index: int, levels: int
-) -> tuple[int, int, Resolved] | None:
-    """A part as the finer solver has it, with the indices of the first and the last place that it takes the place of.
+@dataclass(frozen=True)
+class _Search:
+    """The search for what finer solvers have for parts of a curve."""
 
-    All that has an index of `before_index` or more is of another part.
+    family: Family
+    """The period maps by which it was followed."""
+    run: Run
+    """The curve."""
+    bifurcations: list[Listed]
+    """Its bifurcations."""
+    levels: int
+    """Most finer solvers."""
 
-    None if the finer solver does not come from the motion before to the one behind, or leaves more in doubt.
-    """
-    first, last = part
-    known = family.finer(run.places[first].value)
-    if known is None or last >= before_index:
+    @cached_property
+    def selves(self) -> list[Family]:
+        """The finer solvers, each finer than the one before."""
+        found = list[Family]()
+        while len(found) < self.levels:
+            known = (found[-1] if found else self.family).finer(self.run.places[0].value)
+            if known is None:
+                break
+            found.append(known[1])
+        return found
+
+    def taken_with(self, part: tuple[int, int], taken: list[Part]) -> list[Part]:
+        """What has been taken, the last part first, with what a finer solver has for the part before it, if that does.
+
+        Where the part behind it is in the way, it has both as one.
+        """
+        for level in range(1, len(self.selves) + 1):
+            alone = self._followed(part, level, taken)
+            if alone is not None and _doubt(alone.found.bifurcations) < _doubt(self._between(alone)):
+                return [*taken, alone]
+            if not taken:
+                continue
+            behind = taken[-1]
+            both = self._followed((part[0], behind.last - 1), level, taken[:-1])
+            if both is not None and _doubt(both.found.bifurcations) < _doubt(self._between(both, behind)):
+                return [*taken[:-1], both]
+        return taken
+
+    def _between(self, part: Part, known: Part | None = None) -> list[Listed]:
+        """The bifurcations in whose place those of a part come, of which a piece may be known by a finer solver."""
+        own = [one for one in self.bifurcations if part.covers(one)]
+        if known is None:
+            return own
+        return [one for one in own if not known.covers(one)] + known.found.bifurcations
+
+    def _followed(self, part: tuple[int, int], level: int, taken: list[Part]) -> Part | None:
+        """A part as a finer solver has it; None if that does not come from the motion before to the one behind.
+
+        All that is at the first place of what has been taken, or behind it, is of another part.
+        """
+        finer, limit = self.selves[level - 1], taken[-1].first if taken else len(self.run.places)
+        if part[1] >= limit:
+            return None
+        try:
+            found = self._run(part, finer, limit)
+            return None if found is None else Part(*found[:2], _resolved(finer, found[2], self.levels - level))
+        except SolverError:
+            return None
+
+    def _run(self, part: tuple[int, int], finer: Family, limit: int) -> tuple[int, int, Run] | None:
+        """A part as a finer solver follows it, with the indices of the first and the last place that it replaces."""
+        first, last = part
+        tried = set[tuple[int | None, ...]]()
+        for margin in _MARGINS:
+            before = self._end(finer, range(first - 1, max(first - 2 - _FARTHEST, -1), -1), margin)
+            behind = self._end(finer, range(last + 1, min(last + 2 + _FARTHEST, limit)), margin)
+            ends = tuple(None if end is None else end[0] for end in (before, behind))
+            if ends in tried or (behind is None and limit < len(self.run.places)):
+                continue
+            tried.add(ends)
+            if (before is None and self.run.begin not in _OPEN) or (behind is None and self.run.end not in _OPEN):
+                continue
+            there = self._from_end_to_end(finer, before, behind)
+            if there is not None:
+                i, j = (0 if before is None else before[0]), (len(self.run.places) - 1 if behind is None else behind[0])
+                return i, j, there
         return None
-    finer, taken = known[1], {one.index for one in bifurcations}
-    tried = set[tuple[int | None, ...]]()
-    for margin in _MARGINS:
-        before = _end(family, finer, run, range(first - 1, max(first - 2 - _FARTHEST, -1), -1), margin, taken)
-        behind = _end(family, finer, run, range(last + 1, min(last + 2 + _FARTHEST, before_index)), margin, taken)
-        i, j = 0 if before is None else before[0], len(run.places) - 1 if behind is None else behind[0]
-        if (before is None and run.begin != _SPRINGS) or (behind is None and run.end != _SPRINGS):
-            continue
-        ends = tuple(None if end is None else end[0] for end in (before, behind))
-        if j >= before_index or ends in tried:
-            continue
-        tried.add(ends)
-        sprang = sprung(family, finer, run.places[0]) if before is None else None
-        if before is None and sprang is None:
-            break
-        length = sum(float(np.linalg.norm(b.chord(family, a))) for a, b in pairwise(run.places[i : j + 1]))
-        until = None if behind is None else behind[1]
-        limits = Limits(most=_POINTS + 2 * (j - i), length=_LONGER * length, until=until)
-        if before is not None:
-            there = follow(finer, before[1], limits)
-        else:
-            assert sprang is not None
-            there = follow(finer, sprang[0], replace(limits, first=sprang[1]))
-        if not _comes_to(finer, there, run.places[j], until):
-            continue
-        if sprang is not None:
-            there = joined(back_to_where_it_springs(finer, sprang[0].turned(), sprang[1]), there)
-        found = _resolved(finer, there, levels - 1)
-        own = [one for one in bifurcations if i < one.index <= j]
-        return (i, j, found) if _doubt(found.bifurcations) < _doubt(own) else None
-    return None
 
+    def _from_end_to_end(
+        self, finer: Family, before: tuple[int, Place] | None, behind: tuple[int, Place] | None
+    ) -> Run | None:
+        """The curve of a finer solver between two motions, or from one of them to where the branch springs."""
+        if before is None and behind is None:
+            return self._whole(finer)
+        if before is None:
+            assert behind is not None
+            back = self._from(finer, range(behind[0], -1, -1), behind[1].turned(), self.run.begin)
+            return None if back is None else joined(back, Run([behind[1]], [], [], ""))
+        if behind is None:
+            return self._from(finer, range(before[0], len(self.run.places)), before[1], self.run.end)
+        until, length = behind[1], self._length(range(before[0], behind[0] + 1))
+        most = _POINTS + 2 * (behind[0] - before[0])
+        there = followed(finer, before[1], Limits(most=most, length=_LONGER * length, until=until))
+        return there if there.end == "until" else None
 
-def _comes_to(finer: Family, there: Run, place: Place, until: Place | None) -> bool:
-    """Whether a finer solver's curve comes to where a part ends: to a motion, or else to where the branch springs."""
-    if until is not None:
-        return there.end == "until"
-    return there.end == _SPRINGS and float(np.linalg.norm(there.places[-1].chord(finer, place))) <= _NEAR
+    def _from(self, finer: Family, indices: range, start: Place, end: str) -> Run | None:
+        """The curve of a finer solver from a motion to where the branch springs; None if it does not lead there."""
+        length = _LONGER * self._length(indices) + (0.0 if end == _SPRINGS else _AHEAD)
+        there = follow(finer, start, Limits(most=_POINTS + 2 * len(indices), length=length))
+        if there.end != _SPRINGS:
+            return None
+        return there if self._is_near(finer, there.places[-1], self.run.places[indices[-1]]) else None
 
+    def _whole(self, finer: Family) -> Run | None:
+        """The curve of a finer solver from a motion within the branch, both ways to where that springs."""
+        places = self.run.places
+        length = self._length(range(len(places)))
+        limits = Limits(_POINTS + 2 * len(places), _LONGER * length + _AHEAD, _FIRST * length)
+        springs = [self.run.begin, self.run.end].count(_SPRINGS)
+        for start, least in chain(
+            zip(self._within(finer), repeat(min(springs + 1, 2))), zip(self._springing(finer), repeat(springs))
+        ):
+            back, ahead = follow(finer, start.turned(), limits), follow(finer, start, limits)
+            if [back.end, ahead.end].count(_SPRINGS) >= least:
+                return joined(back, ahead)
+        return None
 
-def _end(
-    family: Family, finer: Family, run: Run, indices: range, margin: float, taken: set[int]
-) -> tuple[int, Place] | None:
-    """Where a part begins or ends: the index of a place some arc length off, and the motion of the finer solver."""
-    length = 0.0
-    for i in indices:
-        place = run.places[i]
-        length += float(np.linalg.norm(place.chord(family, run.places[i - indices.step])))
-        if length < margin or not taken.isdisjoint((i, i + 1)):
-            continue
-        near = alike(finer, place)
-        if near is not None and float(np.linalg.norm(near.chord(finer, place))) <= _NEAR:
-            return i, near
-    return None
+    def _within(self, finer: Family) -> Iterator[Place]:
+        """Motions of a finer solver near a branch that is all in doubt, first those with the same contacts."""
+        others = list[Place]()
+        for place in self.run.places[:: 1 + len(self.run.places) // _FARTHEST]:
+            near = taken_over(finer, place)
+            if near is None or repeats_in_half(near) or not self._is_near(finer, near, place):
+                continue
+            near = near.going_on_from(place)
+            if near.extrema.closings == place.extrema.closings:
+                yield near
+            else:
+                others.append(near)
+        yield from others
+
+    def _springing(self, finer: Family) -> Iterator[Place]:
+        """Motions of branches of a finer solver that spring near the ends of one that is all in doubt."""
+        for place in (self.run.places[0], self.run.places[-1]):
+            mother = repeated_near(finer, place)
+            for spring in () if mother is None else springs_beside(finer, mother):
+                new = switched(finer, spring)
+                if new is not None and self._is_near(finer, new, place):
+                    yield new
+
+    @staticmethod
+    def _is_near(finer: Family, new: Place, place: Place) -> bool:
+        """Whether the motions of two solvers may be of one branch."""
+        return float(np.linalg.norm(new.chord(finer, place))) <= _NEAR
+
+    def _length(self, indices: range) -> float:
+        """Arc length of the curve through some of its places."""
+        places = [self.run.places[i] for i in indices]
+        return sum(float(np.linalg.norm(b.chord(self.family, a))) for a, b in pairwise(places))
+
+    def _end(self, finer: Family, indices: range, margin: float) -> tuple[int, Place] | None:
+        """Where a part begins or ends: the index of a place some arc length off, and the motion of the finer solver."""
+        places, taken, length = self.run.places, {one.index for one in self.bifurcations}, 0.0
+        for i in indices:
+            length += float(np.linalg.norm(places[i].chord(self.family, places[i - indices.step])))
+            if length < margin or not taken.isdisjoint((i, i + 1)):
+                continue
+            near = alike(finer, places[i])
+            if near is not None and self._is_near(finer, near, places[i]):
+                return i, near
+        return None
 
 
 def _doubt(bifurcations: list[Listed]) -> tuple[int, float]:
@@ -233,16 +363,18 @@ def _doubt(bifurcations: list[Listed]) -> tuple[int, float]:
     return sum(one.doubtful and one.bifurcation.kind != "unresolved" for one in bifurcations), wide
 
 
-def _put_in(whole: Resolved, i: int, j: int, part: Resolved) -> Resolved:
-    """A curve whose places with the indices `i` to `j` are those of another."""
-    more = len(part.places) - (j + 1 - i)
-    bifurcations = [one for one in whole.bifurcations if one.index <= i]
-    bifurcations += [_later(one, i) for one in part.bifurcations]
+def _put_in(whole: Resolved, part: Part) -> Resolved:
+    """A curve whose places from the first to the last of a part are those of that."""
+    i, j, found = part.first, part.last, part.found
+    more = len(found.places) - (j + 1 - i)
+    bifurcations = [one for one in whole.bifurcations if one.index <= i and not part.covers(one)]
+    bifurcations += [_later(one, i) for one in found.bifurcations]
     bifurcations += [_later(one, more) for one in whole.bifurcations if one.index > j]
     return Resolved(
-        whole.places[:i] + part.places + whole.places[j + 1 :],
+        whole.places[:i] + found.places + whole.places[j + 1 :],
         bifurcations,
-        whole.families[:i] + part.families + whole.families[j + 1 :],
+        whole.families[:i] + found.families + whole.families[j + 1 :],
+        (found.ends[0] if i == 0 else whole.ends[0], found.ends[1] if j == len(whole.places) - 1 else whole.ends[1]),
     )
 
 

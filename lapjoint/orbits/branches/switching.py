@@ -8,12 +8,13 @@ not repeat.  Both signs of eps give one motion, or a motion and its mirror image
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
 
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.bifurcations import crosses_minus_one, flip_of
+from lapjoint.orbits.branches.bifurcations import criteria_of, crosses_minus_one, flip_of, located
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling, settled
 from lapjoint.orbits.branches.family import Family
@@ -26,6 +27,11 @@ _LENGTHS = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-2)
 bifurcation in four is so near to a graze that only motions within 3e-4 of it are smooth."""
 _FEW, _LONGER = 50, 2.0
 """Most points of a branch back to where it springs, and the largest ratio of its length and of the way to there."""
+_BESIDE, _MOST = 5e-3, 100
+"""Arc length, and points, of a branch along which it is looked for where another springs: beside a graze two solvers
+may have that 2e-3 apart."""
+_APART = 1e-6
+"""Distance over its size by which a motion does not repeat in half the time: it is 1e-9 for one that does."""
 _STEPS = 10
 """Most steps of Newton's method."""
 
@@ -61,10 +67,32 @@ def switched(family: Family, bifurcation: Place) -> Place | None:
     return None
 
 
+def repeated_near(family: Family, near: Place) -> Place | None:
+    """The motion that repeats in half the time of one that almost does.
+
+    It is, almost, half way between that and what that is after half of its period.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    near : Place
+        The motion, by this solver or another self of it.
+
+    Returns
+    -------
+    Place, or None
+        Of half as many half periods; None if it is not found.
+    """
+    if near.missed is None:
+        return None
+    half = near.half_periods
+    middle = half.map.moved(near.point, near.missed / near.weights / 2)
+    return corrected(family, near.value, family.adopted(near.value, middle), near.count // 2)
+
+
 def sprung_from(family: Family, near: Place) -> Place | None:
     """The bifurcation near a motion from which its branch springs.
-
-    Half way between the motion and what it is after half of its period lies a motion, almost, that repeats then.
 
     Parameters
     ----------
@@ -78,11 +106,48 @@ def sprung_from(family: Family, near: Place) -> Place | None:
     Place, or None
         Of half as many half periods; None if it is not found.
     """
-    half, count = near.half_periods, near.count // 2
-    later = half.map.difference(half.marched(near.point, count), near.point)
-    middle = corrected(family, near.value, half.map.moved(near.point, later / 2), count)
+    middle = repeated_near(family, near)
     found = None if middle is None else smooth_finder(flip_of(middle))(family, middle)
     return None if found is None else found.place
+
+
+def repeats_in_half(place: Place) -> bool:
+    """Whether a motion repeats in half of its half periods.
+
+    Parameters
+    ----------
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    bool
+        Whether it does, and so is one of the branch from which its own would spring.
+    """
+    return place.missed is not None and float(np.linalg.norm(place.missed)) <= _APART
+
+
+def springs_beside(family: Family, mother: Place) -> Iterator[Place]:
+    """Bifurcations at which other branches spring from one near a motion of it.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    mother : Place
+        The motion.
+
+    Yields
+    ------
+    Place
+        The motion at each of them.
+    """
+    for side in (mother, mother.turned()):
+        for _, a, b in follow(family, side, Limits(most=_MOST, length=_BESIDE)).smooth_parts:
+            criterion = criteria_of(a)[flip_of(a)]
+            found = located(family, a, b, criterion) if criterion.count(a) != criterion.count(b) else None
+            if found is not None:
+                yield found
 
 
 def back_to_where_it_springs(family: Family, place: Place, length: float) -> Run:
@@ -104,36 +169,6 @@ def back_to_where_it_springs(family: Family, place: Place, length: float) -> Run
     """
     found = follow(family, place, Limits(most=_FEW, length=_LONGER * length, first=0.5 * length))
     return found if found.end == "bifurcation" else Run([place], [], [], "bifurcation")
-
-
-def sprung(family: Family, finer: Family, near: Place) -> tuple[Place, float] | None:
-    """A motion beside the bifurcation from which a branch springs, as a finer solver has both.
-
-    Parameters
-    ----------
-    family : Family
-        The period maps.
-    finer : Family
-        Those of the finer solver.
-    near : Place
-        A place of the branch near the bifurcation.
-
-    Returns
-    -------
-    tuple of Place and float, or None
-        The motion, with its tangent away from the bifurcation, and the arc length from there; of its section points
-        half of its period apart, it is at the one that is nearer to the place.  None if the finer solver has no such
-        bifurcation.
-    """
-    mother = sprung_from(family, near)
-    known = None if mother is None else smooth_finder(flip_of(mother))(finer, mother)
-    new = None if known is None else switched(finer, known.place)
-    if known is None or new is None:
-        return None
-    later = corrected(finer, new.value, new.half_periods.marched(new.point, known.place.count), new.count, fixed=True)
-    both = [new] if later is None else [new, later.along(later.chord(finer, known.place))]
-    nearer = min(both, key=lambda one: float(np.linalg.norm(one.chord(finer, near))))
-    return nearer, float(np.linalg.norm(new.chord(finer, known.place)))
 
 
 def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: float) -> Place | None:

@@ -18,19 +18,16 @@ from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
-from lapjoint.orbits.branches.resolving import resolved, unrefined
+from lapjoint.orbits.branches.resolving import Resolved, resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run, joined
 from lapjoint.orbits.branches.shooting import taken_over
-from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung_from, switched
+from lapjoint.orbits.branches.switching import back_to_where_it_springs, repeats_in_half, sprung_from, switched
 from lapjoint.orbits.steady_state import periodic_state
 
 _FOLLOWED = 0.4
 """Share of the work that is behind once a branch is followed, about, where errors are estimated."""
 _FARTHER, _AWAY = 30, 0.05
 """Most points, and arc length, of a branch along which a motion is looked for that a coarser solver has, too."""
-_APART = 1e-6
-"""Distance over its size by which a motion that springs from another does not repeat as soon as that: it is 1e-9 for
-one that does."""
 
 
 @dataclass(frozen=True)
@@ -109,11 +106,20 @@ def trace(
             new = switched(one.family, place)
             if new is not None:
                 seeds.append(_seed(family, one.family, place, new))
-    branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), (back.end, ahead.end))
-    runs = [ahead] if seed.away_from is not None else [back, ahead]
-    ends = [sprung_from(family, one.places[-1]) for one in runs if one.end == "bifurcation"]
-    springs = (seed.away_from, *((one.value, one.point) for one in ends if one is not None))
+    branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), found.ends)
+    springs = [
+        seed.away_from or _spring(family, run.begin, run.places[0], found, 0),
+        _spring(family, run.end, run.places[-1], found, -1),
+    ]
     return Traced(branch, tuple(seeds), tuple(found.bifurcations), tuple(one for one in springs if one is not None))
+
+
+def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) -> tuple[float, SectionPoint] | None:
+    """The bifurcation from which a branch springs at an end: the solver's own, or a finer one's if only that has it."""
+    own = family if end == found.ends[at] else found.families[at]
+    near = place if own is family else found.places[at]
+    mother = sprung_from(own, near) if found.ends[at] == "bifurcation" else None
+    return None if mother is None else (mother.value, family.adopted(mother.value, mother.point))
 
 
 def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
@@ -137,10 +143,7 @@ def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
 def _coarser(family: Family, place: Place) -> Place | None:
     """A motion of a finer solver by a coarser one; None if that has none that does not repeat sooner."""
     found = taken_over(family, place)
-    if found is None:
-        return None
-    half = found.half_periods
-    return found if half.apart(half.marched(found.point, found.count // 2), found.point) > _APART else None
+    return None if found is None or repeats_in_half(found) else found
 
 
 def _part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:
