@@ -250,7 +250,7 @@ class _Follower:
             return False  # it lies behind
         if passed(self._here, self._rates, before, None, length).grazes:
             return False
-        if found[1] is None:
+        if not found[1]:
             if self._jump_over(found[0], before):
                 return True
             if not found[0].before.close:  # from nearer, there may be a motion beyond it
@@ -334,26 +334,27 @@ class _Follower:
         self._end = "bifurcation"
         return True
 
-    def _pass(self, graze: Graze, beyond: Place | None) -> None:
+    def _pass(self, graze: Graze, beyond: tuple[Place, ...]) -> None:
         """Go across a graze, or end there."""
         if not self._family.low <= graze.value <= self._family.high:
             self._end = "boundary"
             return
         before, ends = graze.before.place.going_on_from(self._here), False
-        if beyond is None:
+        if not beyond:
             ends = leaves_at(self._family, graze.before, graze.rate)
             graze = replace(graze, kind="ends" if ends else "lost")
         graze = replace(graze, before=replace(graze.before, place=before.light()))
         self._refused = math.inf
         self._places.append(before)
-        if beyond is None and not ends and self._go_across_jump():
+        if not beyond and not ends and self._go_across_jump():
             self._resolve_at(graze)
             return
         self._grazes.append(graze)
-        if beyond is None:
+        if not beyond:
             self._end = "graze" if ends else "lost"
         else:
-            self._come_to(beyond)
+            self._places += [one.light() for one in beyond[:-1]]
+            self._come_to(beyond[-1])
             self._step, self._bend = max(self._step, _AFRESH), None
 
     def _resolve_at(self, graze: Graze) -> None:
@@ -388,10 +389,10 @@ class _Follower:
 
     def _pass_what_is_near(self) -> None:
         """Go across the graze that is so near that no step leads past it, or leave out what cannot be resolved."""
-        passed: tuple[Graze, Place | None] | None = None
+        passed: tuple[Graze, tuple[Place, ...]] | None = None
         for soon in self._near_grazes():
             there = None if soon is None else across(self._family, self._here, soon, len(self._places))
-            if there is not None and there[1] is not None:
+            if there is not None and there[1]:
                 self._pass(*there)
                 return
             passed = there or passed

@@ -32,6 +32,8 @@ NEAR = 3e-3
 farther apart, and none by 0.01."""
 SHARE_BACK = 0.1
 """Most by which the way back misses where it began, over that way: it leads there to `_LOCATED`, or elsewhere."""
+_MINUS_ONE = 1e-3
+"""Distance of a flip's multiplier from -1, at most: it changes by less than 1e5 over the arc length."""
 _SAME_MULTIPLIER = 0.05
 """Distance between the critical multipliers of two solvers up to which a bifurcation is the same one."""
 
@@ -185,6 +187,8 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
             return None
         vanishes = critical(kind, like or place)
         root = _root(family, near, vanishes)
+        if root is not None and not is_same(kind, root[0], like or place):
+            root = None
         found = _between_ends(family, near, kind) if root is None else root[0]
         if found is None or not is_same(kind, found, like or place):
             return None
@@ -246,7 +250,7 @@ def critical_multiplier(kind: Kind, at: Place) -> complex:
 
 
 def is_same(kind: Kind, found: Place, place: Place) -> bool:
-    """Whether a bifurcation is the one that another solver has at a place, and not its neighbour.
+    """Whether a bifurcation is the one that another solver has at a place, and not its neighbour, or none.
 
     Parameters
     ----------
@@ -258,10 +262,12 @@ def is_same(kind: Kind, found: Place, place: Place) -> bool:
     Returns
     -------
     bool
-        Whether they have the same contacts, and the same critical multiplier.
+        Whether they have the same contacts, and the same critical multiplier: the real part of a pair may be -1, too.
     """
     if found.extrema.closings != place.extrema.closings:
         return False
+    if kind not in ("fold", "neimark-sacker"):
+        return bool((np.abs(found.orbit.values + 1) <= _MINUS_ONE).any())
     mu, other = (critical_multiplier(kind, one) for one in (found, place))
     return abs(mu - other) <= _SAME_MULTIPLIER
 
@@ -348,7 +354,8 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
             if graze is not None and graze.place.extrema.closings[extremum.stop] in closings:
                 beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
-                best = sharper(family, graze, beyond, rate)
+                other = None if beyond is None else located_graze(family, beyond.place, beyond.extremum, rate)
+                best = sharper(family, graze, other, rate)
                 return Again(graze.place, best.value, best.left, _graze_shift(graze, duration))
         return None
 

@@ -374,8 +374,13 @@ def _put_in(whole: Resolved, part: Part) -> Resolved:
         whole.places[:i] + found.places + whole.places[j + 1 :],
         bifurcations,
         whole.families[:i] + found.families + whole.families[j + 1 :],
-        (found.ends[0] if i == 0 else whole.ends[0], found.ends[1] if j == len(whole.places) - 1 else whole.ends[1]),
+        (_end_of(found.ends[0], whole.ends[0]), _end_of(found.ends[1], whole.ends[1])),
     )
+
+
+def _end_of(part: str, whole: str) -> str:
+    """Why a curve ends of which a part is known by a finer solver, which may end within it."""
+    return whole if part in ("", "until") else part
 
 
 def _later(one: Listed, by: int) -> Listed:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from made_map import MadeMap, made_problem
+from made_map import Made, MadeMap, made_problem, of_trace
 
 from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
@@ -117,6 +117,25 @@ def test_a_fold_in_a_hairpin_that_is_shorter_than_a_first_step_is_found(seed: in
     found = smooth_finder("fold")(family, place)
     assert found is not None
     assert abs(found.place.point.coordinates[0, 0] - 1) <= 1e-8
+
+
+@pytest.mark.parametrize("away", [None, 0.004, -0.008])
+@pytest.mark.parametrize("imaginary", [0.03, 0.48])
+def test_a_pair_whose_real_part_is_minus_one_is_no_flip(imaginary: float, away: float | None) -> None:
+    """Two selves with 40 and 61 elements had one so, alike to 8e-8: others had a flip half a millionth farther."""
+
+    def blocks(p: float) -> list[np.ndarray]:
+        own = [of_trace(-2 + 0.05 * (p - 1), 1 + imaginary**2)]
+        return own if away is None else [*own, np.array([[-1 - 3 * (p - 1 - away)]])]
+
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    family = Family(Made(blocks), lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    place = corrected(family, 1.00001, family.at(1.00001).map.initial(), 2, fixed=True)
+    assert place is not None
+    found = smooth_finder("flip")(family, place)
+    assert (found is None) == (away is None)
+    if found is not None and away is not None:
+        assert found.value == pytest.approx(1 + away, abs=1e-8)
 
 
 @pytest.mark.parametrize("lacks", [True, False])

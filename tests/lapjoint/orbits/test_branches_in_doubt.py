@@ -1,0 +1,91 @@
+"""What no finer solver has from motion to motion is known from its own curve: from its end, or from within the branch.
+
+The motions are those of a file of `lapjoint branch` for the paper's joint with a quarter of its damping, at
+bifurcations that it stated without an error.  The witness is the curve of a still finer self, from its own motion.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from finer_curve import both_ways, family
+
+from lapjoint.answers.branches import Bifurcation
+from lapjoint.campaigns.branch_parts import motion_from
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.bridging import followed
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_along import motion_at
+from lapjoint.orbits.branches.resolving import Resolved, resolved
+from lapjoint.orbits.branches.restored import restored
+from lapjoint.orbits.branches.run import Limits, Run, joined
+
+MOTIONS = json.loads((Path(__file__).parent / "in_doubt.json").read_text(encoding="utf-8"))
+FOLLOWED = Limits(most=50)
+LOST_AT_ONCE = 167.70511886  # rad/s; regression: the self with 54 modes, along its curve from its own flip beside it
+AIM = 1e-5  # error over the frequency
+
+
+def branch_at(own: Family, which: str) -> tuple[Run, Resolved]:
+    """The branch about a motion, as it is followed, and with what finer solvers have."""
+    said = MOTIONS[which]
+    motion = motion_from(said["motion"])
+    one = restored(own, Bifurcation(said["kind"], motion.value, float("inf"), 0, said["stop"], motion=motion))
+    assert one is not None
+    place = motion_at(one.found)
+    run = joined(*(followed(own, start, FOLLOWED) for start in (place.turned(), place)))
+    return run, resolved(own, run)
+
+
+def stated(found: Resolved) -> list[Bifurcation]:
+    """The bifurcations of a branch; each must have an error."""
+    own = [one.bifurcation for one in found.bifurcations if one.bifurcation.kind != "unresolved"]
+    assert all(one.error <= AIM * one.value for one in own)
+    return own
+
+
+@in_one_thread
+def test_a_branch_that_a_coarse_solver_loses_goes_on_to_where_it_springs() -> None:
+    """Its graze, beyond which it finds no motion, is none of a finer one."""
+    run, found = branch_at(family(), "lost")
+    assert run.end == "lost"
+    assert found.ends[1] == "bifurcation"
+    assert len(found.places) == len(found.families)
+    last = run.grazes[-1].value
+    assert not [one for one in stated(found) if one.kind == "grazing" and abs(one.value - last) < 1e-5 * last]
+
+
+@in_one_thread
+def test_what_lies_beside_where_a_branch_springs_is_looked_for_from_there() -> None:
+    """It is lost 1e-8 of its number from there, and a motion that is carried is one of another branch."""
+    run, found = branch_at(family(), "lost_at_once")
+    assert found.ends == (run.begin, run.end)
+    (graze,) = stated(found)
+    assert abs(graze.value - run.grazes[-1].value) > graze.error
+    assert graze.value == pytest.approx(LOST_AT_ONCE, abs=graze.error)
+
+
+@in_one_thread
+def test_a_short_branch_is_followed_by_a_finer_solver_from_within() -> None:
+    run, found = branch_at(family(), "short")
+    assert found.ends == (run.begin, run.end)
+    (graze,) = [one for one in stated(found) if one.kind == "grazing"]
+    assert abs(graze.value - run.grazes[-1].value) > graze.error
+    motion = graze.motion
+    assert motion is not None
+    known = [one.value for way in both_ways(motion, Limits(most=30)) for one in way if one.kind == "grazing"]
+    assert min(abs(one - graze.value) for one in known) <= graze.error
+
+
+@in_one_thread
+def test_a_part_that_is_in_the_way_of_another_is_followed_with_it() -> None:
+    """The branch has a torus and a fold beside each of two grazes; a finer solver has the grazes alone."""
+    run, found = branch_at(family(), "beside_another_part")
+    value = MOTIONS["beside_another_part"]["motion"][0]
+    there = [one for one in stated(found) if abs(one.value - value) < 1e-5 * value]
+    assert [one.kind for one in there] == ["grazing"]
+    assert run.begin == found.ends[0]
+    known = [one.value for way in both_ways(there[0].motion, FOLLOWED) for one in way if one.kind == "grazing"]
+    assert min(abs(one - there[0].value) for one in known) <= there[0].error
