@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, pairwise, repeat
+from itertools import chain, islice, pairwise, repeat
 
 import numpy as np
 
@@ -51,6 +51,8 @@ _AHEAD = 0.05
 """Arc length that it may be longer beyond where a curve is lost."""
 _POINTS = 100
 """Most points of the finer solver's curve, besides twice as many as there were."""
+_TRIED = 2
+"""Most motions within a branch, and most beside where it springs, from which the finer solver follows it in turn."""
 _FIRST = 0.1
 """First step from within a branch over the length of that."""
 _NEAR = 0.05
@@ -218,13 +220,18 @@ class _Search:
     def taken_with(self, part: tuple[int, int], taken: list[Part]) -> list[Part]:
         """What has been taken, the last part first, with what a finer solver has for the part before it, if that does.
 
-        Where the part behind it is in the way, it has both as one.
+        Where the part behind it is in the way, it has both as one.  For a part that is only not resolved, one finer
+        solver alone is asked: much work after that makes few of these narrower.
         """
-        for level in range(1, len(self.selves) + 1):
+        unconfirmed = any(
+            one.doubtful and one.bifurcation.kind != "unresolved" and part[0] <= one.index <= part[1]
+            for one in self.bifurcations
+        )
+        for level in range(1, len(self.selves) + 1 if unconfirmed else 2):
             alone = self._followed(part, level, taken)
             if alone is not None and _doubt(alone.found.bifurcations) < _doubt(self._between(alone)):
                 return [*taken, alone]
-            if not taken:
+            if alone is not None or not taken or not unconfirmed:
                 continue
             behind = taken[-1]
             both = self._followed((part[0], behind.last - 1), level, taken[:-1])
@@ -303,10 +310,15 @@ class _Search:
         length = self._length(range(len(places)))
         limits = Limits(_POINTS + 2 * len(places), _LONGER * length + _AHEAD, _FIRST * length)
         springs = [self.run.begin, self.run.end].count(_SPRINGS)
-        for start, least in chain(
-            zip(self._within(finer), repeat(min(springs + 1, 2))), zip(self._springing(finer), repeat(springs))
-        ):
-            back, ahead = follow(finer, start.turned(), limits), follow(finer, start, limits)
+        starts = chain(
+            zip(islice(self._within(finer), _TRIED), repeat(min(springs + 1, 2))),
+            zip(islice(self._springing(finer), _TRIED), repeat(springs)),
+        )
+        for start, least in starts:
+            ahead = follow(finer, start, limits)
+            if ahead.end != _SPRINGS and least == 2:
+                continue
+            back = follow(finer, start.turned(), limits)
             if [back.end, ahead.end].count(_SPRINGS) >= least:
                 return joined(back, ahead)
         return None
