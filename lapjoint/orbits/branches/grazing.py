@@ -13,6 +13,7 @@ again where q = 1/2; every solver leaves about the same, so that no refinement s
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -304,7 +305,8 @@ def across(
         return None
     came, goes = before.tangent[-1], after.tangent[-1]
     kind = "persists" if came * goes > 0 else "folds"
-    return named(kind), (*_nearer(family, before, beyond, other, soon.rate), after)
+    places = (*_nearer(family, before, beyond, other, soon.rate), after)
+    return replace(named(kind), seen=other is not None and len(places) > 1), places
 
 
 def _nearer(

@@ -125,6 +125,8 @@ def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
     """Those at grazes, those that are not resolved, and those on smooth parts."""
     for graze in run.grazes:
         yield _named(family, run, graze, (graze.index - 1, graze.index + 1), errors)
+        if not graze.seen:
+            yield from _just_beyond(family, run, graze)
     for jump in run.jumps:
         yield Listed(family, _unresolved(jump, jump.index))
     for index, one in _smooth(family, run):
@@ -132,6 +134,14 @@ def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
             yield Listed(family, _unresolved(one, index))
         else:
             yield _named(family, run, one, (index - 1, index), errors)
+
+
+def _just_beyond(family: Family, run: Run, graze: Graze) -> Iterator[Listed]:
+    """The part between a graze and the next place beyond it, on whichever side of the curve that is."""
+    places = run.places
+    for i in (graze.index, graze.index + 1):  # the second place of either part
+        if 0 < i < len(places) and places[i - 1].extrema.closings != places[i].extrema.closings:
+            yield Listed(family, _unresolved(NotLocated(places[i - 1].value, places[i].value), i))
 
 
 def _smooth(family: Family, run: Run) -> Iterator[tuple[int, Located | NotLocated]]:

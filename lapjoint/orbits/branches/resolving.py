@@ -132,7 +132,11 @@ def resolved(
     Resolved
         The curve.
     """
-    found = _resolved(family, run, levels, progress)
+    return _all_asked_again(_resolved(family, run, levels, progress))
+
+
+def _all_asked_again(found: Resolved) -> Resolved:
+    """The same after what is in doubt has been asked for again."""
     own = found.bifurcations
     return replace(found, bifurcations=[asked_again(among(one, own)) if one.doubtful else one for one in own])
 
@@ -229,14 +233,16 @@ class _Search:
         )
         for level in range(1, len(self.selves) + 1 if unconfirmed else 2):
             alone = self._followed(part, level, taken)
-            if alone is not None and _doubt(alone.found.bifurcations) < _doubt(self._between(alone)):
-                return [*taken, alone]
+            better = None if alone is None else _with_less_than(_doubt(self._between(alone)), alone)
+            if better is not None:
+                return [*taken, better]
             if alone is not None or not taken or not unconfirmed:
                 continue
             behind = taken[-1]
             both = self._followed((part[0], behind.last - 1), level, taken[:-1])
-            if both is not None and _doubt(both.found.bifurcations) < _doubt(self._between(both, behind)):
-                return [*taken[:-1], both]
+            better = None if both is None else _with_less_than(_doubt(self._between(both, behind)), both)
+            if better is not None:
+                return [*taken[:-1], better]
         return taken
 
     def _between(self, part: Part, known: Part | None = None) -> list[Listed]:
@@ -367,6 +373,14 @@ class _Search:
             if near is not None and self._is_near(finer, near, places[i]):
                 return i, near
         return None
+
+
+def _with_less_than(doubt: tuple[int, float], part: Part) -> Part | None:
+    """A part of which less is in doubt, be it after that has been asked for again; None if not."""
+    if _doubt(part.found.bifurcations) < doubt:
+        return part
+    asked = replace(part, found=_all_asked_again(part.found))
+    return asked if _doubt(asked.found.bifurcations) < doubt else None
 
 
 def _doubt(bifurcations: list[Listed]) -> tuple[int, float]:

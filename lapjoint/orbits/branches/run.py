@@ -48,6 +48,8 @@ class Graze:
     """Number of places of the run before it."""
     left: float = 0.0
     """What the distance of the nearest motion may leave of `value`, in the same unit."""
+    seen: bool = True
+    """Whether the curve beyond is known from just beyond on; else what lies there is not."""
 
 
 @dataclass(frozen=True)
