@@ -11,7 +11,7 @@ from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, si
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, sharper
+from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, nearer_to_graze, sharper
 from lapjoint.orbits.branches.shooting import taken_over
 
 _REACHES = (1e-4, 1e-2)
@@ -360,6 +360,39 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
         return None
 
     return find
+
+
+def hides_something(family: Family, before: OnExtremum, rate: float, after: Place) -> bool:
+    """Whether a finer solver sees bifurcations between a graze and where the curve goes on beyond it.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of the finer solver.
+    before : OnExtremum
+        The motion just before the graze.
+    rate : float
+        Change of the extremum's value with the arc length before it, m.
+    after : Place
+        Where the curve goes on, by the solver that does not see what lies between.
+
+    Returns
+    -------
+    bool
+        Whether multipliers are not on the same sides of the unit circle just beyond, farther, and where it goes on.
+    """
+    near = taken_over(family, before.place)
+    mine = None if near is None else near.matching(before.extremum, before.place.extrema.duration)
+    graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
+    if graze is None:
+        return False
+    if graze.place.extrema.closings == after.extrema.closings:  # this solver has it on the other side of its graze
+        return signature(graze.place) != signature(after)
+    beyond = beyond_graze(family, graze, rate)
+    if beyond is None or beyond.place.extrema.closings != after.extrema.closings:
+        return False
+    nearer, seen = nearer_to_graze(family, graze.place, beyond, rate)
+    return seen and len({signature(one) for one in (*nearer, beyond.place, after)}) > 1
 
 
 def _graze_shift(graze: OnExtremum, duration: float) -> Shift:

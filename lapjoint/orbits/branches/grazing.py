@@ -12,9 +12,7 @@ again where q = 1/2; every solver leaves about the same, so that no refinement s
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -41,9 +39,11 @@ _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
 _BEYOND_ROOT = (3e-5, 1e-5, 3e-6, 1e-4, 3e-4, 1e-3, 1e-6, 1e-7)
 """The same where the map changes as a root: other grazes may lie beside this one, or the curve go far away at once."""
-_NEARER = (0.03, 0.1, 0.3)
-"""Shares of such a distance at which it is looked for again: of 60 grazes, one in seven had a bifurcation between that
-distance and the graze."""
+_NEARLY = 3.0
+"""Most by which a motion may be farther from a graze than is aimed at, and be just beyond it."""
+_SHARE, _SHARES = 0.3, 8
+"""Share of such a distance by which a graze is come nearer to from beyond, and most such steps: of 60 grazes, one in
+seven had a bifurcation between where the curve goes on and the graze."""
 _NEAREST = 0.1
 """The same from just beyond, where the map may change as a root: one of 40 had a bifurcation there, none nearer."""
 _SLOW = 1e-3
@@ -305,35 +305,60 @@ def across(
         return None
     came, goes = before.tangent[-1], after.tangent[-1]
     kind = "persists" if came * goes > 0 else "folds"
-    places = (*_nearer(family, before, beyond, other, soon.rate), after)
-    return replace(named(kind), seen=other is not None and len(places) > 1), places
+    nearer, seen = _nearer(family, before, beyond, other, soon.rate)
+    return replace(named(kind), seen=seen), (*nearer, after)
+
+
+def nearer_to_graze(family: Family, before: Place, beyond: OnExtremum, rate: float) -> tuple[list[Place], bool]:
+    """Motions nearer to a graze than one beyond it, and whether they lead to it.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    before : Place
+        The motion just before the graze.
+    beyond : OnExtremum
+        The one beyond it.
+    rate : float
+        Change of the extremum's value with the arc length before it, m.
+
+    Returns
+    -------
+    tuple of list of Place and bool
+        The nearest first.
+    """
+    return _nearer(family, before, beyond, located_graze(family, beyond.place, beyond.extremum, rate), rate)
 
 
 def _nearer(
     family: Family, before: Place, beyond: OnExtremum, other: OnExtremum | None, rate: float
-) -> Iterator[Place]:
-    """Motions nearer to a graze than one beyond it, the nearest first; one just beyond it may be known."""
-    if other is None:
-        known = next((one for share in _NEARER if (one := _at_share(family, beyond, share, rate)) is not None), None)
-        nearest = None
-    else:
-        known, nearest = other, _at_share(family, other, _NEAREST, rate) if other.touched else None
-    sequence = [one.place for one in (nearest, known, beyond) if one is not None]
-    for here, behind in pairwise(sequence):
-        if _lies_between(family, before, here, behind):
-            yield here.going_on_from(before)
+) -> tuple[list[Place], bool]:
+    """Motions nearer to a graze than one beyond it, the nearest first, and whether they lead to it.
+
+    One just beyond it may be known; else it is come to step by step, as far as extrema do not jump.
+    """
+    known, behind = other, beyond
+    for _ in range(_SHARES if other is None else 0):
+        there = _at_share(family, behind, _SHARE, rate)
+        if there is None or not abs(there.extremum.value) < abs(behind.extremum.value):
+            break
+        known = behind = there
+        if abs(there.extremum.value) <= _CLOSE * abs(rate):
+            break
+    nearest = _at_share(family, known, _NEAREST, rate) if known is not None and known.touched else None
+    sequence = [one for one in (nearest, known, beyond) if one is not None]
+    ways = [float(np.linalg.norm(one.place.chord(family, before))) for one in sequence]
+    there_too = [one for one, way, farther in zip(sequence[:-1], ways[:-1], ways[1:], strict=True) if way < farther]
+    last = (there_too or [beyond])[0]
+    seen = abs(last.extremum.value) <= _NEARLY * _CLOSE * abs(rate) or min(ways) <= AT_GRAZE
+    return [one.place.going_on_from(before) for one in there_too], seen
 
 
 def _at_share(family: Family, beyond: OnExtremum, share: float, rate: float) -> OnExtremum | None:
     """The motion beyond a graze at a share of the distance, with the same contacts."""
     found = on_extremum(family, beyond.place, beyond.extremum, share * beyond.extremum.value, abs(rate))
     return found if found is not None and found.place.extrema.closings == beyond.place.extrema.closings else None
-
-
-def _lies_between(family: Family, before: Place, between: Place, after: Place) -> bool:
-    """Whether a motion just beyond a graze is nearer to the one before that than to the one behind."""
-    to_before, to_after = (float(np.linalg.norm(one.chord(family, between))) for one in (before, after))
-    return to_before < to_after
 
 
 def _vanishes_sooner(family: Family, place: Place, than: Coming) -> Coming | None:

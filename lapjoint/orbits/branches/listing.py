@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 
 from lapjoint.answers.branches import Bifurcation, BifurcationKind, MotionThere
+from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.bifurcations import Located, NotLocated, between
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import hides_something
 from lapjoint.orbits.branches.found_along import About, Way, directly, motion_at
 from lapjoint.orbits.branches.run import Graze, Jump, Run
 from lapjoint.orbits.branches.value_errors import Stated, stated
@@ -125,7 +128,7 @@ def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
     """Those at grazes, those that are not resolved, and those on smooth parts."""
     for graze in run.grazes:
         yield _named(family, run, graze, (graze.index - 1, graze.index + 1), errors)
-        if not graze.seen:
+        if errors and not graze.seen:
             yield from _just_beyond(family, run, graze)
     for jump in run.jumps:
         yield Listed(family, _unresolved(jump, jump.index))
@@ -137,11 +140,15 @@ def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
 
 
 def _just_beyond(family: Family, run: Run, graze: Graze) -> Iterator[Listed]:
-    """The part between a graze and the next place beyond it, on whichever side of the curve that is."""
-    places = run.places
+    """The part between a graze and the next place beyond it, on whichever side, if a finer solver sees more there."""
+    places, known = run.places, family.finer(graze.value)
     for i in (graze.index, graze.index + 1):  # the second place of either part
-        if 0 < i < len(places) and places[i - 1].extrema.closings != places[i].extrema.closings:
-            yield Listed(family, _unresolved(NotLocated(places[i - 1].value, places[i].value), i))
+        if known is None or not 0 < i < len(places) or places[i - 1].extrema.closings == places[i].extrema.closings:
+            continue
+        after = places[i] if i > graze.index else places[i - 1]
+        with suppress(SolverError, InputError):
+            if hides_something(known[1], graze.before, graze.rate, after):
+                yield Listed(family, _unresolved(NotLocated(places[i - 1].value, places[i].value), i))
 
 
 def _smooth(family: Family, run: Run) -> Iterator[tuple[int, Located | NotLocated]]:
