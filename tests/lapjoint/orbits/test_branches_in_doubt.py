@@ -16,8 +16,10 @@ from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bridging import followed
+from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import motion_at
+from lapjoint.orbits.branches.listing import listed
 from lapjoint.orbits.branches.resolving import Resolved, resolved
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Limits, Run, joined
@@ -89,3 +91,19 @@ def test_a_part_that_is_in_the_way_of_another_is_followed_with_it() -> None:
     assert run.begin == found.ends[0]
     known = [one.value for way in both_ways(there[0].motion, FOLLOWED) for one in way if one.kind == "grazing"]
     assert min(abs(one - there[0].value) for one in known) <= there[0].error
+
+
+@in_one_thread
+def test_what_a_coarse_solver_steps_over_just_beyond_a_graze_is_there() -> None:
+    """Its map jumps so that it has no motion nearer to the graze; a finer one has a fold and a flip there."""
+    own, motion = family(), motion_from(MOTIONS["before_a_graze_that_hides_two"]["motion"])
+    start = corrected(own, motion.value, own.adopted(motion.value, motion.point), motion.half_periods)
+    assert start is not None
+    run = joined(*(followed(own, place, Limits(most=30, length=0.05)) for place in (start.turned(), start)))
+    assert [one.bifurcation.kind for one in listed(own, run, errors=False)] == ["grazing"]
+    found = stated(resolved(own, run))
+    known = [one for way in both_ways(motion, Limits(most=30, length=0.05)) for one in way]
+    assert sorted(one.kind for one in found) == ["flip", "fold", "grazing"] == sorted(one.kind for one in known)
+    for kind in ("flip", "fold", "grazing"):
+        (value,), (true,) = ([one for one in some if one.kind == kind] for some in (found, known))
+        assert abs(value.value - true.value) <= value.error
