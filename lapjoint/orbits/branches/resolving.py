@@ -45,6 +45,9 @@ _MARGINS = (1e-3, 1e-2, 5e-2)
 end to end: of 78 wider tries after that, two left less in doubt."""
 _FARTHEST = 30
 """Most places before and behind a part at which it may begin and end, and most of a branch that is all in doubt."""
+_FAR_OFF = 60
+"""Most places from a part to an end of the branch to which a finer solver follows it, where both have no motion between:
+of the ways that led there, none was longer than 48."""
 _LONGER = 2.0
 """Most by which the finer solver's curve is longer than the coarser one's."""
 _AHEAD = 0.05
@@ -277,6 +280,8 @@ class _Search:
             if ends in tried or (behind is None and limit < len(self.run.places)):
                 continue
             tried.add(ends)
+            if (before is None and first > _FAR_OFF) or (behind is None and len(self.run.places) - last > _FAR_OFF):
+                continue
             if (before is None and self.run.begin not in _OPEN) or (behind is None and self.run.end not in _OPEN):
                 continue
             there = self._from_end_to_end(finer, before, behind)
