@@ -46,7 +46,7 @@ end to end: of 78 wider tries after that, two left less in doubt."""
 _FARTHEST = 30
 """Most places before and behind a part at which it may begin and end, and most of a branch that is all in doubt."""
 _FAR_OFF = 60
-"""Most places from a part to an end of the branch to which a finer solver follows it, where both have no motion between:
+"""Most places from a part to an end of the branch to which a finer solver follows it, if both have no motion between:
 of the ways that led there, none was longer than 48."""
 _LONGER = 2.0
 """Most by which the finer solver's curve is longer than the coarser one's."""
