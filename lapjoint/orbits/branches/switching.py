@@ -30,6 +30,9 @@ _FEW, _LONGER = 50, 2.0
 _BESIDE, _MOST = 5e-3, 100
 """Arc length, and points, of a branch along which it is looked for where another springs: beside a graze two solvers
 may have that 2e-3 apart."""
+_NEARLY = 0.02
+"""Most by which a motion may miss to repeat in half the time, over its size, where one that does is looked for near it:
+solvers are some 3e-3 apart."""
 _APART = 1e-6
 """Distance over its size by which a motion does not repeat in half the time: it is 1e-9 for one that does."""
 _STEPS = 10
@@ -84,7 +87,7 @@ def repeated_near(family: Family, near: Place) -> Place | None:
     Place, or None
         Of half as many half periods; None if it is not found.
     """
-    if near.missed is None:
+    if near.missed is None or float(np.linalg.norm(near.missed)) > _NEARLY:
         return None
     half = near.half_periods
     middle = half.map.moved(near.point, near.missed / near.weights / 2)
