@@ -22,7 +22,7 @@ from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import motion_at
 from lapjoint.orbits.branches.restored import restored
-from lapjoint.orbits.branches.springing import springing
+from lapjoint.orbits.branches.springing import spring_of, springing
 from lapjoint.orbits.branches.switching import repeats_in_half
 
 SAID = json.loads((Path(__file__).parent / "beside_its_mother.json").read_text(encoding="utf-8"))
@@ -38,7 +38,7 @@ def test_a_graze_beside_where_the_branch_springs_is_found_by_finite_elements() -
     assert one is not None
     place = motion_at(one.found)
     other = Family(fe_lapjoint.Solver(), own.problem_at, FREQUENCY, LOW, HIGH)
-    (there,) = springing(one.family, place, other)
+    (there,) = springing(one.family, place, spring_of(one.family, place), other)
     assert not repeats_in_half(there.new)
     from_there = float(np.linalg.norm(there.its.chord(other, there.expected(place))))
     carried = float(np.linalg.norm(there.its.chord(other, there._spring)))

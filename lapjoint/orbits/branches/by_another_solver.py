@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from lapjoint.orbits.branches.found_beside import Beside
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
-from lapjoint.orbits.branches.springing import Springing, springing
+from lapjoint.orbits.branches.springing import Springing, spring_of, springing
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 
@@ -244,11 +244,16 @@ class _Search:
         found = along(self.one.found, CarriedWay(self.one.way, own, family))(family, here.seen_by(family))
         if found is not None and self._is_nearest(i, found):
             return found
-        for spring in springing(own, self.motion, family):
+        for spring in springing(own, self.motion, self._spring, family):
             found = along(self.one.found, spring)(family, spring.expected(self.motion))
             if found is not None and self._is_nearest(i, found, spring):
                 return found
         return None
+
+    @cached_property
+    def _spring(self) -> tuple[Place, ...]:
+        """Where the branch springs, by the first solver."""
+        return spring_of(self.one.family, self.motion)
 
     def _beside(self) -> Stated | None:
         """Beside a graze: by a self and the next finer one that agree, each from the graze as it has that."""

@@ -92,7 +92,18 @@ class Part:
     """The part."""
 
     def covers(self, one: Listed) -> bool:
-        """Whether a bifurcation of the curve lies in it; one that is at the first place of the curve does."""
+        """Whether a bifurcation of the curve lies in it; one that is at the first place of the curve does.
+
+        Parameters
+        ----------
+        one : Listed
+            The bifurcation.
+
+        Returns
+        -------
+        bool
+            Whether it does.
+        """
         return (self.first < one.index or self.first == 0) and one.index <= self.last
 
 
@@ -234,7 +245,8 @@ class _Search:
             one.doubtful and one.bifurcation.kind != "unresolved" and part[0] <= one.index <= part[1]
             for one in self.bifurcations
         )
-        for level in range(1, len(self.selves) + 1 if unconfirmed else 2):
+        levels = self.selves if unconfirmed else self.selves[:1]
+        for level in range(1, len(levels) + 1):
             alone = self._followed(part, level, taken)
             better = None if alone is None else _with_less_than(_doubt(self._between(alone)), alone)
             if better is not None:

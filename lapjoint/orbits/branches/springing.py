@@ -77,8 +77,30 @@ class Springing:
             yield iter((Approach(one, max(length, _FROM)),))
 
 
-def springing(own: Family, motion: Place, family: Family) -> Iterator[Springing]:
-    """Where the branch of a motion springs from another that is near, by two solvers.
+def spring_of(own: Family, motion: Place) -> tuple[Place, ...]:
+    """Where a motion's branch springs from another that is near, by one solver.
+
+    Parameters
+    ----------
+    own : Family
+        The period maps of the solver.
+    motion : Place
+        The motion.
+
+    Returns
+    -------
+    tuple of Place
+        The motion of the other branch that is nearest, and the bifurcation; empty if there is none.
+    """
+    mother = repeated_near(own, motion)
+    known = [] if mother is None else list(springs_beside(own, mother))
+    if mother is None or not known:
+        return ()
+    return mother, min(known, key=lambda one: float(np.linalg.norm(motion.chord(own, one))))
+
+
+def springing(own: Family, motion: Place, spring: tuple[Place, ...], family: Family) -> Iterator[Springing]:
+    """The same by two solvers.
 
     Parameters
     ----------
@@ -86,6 +108,8 @@ def springing(own: Family, motion: Place, family: Family) -> Iterator[Springing]
         The period maps of the solver that has the branch.
     motion : Place
         The motion.
+    spring : tuple of Place
+        As `spring_of` gives it.
     family : Family
         The period maps of the other solver.
 
@@ -94,14 +118,9 @@ def springing(own: Family, motion: Place, family: Family) -> Iterator[Springing]
     Springing
         For each bifurcation that the other solver has near the motion.
     """
-    mother = repeated_near(own, motion)
-    known = [] if mother is None else list(springs_beside(own, mother))
-    if mother is None or not known:
-        return
-    spring = min(known, key=lambda one: float(np.linalg.norm(motion.chord(own, one))))
-    carried = (Carrier(own, one).carried(family) for one in (mother, spring))
+    carried = (Carrier(own, one).carried(family) for one in spring)
     near = next((one for one in carried if one is not None), None)
     for its in () if near is None else springs_beside(family, near):
         new = switched(family, its)
         if new is not None:
-            yield Springing(own, spring, family, its, new, motion)
+            yield Springing(own, spring[-1], family, its, new, motion)

@@ -27,12 +27,12 @@ _LENGTHS = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-2)
 bifurcation in four is so near to a graze that only motions within 3e-4 of it are smooth."""
 _FEW, _LONGER = 50, 2.0
 """Most points of a branch back to where it springs, and the largest ratio of its length and of the way to there."""
-_BESIDE, _MOST = 5e-3, 100
+_BESIDE, _MOST = 5e-3, 40
 """Arc length, and points, of a branch along which it is looked for where another springs: beside a graze two solvers
 may have that 2e-3 apart."""
-_NEARLY = 0.02
+_NEARLY = 3e-3
 """Most by which a motion may miss to repeat in half the time, over its size, where one that does is looked for near it:
-solvers are some 3e-3 apart."""
+solvers are about as far apart."""
 _APART = 1e-6
 """Distance over its size by which a motion does not repeat in half the time: it is 1e-9 for one that does."""
 _STEPS = 10

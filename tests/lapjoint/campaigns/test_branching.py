@@ -21,6 +21,7 @@ from lapjoint.errors import Interrupted
 AMPLITUDE = "base_motion.amplitude"
 LOW, HIGH = 3e-4, 4e-4
 OPTIONS = {"n_modes": 3}
+FELT = 1e-6  # N: just beyond a graze a contact is so light that its impulse is below rounding
 DOUBLING: dict[str, Any] = {"options": {"n_modes": 2}, "errors": False, "max_period_multiple": 2}
 
 
@@ -61,7 +62,9 @@ def test_contacts_begin_at_the_graze(found: xr.Dataset) -> None:
     after = int(found.bifurcation_point[0]) + 1  # the motion just before the graze is a point of the branch
     assert (found.contact_count.values[:after] == 0).all()
     assert (found.contact_count.values[after:] > 0).all()
-    assert (found.impulse.values[after:] > 0).all()
+    force = found.peak_force.values[after:]
+    assert (force > 0).all()
+    assert (found.impulse.values[after:][force > FELT] > 0).all()
 
 
 def test_each_point_closes_and_has_its_certificate(found: xr.Dataset) -> None:
