@@ -39,6 +39,8 @@ _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
 _BEYOND_ROOT = (3e-5, 1e-5, 3e-6, 1e-4, 3e-4, 1e-3, 1e-6, 1e-7)
 """The same where the map changes as a root: other grazes may lie beside this one, or the curve go far away at once."""
+_ROOT = 40.0
+"""Twice the root of the ratio of the distances, 3e-5 and 1e-7, where the curve goes on and to where it is looked at."""
 _NEARLY = 3.0
 """Most by which a motion may be farther from a graze than is aimed at, and be just beyond it."""
 _SHARE, _SHARES = 0.3, 8
@@ -292,7 +294,9 @@ def across(
     there = None if first is None else across(family, before, first, index, sooner=False)
     if there is not None and there[1]:
         return there
-    other = None if beyond is None else located_graze(family, beyond.place, beyond.extremum, soon.rate)
+    inside = beyond is not None and _stays_inside(before, beyond.place)
+    known = beyond is None or (inside and graze.left == 0.0)
+    other = None if known or beyond is None else located_graze(family, beyond.place, beyond.extremum, soon.rate)
     best = sharper(family, graze, other, soon.rate)
 
     def named(kind: str) -> Graze:
@@ -305,8 +309,20 @@ def across(
         return None
     came, goes = before.tangent[-1], after.tangent[-1]
     kind = "persists" if came * goes > 0 else "folds"
+    if inside:
+        return named(kind), (after,)
     nearer, seen = _nearer(family, before, beyond, other, soon.rate)
     return replace(named(kind), seen=seen), (*nearer, after)
+
+
+def _stays_inside(before: Place, after: Place) -> bool:
+    """Whether multipliers are so far inside the circle on both sides of a graze that none passes it between.
+
+    Where they change as the inverse root of the distance from the graze, the change is larger just beyond, by the root
+    of the ratio of both distances.
+    """
+    a, b = (np.sort(np.abs(one.orbit.values)) for one in (before, after))
+    return a.size == b.size and float(a[-1] + _ROOT * np.abs(a - b).max()) < 1
 
 
 def nearer_to_graze(family: Family, before: Place, beyond: OnExtremum, rate: float) -> tuple[list[Place], bool]:
