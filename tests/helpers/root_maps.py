@@ -17,8 +17,10 @@ from lapjoint import BaseMotion, Problem, Stop
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits import Passage
-from lapjoint.orbits.branches.corrector import Place
+from lapjoint.orbits.branches.continuation import follow
+from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.period_map import Derivative, Linearised
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
@@ -118,6 +120,15 @@ def made(seed: int, leaps: bool = False) -> tuple[Family, Roots]:
     problem = made_problem(LOW).replace(stops=(Stop(x=0.5, side="top", gap=1.0, stiffness=1.0),))
     grid = Grid(problem, (Axis(AMPLITUDE, (LOW, HIGH)),))
     return Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH), solver
+
+
+def past_the_graze(family: Family, solver: Roots) -> Run:
+    """The branch from a motion without contact on, past the graze at the amplitude 1."""
+    p = 0.1 * np.sign(solver.quadratic[0])
+    guess = SectionPoint(FREE, 1 - p * np.linalg.solve(solver.A, solver.b)[None])
+    start = corrected(family, 1 + p, guess, 2, fixed=True)
+    assert start is not None
+    return follow(family, start.along(np.append(np.zeros(solver.g.size), -p)), Limits(1000))
 
 
 def touched(place: Place, solver: Roots) -> float:

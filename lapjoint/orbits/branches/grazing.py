@@ -39,8 +39,9 @@ _BEYOND = (3e-5, 3e-6, 1e-4, 1e-3)
 """Distances beyond a graze, as such arc lengths, at which the curve is looked for."""
 _BEYOND_ROOT = (3e-5, 1e-5, 3e-6, 1e-4, 3e-4, 1e-3, 1e-6, 1e-7)
 """The same where the map changes as a root: other grazes may lie beside this one, or the curve go far away at once."""
-_ROOT = 40.0
-"""Twice the root of the ratio of the distances, 3e-5 and 1e-7, where the curve goes on and to where it is looked at."""
+_SURELY, _LOOKS = 2.0, 5
+"""How much farther than to the nearest motion the derivative is taken on, and at how many shares of that, to tell that
+no multiplier passes the unit circle there."""
 _NEARLY = 3.0
 """Most by which a motion may be farther from a graze than is aimed at, and be just beyond it."""
 _SHARE, _SHARES = 0.3, 8
@@ -294,7 +295,7 @@ def across(
     there = None if first is None else across(family, before, first, index, sooner=False)
     if there is not None and there[1]:
         return there
-    inside = beyond is not None and _stays_inside(before, beyond.place)
+    inside = beyond is not None and _stays_inside(before, beyond, soon.rate)
     known = beyond is None or (inside and graze.left == 0.0)
     other = None if known or beyond is None else located_graze(family, beyond.place, beyond.extremum, soon.rate)
     best = sharper(family, graze, other, soon.rate)
@@ -315,14 +316,17 @@ def across(
     return replace(named(kind), seen=seen), (*nearer, after)
 
 
-def _stays_inside(before: Place, after: Place) -> bool:
-    """Whether multipliers are so far inside the circle on both sides of a graze that none passes it between.
+def _stays_inside(before: Place, beyond: OnExtremum, rate: float) -> bool:
+    """Whether no multiplier passes the circle between a graze and a motion beyond it, if they change as its root.
 
-    Where they change as the inverse root of the distance from the graze, the change is larger just beyond, by the root
-    of the ratio of both distances.
+    The map's derivative differs from that before the graze by as much more as the root of the distance is smaller.
     """
-    a, b = (np.sort(np.abs(one.orbit.values)) for one in (before, after))
-    return a.size == b.size and float(a[-1] + _ROOT * np.abs(a - b).max()) < 1
+    first, last = (one.orbit.last.matrix for one in (before, beyond.place))
+    if first.shape != last.shape:
+        return False
+    most = _SURELY * np.sqrt(max(abs(beyond.extremum.value) / (_NEAREST * _CLOSE * abs(rate)), 1.0))
+    shares = (0.0, *np.geomspace(1.0, most, _LOOKS))
+    return all(np.abs(np.linalg.eigvals(first + share * (last - first))).max() < 1 for share in shares)
 
 
 def nearer_to_graze(family: Family, before: Place, beyond: OnExtremum, rate: float) -> tuple[list[Place], bool]:

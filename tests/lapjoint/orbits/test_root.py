@@ -6,24 +6,19 @@ from itertools import product
 
 import numpy as np
 import pytest
-from root_maps import Roots, made, touched
+from root_maps import Roots, made, past_the_graze, touched
 
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.orbits.branches.closing import Start
-from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.run import Limits, Run
+from lapjoint.orbits.branches.run import Run
 
 
 def across(seed: int, leaps: bool = False) -> tuple[Family, Roots, Run]:
-    """A branch from a motion without contact on, past the graze."""
+    """A branch of a random map past the graze."""
     family, solver = made(seed, leaps)
-    p = 0.1 * np.sign(solver.quadratic[0])
-    guess = SectionPoint(FREE, 1 - p * np.linalg.solve(solver.A, solver.b)[None])
-    start = corrected(family, 1 + p, guess, 2, fixed=True)
-    assert start is not None
-    return family, solver, follow(family, start.along(np.append(np.zeros(solver.g.size), -p)), Limits(1000))
+    return family, solver, past_the_graze(family, solver)
 
 
 @pytest.mark.parametrize("seed", range(40))
