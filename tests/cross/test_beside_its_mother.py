@@ -19,6 +19,7 @@ from lapjoint.campaigns import FREQUENCY
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.by_another_solver import by_another
+from lapjoint.orbits.branches.carrier import Carrier
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import motion_at
 from lapjoint.orbits.branches.restored import restored
@@ -38,10 +39,12 @@ def test_a_graze_beside_where_the_branch_springs_is_found_by_finite_elements() -
     assert one is not None
     place = motion_at(one.found)
     other = Family(fe_lapjoint.Solver(), own.problem_at, FREQUENCY, LOW, HIGH)
-    (there,) = springing(one.family, place, spring_of(one.family, place), other)
+    spring, carrier = spring_of(one.family, place), Carrier(one.family, place)
+    assert spring is not None
+    (there,) = springing(carrier, spring, other)
     assert not repeats_in_half(there.new)
-    from_there = float(np.linalg.norm(there.its.chord(other, there.expected(place))))
-    carried = float(np.linalg.norm(there.its.chord(other, there._spring)))
+    from_there = float(np.linalg.norm(there.its.chord(other, there.expected(carrier))))
+    carried = float(np.linalg.norm(there.its.chord(other, spring[1].seen_by(other))))
     assert from_there < 0.1 * carried  # distances from where it springs tell what those between solvers do not
     found = by_another(one, other, FINER)
     assert found is not None

@@ -147,7 +147,7 @@ def _at_changes(family: Family, first: Place, last: Place, kinds: Set[Kind]) -> 
     criteria = {
         kind: criterion
         for kind, criterion in criteria_of(first).items()
-        if kind in kinds and criterion.count(first) != criterion.count(last)
+        if kind in kinds and criterion.changes(first, last)
     }
     found = {kind: located(family, first, last, criterion) for kind, criterion in criteria.items()}
     return [
@@ -355,6 +355,21 @@ class Criterion:
     """The size of a number that vanishes there, and grows with the distance on either side as far as it may."""
     left: Callable[[Place], float]
     """Distance of the multiplier that is nearest to where it must be, or for a fold of the tangent."""
+
+    def changes(self, first: Place, last: Place) -> bool:
+        """Whether a bifurcation of this kind lies between two places.
+
+        Parameters
+        ----------
+        first, last : Place
+            The two.
+
+        Returns
+        -------
+        bool
+            Whether what is counted differs.
+        """
+        return self.count(first) != self.count(last)
 
 
 def criteria_of(place: Place) -> dict[Kind, Criterion]:

@@ -187,7 +187,7 @@ class _Search:
         if not self.rivals or mine is None:
             return True
         motions = (mine, *self.rivals)
-        seen = [one.seen_by(family) if spring is None else spring.expected(one.place) for one in motions]
+        seen = [one.seen_by(family) if spring is None else spring.expected(one) for one in motions]
         ways = [found.place.chord(family, there) for there in seen]
         return int(np.argmin([np.linalg.norm(way) for way in ways])) == 0
 
@@ -244,14 +244,14 @@ class _Search:
         found = along(self.one.found, CarriedWay(self.one.way, own, family))(family, here.seen_by(family))
         if found is not None and self._is_nearest(i, found):
             return found
-        for spring in springing(own, self.motion, self._spring, family):
-            found = along(self.one.found, spring)(family, spring.expected(self.motion))
+        for spring in () if self._spring is None else springing(here, self._spring, family):
+            found = along(self.one.found, spring)(family, spring.expected(here))
             if found is not None and self._is_nearest(i, found, spring):
                 return found
         return None
 
     @cached_property
-    def _spring(self) -> tuple[Place, ...]:
+    def _spring(self) -> tuple[Carrier, Carrier] | None:
         """Where the branch springs, by the first solver."""
         return spring_of(self.one.family, self.motion)
 

@@ -88,6 +88,13 @@ class OnExtremum:
         return (self.extremum.value > 0) == self.extremum.highest
 
     @property
+    def closings_of_sides(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """How often each stop closes on either side of the graze: as here, and with one contact more or less."""
+        here, stop = self.place.extrema.closings, self.extremum.stop
+        there = here[stop] + (-1 if self.touched else 1)
+        return here, (*here[:stop], there, *here[stop + 1 :])
+
+    @property
     def left(self) -> float:
         """What may be left of the way to there, in the same unit: nothing on the smooth side of the graze."""
         return SAFETY * abs(self.rate * self.extremum.value) if self.touched else 0.0

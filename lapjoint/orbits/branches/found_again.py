@@ -11,7 +11,7 @@ from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, si
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, nearer_to_graze, sharper
+from lapjoint.orbits.branches.grazing import beyond_graze, just_beyond, located_graze, nearer_to_graze, sharper
 from lapjoint.orbits.branches.shooting import taken_over
 
 _REACHES = (1e-4, 1e-2)
@@ -187,12 +187,10 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
             return None
         vanishes = critical(kind, like or place)
         root = _root(family, near, vanishes)
-        if root is not None and not is_same(kind, root[0], like or place):
-            root = None
-        found = _between_ends(family, near, kind) if root is None else root[0]
-        if found is None or not is_same(kind, found, like or place):
-            return None
-        return Again(found, found.value, by_one_motion=None if root is None else _shift(*root, vanishes))
+        if root is not None and is_same(kind, root[0], like or place):
+            return Again(root[0], root[0].value, by_one_motion=_shift(*root, vanishes))
+        found = _between_ends(family, near, kind)
+        return Again(found, found.value) if found is not None and is_same(kind, found, like or place) else None
 
     return find
 
@@ -320,9 +318,8 @@ def _between_ends(family: Family, near: Place, kind: Kind) -> Place | None:
     """The place near another between two at which something is counted that changes at a bifurcation."""
     criterion = criteria_of(near)[kind]
     for reach in _REACHES:
-        ends = [_beside(family, near, step) for step in (-reach, reach)]
-        first, last = ends
-        if first is not None and last is not None and criterion.count(first) != criterion.count(last):
+        first, last = (_beside(family, near, step) for step in (-reach, reach))
+        if first is not None and last is not None and criterion.changes(first, last):
             return located(family, first, last, criterion)
     return None
 
@@ -343,8 +340,7 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
         The function.
     """
     extremum, duration = before.extremum, before.place.extrema.duration
-    count = before.place.extrema.closings[extremum.stop]
-    closings = {count, count - 1 if before.touched else count + 1}  # before it, and beyond
+    closings = {side[extremum.stop] for side in before.closings_of_sides}
 
     def find(family: Family, place: Place) -> Again | None:
         for back in _BACK:
@@ -354,7 +350,7 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
             if graze is not None and graze.place.extrema.closings[extremum.stop] in closings:
                 beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
-                other = None if beyond is None else located_graze(family, beyond.place, beyond.extremum, rate)
+                other = None if beyond is None else just_beyond(family, beyond, rate)
                 best = sharper(family, graze, other, rate)
                 return Again(graze.place, best.value, best.left, _graze_shift(graze, duration))
         return None
@@ -391,7 +387,7 @@ def hides_something(family: Family, before: OnExtremum, rate: float, after: Plac
     beyond = beyond_graze(family, graze, rate)
     if beyond is None or beyond.place.extrema.closings != after.extrema.closings:
         return False
-    nearer, seen = nearer_to_graze(family, graze.place, beyond, rate)
+    nearer, seen = nearer_to_graze(family, graze.place, beyond, just_beyond(family, beyond, rate), rate)
     return seen and len({signature(one) for one in (*nearer, beyond.place, after)}) > 1
 
 

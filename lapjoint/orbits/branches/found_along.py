@@ -314,7 +314,7 @@ class _Look:
             return
         for i, a, b in run.smooth_parts:
             criterion = criteria_of(a)[one.kind]
-            if i >= first and criterion.count(a) != criterion.count(b) and _passes_by(self._family, a, b, self._place):
+            if i >= first and criterion.changes(a, b) and _passes_by(self._family, a, b, self._place):
                 found = located(self._family, a, b, criterion)
                 if found is not None and is_same(one.kind, found, one.place):
                     yield Again(found, found.value)
@@ -345,11 +345,8 @@ def same_graze(one: Graze, other: Graze) -> bool:
     mine, its = one.before.extremum, other.before.extremum
     here, there = one.before.place.extrema, other.before.place.extrema
     later = its.time / there.duration - mine.time / here.duration
-    if (mine.stop, mine.highest) != (its.stop, its.highest) or abs(later - round(later)) > _PHASE:
-        return False
-    beyond = list(here.closings)
-    beyond[mine.stop] += -1 if one.before.touched else 1
-    return there.closings in (here.closings, tuple(beyond))
+    same = (mine.stop, mine.highest) == (its.stop, its.highest) and there.closings in one.before.closings_of_sides
+    return same and abs(later - round(later)) <= _PHASE
 
 
 def _follow(family: Family, start: Approach, look: _Look) -> None:

@@ -12,8 +12,6 @@ again where q = 1/2; every solver leaves about the same, so that no refinement s
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from lapjoint.orbits.branches.corrector import Place
@@ -295,25 +293,16 @@ def across(
     there = None if first is None else across(family, before, first, index, sooner=False)
     if there is not None and there[1]:
         return there
-    inside = beyond is not None and _stays_inside(before, beyond, soon.rate)
-    known = beyond is None or (inside and graze.left == 0.0)
-    other = None if known or beyond is None else located_graze(family, beyond.place, beyond.extremum, soon.rate)
-    best = sharper(family, graze, other, soon.rate)
-
-    def named(kind: str) -> Graze:
-        return Graze(extremum.stop, best.value, kind, graze, soon.rate, index, best.left)
-
     if beyond is None:
-        return named("ends"), ()
-    after = beyond.place.going_on_from(here)
+        return Graze(extremum.stop, graze.value, "ends", graze, soon.rate, index, graze.left), ()
+    inside = _stays_inside(before, beyond, soon.rate)
+    other = None if inside and graze.left == 0.0 else just_beyond(family, beyond, soon.rate)
+    best, after = sharper(family, graze, other, soon.rate), beyond.place.going_on_from(here)
     if _leads_back(family, before, after):
         return None
-    came, goes = before.tangent[-1], after.tangent[-1]
-    kind = "persists" if came * goes > 0 else "folds"
-    if inside:
-        return named(kind), (after,)
-    nearer, seen = _nearer(family, before, beyond, other, soon.rate)
-    return replace(named(kind), seen=seen), (*nearer, after)
+    nearer, seen = ([], True) if inside else nearer_to_graze(family, before, beyond, other, soon.rate)
+    kind = "persists" if before.tangent[-1] * after.tangent[-1] > 0 else "folds"
+    return Graze(extremum.stop, best.value, kind, graze, soon.rate, index, best.left, seen), (*nearer, after)
 
 
 def _stays_inside(before: Place, beyond: OnExtremum, rate: float) -> bool:
@@ -329,8 +318,32 @@ def _stays_inside(before: Place, beyond: OnExtremum, rate: float) -> bool:
     return all(np.abs(np.linalg.eigvals(first + share * (last - first))).max() < 1 for share in shares)
 
 
-def nearer_to_graze(family: Family, before: Place, beyond: OnExtremum, rate: float) -> tuple[list[Place], bool]:
+def just_beyond(family: Family, beyond: OnExtremum, rate: float) -> OnExtremum | None:
+    """The motion just beyond a graze, from one a little farther.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    beyond : OnExtremum
+        The motion beyond it.
+    rate : float
+        Change of the extremum's value with the arc length before the graze, m.
+
+    Returns
+    -------
+    OnExtremum, or None
+        As `located_graze`.
+    """
+    return located_graze(family, beyond.place, beyond.extremum, rate)
+
+
+def nearer_to_graze(
+    family: Family, before: Place, beyond: OnExtremum, other: OnExtremum | None, rate: float
+) -> tuple[list[Place], bool]:
     """Motions nearer to a graze than one beyond it, and whether they lead to it.
+
+    If none just beyond it is known, it is come to step by step, as far as extrema do not jump.
 
     Parameters
     ----------
@@ -340,6 +353,8 @@ def nearer_to_graze(family: Family, before: Place, beyond: OnExtremum, rate: flo
         The motion just before the graze.
     beyond : OnExtremum
         The one beyond it.
+    other : OnExtremum or None
+        That of `just_beyond`.
     rate : float
         Change of the extremum's value with the arc length before it, m.
 
@@ -347,16 +362,6 @@ def nearer_to_graze(family: Family, before: Place, beyond: OnExtremum, rate: flo
     -------
     tuple of list of Place and bool
         The nearest first.
-    """
-    return _nearer(family, before, beyond, located_graze(family, beyond.place, beyond.extremum, rate), rate)
-
-
-def _nearer(
-    family: Family, before: Place, beyond: OnExtremum, other: OnExtremum | None, rate: float
-) -> tuple[list[Place], bool]:
-    """Motions nearer to a graze than one beyond it, the nearest first, and whether they lead to it.
-
-    One just beyond it may be known; else it is come to step by step, as far as extrema do not jump.
     """
     known, behind = other, beyond
     for _ in range(_SHARES if other is None else 0):

@@ -41,6 +41,8 @@ class Listed:
     """The branch about it; None if it is not resolved."""
     rivals: tuple[Place, ...] = field(default=(), repr=False)
     """The motions at others of its kind nearby, as far as they are known, for which another solver may take it."""
+    asked: bool = False
+    """Whether finer solvers have been asked for it again, in vain."""
 
     @property
     def index(self) -> int:

@@ -152,7 +152,8 @@ def resolved(
 def _all_asked_again(found: Resolved) -> Resolved:
     """The same after what is in doubt has been asked for again."""
     own = found.bifurcations
-    return replace(found, bifurcations=[asked_again(among(one, own)) if one.doubtful else one for one in own])
+    asked = [asked_again(among(one, own)) if one.doubtful and not one.asked else one for one in own]
+    return replace(found, bifurcations=asked)
 
 
 def _as_followed(family: Family, run: Run, *, errors: bool) -> Resolved:
@@ -199,7 +200,7 @@ def asked_again(one: Listed) -> Listed:
         known = by_another(replace(one, way=way), one.family, _ASKED, _FOLLOWED)
         if known is not None and known.error <= AIM * one.family.scale(known.value):
             return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error))
-    return one
+    return replace(one, asked=True)
 
 
 def _parts(bifurcations: list[Listed]) -> Iterator[tuple[int, int]]:
@@ -277,7 +278,10 @@ class _Search:
             return None
         try:
             found = self._run(part, finer, limit)
-            return None if found is None else Part(*found[:2], _resolved(finer, found[2], self.levels - level))
+            if found is None:
+                return None
+            first, last, there = found
+            return Part(first, last, _resolved(finer, there, self.levels - level))
         except SolverError:
             return None
 

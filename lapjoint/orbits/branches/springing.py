@@ -18,6 +18,7 @@ from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import Approach
 from lapjoint.orbits.branches.switching import repeated_near, springs_beside, switched
+from lapjoint.problem import FloatArray
 
 _FROM = 1e-4
 """Least arc length from where another solver begins to a bifurcation."""
@@ -27,25 +28,23 @@ _FROM = 1e-4
 class Springing:
     """Where a branch springs, by two solvers."""
 
-    own: Family
-    """The period maps of the one that has the branch."""
-    spring: Place
-    """The bifurcation by that one."""
+    spring: Carrier
+    """The bifurcation by the one that has the branch."""
     family: Family
     """The period maps of the other."""
     its: Place
     """The bifurcation by the other."""
     new: Place
     """A motion of its branch beside that."""
-    motion: Place
+    motion: Carrier
     """The motion of the first one near which something is looked for."""
 
-    def expected(self, motion: Place) -> Place:
+    def expected(self, motion: Carrier) -> Place:
         """Where a motion of the first solver lies for the other, as far from the bifurcation as that one has it.
 
         Parameters
         ----------
-        motion : Place
+        motion : Carrier
             The motion.
 
         Returns
@@ -53,17 +52,14 @@ class Springing:
         Place
             To measure distances from.
         """
-        way = self._way_from(self._spring) - self._way_from(Carrier(self.own, motion).seen_by(self.family))
-        value, point = self.its.moved(self.family, way)
+        there = motion.seen_by(self.family)
+        value, point = self.its.moved(self.family, self._carried - self.its.chord(self.family, there))
         return replace(self.its.beginning_at(point), value=value)
 
-    def _way_from(self, there: Place) -> np.ndarray:
-        return self.its.chord(self.family, there)
-
     @cached_property
-    def _spring(self) -> Place:
-        """The first one's bifurcation as the other sees it."""
-        return Carrier(self.own, self.spring).seen_by(self.family)
+    def _carried(self) -> FloatArray:
+        """The way from the first one's bifurcation, as the other sees it, to the other's."""
+        return self.its.chord(self.family, self.spring.seen_by(self.family))
 
     @property
     def sides(self) -> Iterator[Iterator[Approach]]:
@@ -77,7 +73,7 @@ class Springing:
             yield iter((Approach(one, max(length, _FROM)),))
 
 
-def spring_of(own: Family, motion: Place) -> tuple[Place, ...]:
+def spring_of(own: Family, motion: Place) -> tuple[Carrier, Carrier] | None:
     """Where a motion's branch springs from another that is near, by one solver.
 
     Parameters
@@ -89,26 +85,25 @@ def spring_of(own: Family, motion: Place) -> tuple[Place, ...]:
 
     Returns
     -------
-    tuple of Place
-        The motion of the other branch that is nearest, and the bifurcation; empty if there is none.
+    tuple of Carrier, or None
+        The motion of the other branch that is nearest, and the bifurcation; None if there is none.
     """
     mother = repeated_near(own, motion)
     known = [] if mother is None else list(springs_beside(own, mother))
     if mother is None or not known:
-        return ()
-    return mother, min(known, key=lambda one: float(np.linalg.norm(motion.chord(own, one))))
+        return None
+    spring = min(known, key=lambda one: float(np.linalg.norm(motion.chord(own, one))))
+    return Carrier(own, mother), Carrier(own, spring)
 
 
-def springing(own: Family, motion: Place, spring: tuple[Place, ...], family: Family) -> Iterator[Springing]:
+def springing(motion: Carrier, spring: tuple[Carrier, Carrier], family: Family) -> Iterator[Springing]:
     """The same by two solvers.
 
     Parameters
     ----------
-    own : Family
-        The period maps of the solver that has the branch.
-    motion : Place
-        The motion.
-    spring : tuple of Place
+    motion : Carrier
+        The motion of the solver that has the branch.
+    spring : tuple of Carrier
         As `spring_of` gives it.
     family : Family
         The period maps of the other solver.
@@ -118,9 +113,8 @@ def springing(own: Family, motion: Place, spring: tuple[Place, ...], family: Fam
     Springing
         For each bifurcation that the other solver has near the motion.
     """
-    carried = (Carrier(own, one).carried(family) for one in spring)
-    near = next((one for one in carried if one is not None), None)
+    near = next((there for one in spring if (there := one.carried(family)) is not None), None)
     for its in () if near is None else springs_beside(family, near):
         new = switched(family, its)
         if new is not None:
-            yield Springing(own, spring[-1], family, its, new, motion)
+            yield Springing(spring[1], family, its, new, motion)

@@ -148,7 +148,7 @@ def springs_beside(family: Family, mother: Place) -> Iterator[Place]:
     for side in (mother, mother.turned()):
         for _, a, b in follow(family, side, Limits(most=_MOST, length=_BESIDE)).smooth_parts:
             criterion = criteria_of(a)[flip_of(a)]
-            found = located(family, a, b, criterion) if criterion.count(a) != criterion.count(b) else None
+            found = located(family, a, b, criterion) if criterion.changes(a, b) else None
             if found is not None:
                 yield found
 
