@@ -301,7 +301,8 @@ def across(
     if _leads_back(family, before, after):
         return None
     nearer, seen = ([], True) if inside else nearer_to_graze(family, before, beyond, other, soon.rate)
-    kind = "persists" if before.tangent[-1] * after.tangent[-1] > 0 else "folds"
+    came, goes = before.tangent[-1], after.tangent[-1]
+    kind = "persists" if came * goes > 0 else "folds"
     return Graze(extremum.stop, best.value, kind, graze, soon.rate, index, best.left, seen), (*nearer, after)
 
 
