@@ -26,9 +26,9 @@ _BESIDE = 0.3
 """Distance from a chord over its length within which the curve may pass: it turns by half of this between places."""
 _SLIDES = 4
 """Most steps along the curve to where it is nearest: each leaves the square of the way."""
-_AWAY = 10 * SAME
-"""Distance over its size that a curve must have gone from a motion before it can come back to it: beside a graze its
-steps are shorter than what two motions may be apart that are one."""
+_CLOSER = 0.01
+"""How near a curve must come to a motion again, over how far it has been from it: beside a graze a ring may be 7e-5
+long, and a curve may pass a few 1e-6 of its size beside where it was."""
 _MARK, _FARTHER = 100, 2
 """Number of the first place, besides the start, to which a curve may come back, and the ratio of each next to it."""
 
@@ -85,13 +85,15 @@ class Start:
         """How often stops close: the same for all images, though not for the same stops."""
         return sorted(self.place.extrema.closings)
 
-    def between(self, a: Place, b: Place) -> Place | None:
+    def between(self, a: Place, b: Place, same: float = SAME) -> Place | None:
         """The place of the curve, between two neighbours, that is an image of its start.
 
         Parameters
         ----------
         a, b : Place
             The neighbours, with tangents in one direction.
+        same : float
+            Distance of two motions over their size, up to which they are one.
 
         Returns
         -------
@@ -106,22 +108,21 @@ class Start:
             return None
         for image in self.images:
             left = b.chord(self.family, image)
-            share, same = 1 - float(left @ chord) / length**2, SAME / length
-            if -same <= share <= 1 + same and float(np.linalg.norm(left - (1 - share) * chord)) <= _BESIDE * length:
-                found = self._on_curve(a, b, share, length, image)
+            share, beyond = 1 - float(left @ chord) / length**2, same / length
+            if -beyond <= share <= 1 + beyond and float(np.linalg.norm(left - (1 - share) * chord)) <= _BESIDE * length:
+                found = self._on_curve(between_two(self.family, a, b, share, length), a, image, same)
                 if found is not None:
                     return found
         return None
 
-    def _on_curve(self, a: Place, b: Place, share: float, length: float, image: Place) -> Place | None:
+    def _on_curve(self, here: Place | None, like: Place, image: Place, same: float) -> Place | None:
         """The place of the curve that is nearest to an image, if it is the image, and not beyond a graze."""
-        here = between_two(self.family, a, b, share, length)
         for _ in range(_SLIDES):
             if here is None:
                 return None
             way = -here.chord(self.family, image)
-            if float(np.linalg.norm(way)) <= SAME:
-                return here if here.extrema.closings == a.extrema.closings else None
+            if float(np.linalg.norm(way)) <= same:
+                return here if here.extrema.closings == like.extrema.closings else None
             value, guess = here.moved(self.family, float(way @ here.tangent) * here.tangent)
             found = corrected(self.family, value, guess, here.count)
             here = None if found is None else found.along(here.tangent)
@@ -149,6 +150,38 @@ def has_been_at(family: Family, places: Sequence[Place], place: Place) -> bool:
     return any(there.between(a, b) is not None for a, b in pairwise(places))
 
 
+@dataclass
+class _Away:
+    """A curve that has been at a place, and goes on."""
+
+    family: Family
+    """The period maps."""
+    mark: Start
+    """The place."""
+    farthest: float = 0.0
+    """How far it has been from there, over the motion's size, up to where that no longer matters."""
+
+    def back(self, a: Place, b: Place, connected: bool = True) -> Place | None:
+        """The place between two neighbours at which the curve is back; to be asked for each two in turn.
+
+        Parameters
+        ----------
+        a, b : Place
+            The neighbours.
+        connected : bool
+            Whether a curve leads from one to the other.
+
+        Returns
+        -------
+        Place, or None
+            None if it is not, or has hardly been away.
+        """
+        if self.farthest * _CLOSER < SAME:
+            self.farthest = max(self.farthest, float(np.linalg.norm(a.chord(self.family, self.mark.place))))
+        near = min(SAME, _CLOSER * self.farthest)
+        return self.mark.between(a, b, near) if connected and self.farthest > SAME else None
+
+
 class Marks:
     """Where a curve under way may come back to: its start, and a place of it that is chosen anew ever farther along.
 
@@ -164,8 +197,10 @@ class Marks:
 
     def __init__(self, family: Family, start: Place) -> None:
         self._family = family
-        self._marks, self._next = {0: Start(family, start)}, _MARK
-        self._left = set[int]()
+        self._marks, self._next = {0: self._from(start)}, _MARK
+
+    def _from(self, place: Place) -> _Away:
+        return _Away(self._family, Start(self._family, place))
 
     def forget_from(self, index: int) -> None:
         """Forget the marks at places that are no more of the curve: those with this index, and behind.
@@ -176,7 +211,6 @@ class Marks:
             Number of places that are left.
         """
         self._marks = {own: mark for own, mark in self._marks.items() if own < index}
-        self._left &= self._marks.keys()
 
     def come_back(self, places: Sequence[Place], i: int, connected: bool) -> tuple[int, Place] | None:
         """Whether a curve has been before where it is between two neighbouring places.
@@ -196,27 +230,21 @@ class Marks:
             The place with which the curve is gone round once, and the index of the one before that.
         """
         if i == self._next:
-            self._marks = {0: self._marks[0], i: Start(self._family, places[i])}
+            self._marks = {0: self._marks[0], i: self._from(places[i])}
             self._next = _FARTHER * i
         for index, mark in self._marks.items():
-            if index not in self._left and i > index and self._is_away(places[i], mark):
-                self._left.add(index)
-            back = mark.between(places[i], places[i + 1]) if connected and index in self._left else None
+            back = mark.back(places[i], places[i + 1], connected) if i > index else None
             if back is not None:
-                return self._once_around(places, index, mark) or (i, back)
+                return self._once_around(places, index) or (i, back)
         return None
 
-    def _is_away(self, place: Place, mark: Start) -> bool:
-        return float(np.linalg.norm(place.chord(self._family, mark.place))) > _AWAY
-
-    def _once_around(self, places: Sequence[Place], index: int, mark: Start) -> tuple[int, Place] | None:
+    def _once_around(self, places: Sequence[Place], index: int) -> tuple[int, Place] | None:
         """Where a curve that comes back to a mark did so before, as it may be on a ring since long; None if not so."""
-        passed, away = False, True
+        passed, away = False, self._from(places[index])
         for k in range(index - 1):
-            away = away or self._is_away(places[k], mark)
-            there = mark.between(places[k], places[k + 1]) if away else None
+            there = away.back(places[k], places[k + 1])
             if there is not None and passed:
                 return k, there
             if there is not None:
-                passed, away = True, False
-        return (index - 1, places[index]) if passed and away else None
+                passed, away.farthest = True, 0.0
+        return (index - 1, places[index]) if passed and away.farthest > SAME else None

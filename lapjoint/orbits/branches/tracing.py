@@ -152,13 +152,17 @@ def _part_of(progress: Callable[[float], None] | None, first: float, last: float
 
 
 def _start(family: Family, seed: Seed) -> Place | None:
-    """The place of a seed, in the range: the shortest way to the curve may lead out of it from an end."""
-    guess = family.adopted(seed.value, seed.point)
-    if family.low < seed.value < family.high:
+    """The place of a seed, in the range: the shortest way to the curve may lead out of it from an end.
+
+    None, too, where it leads to the branch from which that of the seed springs: then only a finer solver has that.
+    """
+    guess, found = family.adopted(seed.value, seed.point), None
+    inside = family.low < seed.value < family.high
+    if inside:
         found = corrected(family, seed.value, guess, seed.count)
-        if found is None or family.low <= found.value <= family.high:
-            return found
-    return corrected(family, seed.value, guess, seed.count, fixed=True)
+    if not inside or (found is not None and not family.low <= found.value <= family.high):
+        found = corrected(family, seed.value, guess, seed.count, fixed=True)
+    return None if found is None or (seed.away_from is not None and repeats_in_half(found)) else found
 
 
 def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tuple[Run, Run]:
