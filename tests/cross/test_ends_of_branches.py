@@ -56,9 +56,7 @@ def test_a_closed_curve_is_gone_round_once_wherever_in_the_motion_it_comes_back(
 def test_a_curve_that_comes_to_a_ring_on_which_its_start_does_not_lie_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     # Such a ring is come to across what cannot be resolved; here the start of a ring is not looked at.
     between, first = Start.between, 1.0
-    monkeypatch.setattr(
-        Start, "between", lambda self, *two: None if self.place.value == first else between(self, *two)
-    )
+    monkeypatch.setattr(Start, "between", lambda self, *two: None if self.place.value == first else between(self, *two))
     family = family_of(Tongue(1), made_problem(1.0), AMPLITUDE, LOW, HIGH)
     start = corrected(family, first, SectionPoint(FREE, np.array([[0.0, 1.0]])), 2, fixed=True)
     assert start is not None
