@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,7 +37,7 @@ from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
-from lapjoint.orbits.segments import Segments
+from lapjoint.orbits.segments import Segment, Segments
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -200,7 +200,12 @@ class PeriodMap:
         motion = march(self.joint, _coordinates(start), 0.0, duration)
         along = _Along(motion, start.state, known, duration)
         return Linearised(
-            _section_point(motion.end), along.derivative, along.segments, lambda: along.outline, along.segments_of
+            _section_point(motion.end),
+            along.derivative,
+            along.segments,
+            lambda: along.outline,
+            along.segments_of,
+            along.segment,
         )
 
     @in_one_thread
@@ -257,16 +262,18 @@ class _Along:
     known: ExcitationChange
     duration: float
     """s."""
+    last: list[Carried] = field(default_factory=list)
+    """Deviations along it as they have been carried last, if they have."""
 
     @cached_property
     def outline(self) -> Segments:
         """The march from switch to switch without deviations."""
         return outline_of(self.motion)
 
-    @cached_property
-    def carried(self) -> Carried:
-        """All deviations along it."""
-        return carried_along(self.motion, *self._number)
+    def carried(self, kept: slice) -> Carried:
+        """All deviations along it, kept at the start of some segments that follow each other."""
+        self.last[:] = [carried_along(self.motion, *self._number, kept=kept)]
+        return self.last[0]
 
     @property
     def _number(self) -> tuple[Change, float]:
@@ -275,7 +282,11 @@ class _Along:
 
     def segments(self) -> Segments:
         """The march from switch to switch."""
-        return with_deviations(self.outline, self.carried)
+        return with_deviations(self.outline, self.carried(slice(None)))
+
+    def segment(self, i: int) -> Segment:
+        """One segment of it."""
+        return with_deviations(self.outline, self.carried(slice(i, i + 1)))[0]
 
     def segments_of(self, deviation: FloatArray) -> Segments:
         """The same with one deviation, kg^1/2 m and kg^1/2 m/s, shape ``(2 N,)``."""
@@ -283,7 +294,7 @@ class _Along:
 
     def derivative(self) -> Derivative:
         """The derivative of its end, in the modes of its start."""
-        known = self.__dict__.get("carried") or carried_along(self.motion, *self._number, on_the_way=False)
+        known = self.last[0] if self.last else self.carried(slice(0))
         matrix, end = known.end, self.motion.end.state
         if end != self.state:
             n, passage = matrix.shape[0] // 2, self.motion.joint.passage(end, self.state)

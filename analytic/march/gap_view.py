@@ -91,13 +91,17 @@ def with_deviations(outline: Segments, carried: Carried) -> Segments:
     Returns
     -------
     Segments
-        In the order of time; but for deviations the arrays of the outline.
+        In the order of time; but for deviations the arrays of the outline.  Of those segments alone of which the
+        deviations have been kept.
     """
     log, tables, change = carried.motion.log, carried.motion.joint.tables, carried.change
-    (M, stops, K), T, count = outline.weights.shape, outline.deviations.shape[1], carried.starts.shape[2]
+    (M, _, count), first = carried.starts.shape, carried.first
+    if M < len(outline):
+        outline = outline.part(first, first + M)
+    (_, stops, K), T = outline.weights.shape, outline.deviations.shape[1]
     waves, secular = np.zeros((2, M, stops, K), dtype=complex)
     A, drift = np.empty((M, T, count), dtype=complex), np.zeros((M, stops, 2, count))
-    _deviations(tables, change, log, carried.starts, A, drift, waves, secular)
+    _deviations(tables, change, log, first, carried.starts, A, drift, waves, secular)
     if change is None:
         return replace(outline, deviations=A, drift=drift)
     n, slope = count - 1, np.zeros((M, stops, 3))
@@ -156,18 +160,21 @@ def _deviations(
     tables: Tables,
     change: Change | None,
     log: Log,
+    first: int,
     starts: FloatArray,
     A: ComplexArray,
     drift: FloatArray,
     waves: ComplexArray,
     secular: ComplexArray,
 ) -> None:
-    """Write what deviations do in ``M`` segments.
+    """Write what deviations do in ``M`` segments that follow each other.
 
     Parameters
     ----------
     tables, change, log : Tables, Change or None, Log
         The states of the joint, how its harmonics change with a number, and the motion.
+    first : int
+        Index of the first of these.
     starts : FloatArray, shape (M, 2 N, m)
         `Carried.starts`.
     A : ComplexArray, shape (M, T, m)
@@ -180,12 +187,12 @@ def _deviations(
     theta, changes = complex_zeros(tables.omega.size), complex_zeros((0, 0, 0))
     if change is not None:
         changes = changes_of_answers(tables, change, log.slot)
-    for i in range(log.slot.size):
-        slot = log.slot[i]
+    for i in range(starts.shape[0]):
+        slot, start = log.slot[first + i], log.start[first + i]
         _deviation_terms(tables, slot, starts[i], A[i], drift[i])
         if change is not None:
-            set_phases(tables, log.start[i], theta)
-            _changed_terms(tables, change, changes, slot, log.start[i], theta, A[i], waves[i], secular[i])
+            set_phases(tables, start, theta)
+            _changed_terms(tables, change, changes, slot, start, theta, A[i], waves[i], secular[i])
 
 
 @njit_inner()

@@ -105,7 +105,7 @@ class Return:
             return half_periods.linearised(start, count, field).linearised.segments
 
         known = self.linearised.known
-        light = replace(self.linearised, derivative=lambda: known, trace=again, outline=None, alone=None)
+        light = replace(self.linearised, derivative=lambda: known, trace=again, outline=None, alone=None, single=None)
         return replace(self, linearised=light)
 
     @cached_property

@@ -256,6 +256,8 @@ class Linearised:
     """Gives the same as `trace` without deviations, for e of no coordinates, where that is less work."""
     alone: Callable[[FloatArray], Sequence[Segment]] | None = field(default=None, repr=False)
     """Gives the same for multiples of one deviation, whose one coordinate is e, where that is less work."""
+    single: Callable[[int], Segment] | None = field(default=None, repr=False)
+    """Gives one of the segments of `trace` by its index, where that is less work."""
 
     @cached_property
     def known(self) -> Derivative:
@@ -288,6 +290,21 @@ class Linearised:
     def segments(self) -> Sequence[Segment]:
         """The march from switch to switch, without gaps in time."""
         return self.trace()
+
+    def segment(self, i: int) -> Segment:
+        """One segment of the march from switch to switch.
+
+        Parameters
+        ----------
+        i : int
+            Its index.
+
+        Returns
+        -------
+        Segment
+            That of `segments`.
+        """
+        return self.segments[i] if self.single is None or "segments" in self.__dict__ else self.single(i)
 
     @cached_property
     def arrays(self) -> Segments:

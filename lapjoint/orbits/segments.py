@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import NamedTuple, overload
 
 import numpy as np
@@ -101,8 +101,23 @@ class Timed(Sequence[Segment]):
         Segment
             The earlier one where two meet, and the last one if there is none.
         """
+        return self[self.index_at(t)]
+
+    def index_at(self, t: float) -> int:
+        """The index of that segment.
+
+        Parameters
+        ----------
+        t : float
+            s from the start of the orbit.
+
+        Returns
+        -------
+        int
+            As `at` has it.
+        """
         i = int(np.searchsorted(self.end, t))
-        return self[i if i < len(self) and self.start[i] <= t else len(self) - 1]
+        return i if i < len(self) and self.start[i] <= t else len(self) - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,6 +189,22 @@ class Segments(Timed):
             switched=np.array([one.switched for one in segments], dtype=np.intp),
             change=change,
         )
+
+    def part(self, first: int, last: int) -> Segments:
+        """Some segments that follow each other, without their change with a number.
+
+        Parameters
+        ----------
+        first, last : int
+            Index of the first one, and of the one after the last.
+
+        Returns
+        -------
+        Segments
+            Its arrays are views of these.
+        """
+        own = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "change"}
+        return Segments(**{name: values[first:last] for name, values in own.items()})
 
     def _one(self, i: int) -> Segment:
         K, own = self.terms[i].tolist()

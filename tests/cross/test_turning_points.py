@@ -76,7 +76,7 @@ def test_a_turning_point_changes_as_its_derivatives_say_whether_the_switch_comes
         half, value = found.half_periods, 2 * np.pi / found.half_periods.map.period
         duration = found.count * half.map.period / 2
         for one in turning_points(found):
-            row, slope = derivatives_of(half, found.linearised.segments, one)
+            row, slope = derivatives_of(found, one)
             unit = half.unit_norms(row.size)
             way = row / unit**2 / np.sum((row / unit) ** 2)  # the shortest that changes it by one metre
             if half.map.norm(way * one.value) > 1e-3 * half.size(found.start) or abs(one.value) > 2e-7:

@@ -46,7 +46,9 @@ _FINER = 5
 Where a graze is near, the finer ones cost less than what the coarser ones look for in vain."""
 
 
-def by_another(one: Listed, family: Family, finer: int = _FINER, followed: int = _FINER) -> Stated | None:
+def by_another(
+    one: Listed, family: Family, finer: int = _FINER, followed: int = _FINER, marches: float = np.inf
+) -> Stated | None:
     """A bifurcation's value, with its error, by another solver.
 
     Parameters
@@ -59,6 +61,8 @@ def by_another(one: Listed, family: Family, finer: int = _FINER, followed: int =
         Most finer selves of it that are asked.
     followed : int
         Number of the finest of these that follows its own curve, the coarsest being 0.
+    marches : float
+        Number of marches by all of them after which nothing else is tried.
 
     Returns
     -------
@@ -67,7 +71,7 @@ def by_another(one: Listed, family: Family, finer: int = _FINER, followed: int =
         does.
     """
     try:
-        return _Search(one, family, finer, followed).run()
+        return _Search(one, family, finer, followed, marches).run()
     except (InputError, SolverError):
         return None
 
@@ -80,6 +84,7 @@ class _Search:
     family: Family
     finer: int = _FINER
     followed: int = _FINER
+    marches: float = np.inf
     before: dict[float, Carrier | None] = field(default_factory=dict)
     """Motions of the first solver before the bifurcation, by the arc length to it."""
     found: dict[int, Again] = field(default_factory=dict)
@@ -98,6 +103,7 @@ class _Search:
         while len(self.known) < self.finer and (finer := self.selves[-1].finer(self.motion.value)) is not None:
             self.known.append(finer[0])
             self.selves.append(finer[1])
+        self.marches += sum(family.marches for family in self.selves)
 
     def run(self) -> Stated | None:
         """From the motion at the bifurcation, along the curve of the other solver, or from a graze beside it.
@@ -112,9 +118,14 @@ class _Search:
         best: Stated | None = None
         for way in ways:
             best = way() or best
-            if best is not None and np.isfinite(best.error):
+            if self._is_spent or (best is not None and np.isfinite(best.error)):
                 break
         return best
+
+    @property
+    def _is_spent(self) -> bool:
+        """Whether there have been as many marches as there may be."""
+        return sum(family.marches for family in self.selves) >= self.marches
 
     @property
     def _is_close_to_a_graze(self) -> bool:
@@ -264,11 +275,11 @@ class _Search:
                 continue
             found_by = cache(Beside(self.one.family, one, graze).found_by)
             for i in range(1, len(self.known) + 1):
-                here = found_by(self.selves[i])
-                if here is None or not self._is_nearest(i, here):
-                    continue
+                if self._is_spent:
+                    return None
                 coarser = found_by(self.selves[i - 1])
-                best = None if coarser is None else self._stated(i, here, coarser)
+                here = None if coarser is None else found_by(self.selves[i])
+                best = self._stated(i, here, coarser) if here is not None and self._is_nearest(i, here) else None
                 if best is not None and best.error <= AIM * self.family.scale(best.value):
                     return best
         return None

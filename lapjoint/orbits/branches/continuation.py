@@ -115,7 +115,7 @@ class _Follower:
         self._refused = math.inf
         self._before_fold: Jump | None = None
         self._expected, self._closer = 0.0, 0
-        self._end, self._tries = "", 0
+        self._end, self._tries, self._marches = "", 0, family.marches
         self._marks, self._looked, self._missed = Marks(family, start), 0, _missed(start)
         self._told = _TOLD if self._missed > _TOLD else _TOLD_AT_FIRST * self._missed
         self._until = None if limits.until is None else Start(family, limits.until, itself=True)
@@ -151,6 +151,8 @@ class _Follower:
             ways = (b.chord(self._family, a) for a, b in pairwise(self._places[self._measured :]))
             self._length += sum(float(np.linalg.norm(way)) for way in ways)
             self._measured = len(self._places) - 1
+        if self._family.marches - self._marches >= self._limits.marches:
+            return True
         return len(self._places) >= most or self._tries >= _TRIES * most or self._length >= self._limits.length
 
     def _look_back(self) -> None:

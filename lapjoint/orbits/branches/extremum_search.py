@@ -257,7 +257,7 @@ class _Search:
     def _bordered(self, now: _Guess, last: bool) -> tuple[FloatArray, FloatArray]:
         """`jacobian`, and the same with the derivatives of the extremum over the scale, shape ``(n + 1, n + 1)``."""
         found, scale = now.found, self._family.scale(now.value)
-        row, slope = derivatives_of(now.half_periods, found.linearised.segments, now.extremum)
+        row, slope = derivatives_of(found, now.extremum)
         miss = math.hypot(now.residual, self._way(now))
         if found.by_number is not None and slope is not None:
             self._column, self._slope = found.by_number, slope

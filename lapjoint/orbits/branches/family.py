@@ -140,6 +140,10 @@ class Family:
         """Parts of the range of one resolution each, in ascending order."""
         self._highs = [zone.high for zone in self.zones]
         self._first = self
+        self.level = 0
+        """How many times `finer` leads from the first family to this one."""
+        self.marches = 0
+        """How many marches with their derivatives have been made so far: what work is measured by."""
         self._maps = lru_cache(maxsize=_KEPT)(self._made)
 
     def at(self, value: float) -> HalfPeriods:
@@ -192,6 +196,26 @@ class Family:
         """
         return None if self._finer is None else (self._finer[0][self._zone_of(value)], self._finer[1])
 
+    def self_at(self, level: int) -> Family:
+        """The same by one of the finer selves of the solver.
+
+        Parameters
+        ----------
+        level : int
+            Its `level`, not below this one's; there is such a self.
+
+        Returns
+        -------
+        Family
+            The period maps.
+        """
+        found = self
+        while found.level < level:
+            known = found._finer
+            assert known is not None
+            found = known[1]
+        return found
+
     def is_a_self_of(self, other: Family) -> bool:
         """Whether one of both comes from the other by `finer`, once or more.
 
@@ -218,6 +242,7 @@ class Family:
             zones.append(Zone(zone.high, found[1]))
         finer = copy(self)
         finer.zones, finer._maps = zones, lru_cache(maxsize=_KEPT)(finer._made)
+        finer.level, finer.marches = self.level + 1, 0
         return known, finer
 
     def _resolved(self, solver: HasPeriodMap) -> list[Zone]:
@@ -305,6 +330,7 @@ class Family:
         Return
             The end of the march and its derivatives, mirrored if `count` is odd.
         """
+        self.marches += 1
         return self.at(value).linearised(point, count, self.path)
 
     def derivative(self, value: float, point: SectionPoint, count: int) -> FloatArray:

@@ -7,7 +7,6 @@ or the lowest of a contact or of a flight, which is about to be parted in two, o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -17,9 +16,9 @@ import numpy.typing as npt
 
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema, polished
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
-from lapjoint.orbits.half_periods import HalfPeriods, Return, gives
+from lapjoint.orbits.half_periods import Return, gives
 from lapjoint.orbits.period_map import Tangent
-from lapjoint.orbits.segments import Segment, Segments, Timed
+from lapjoint.orbits.segments import Segment, Segments
 from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray, Stop
 from lapjoint.problem.structure import Structure
@@ -341,23 +340,13 @@ def _polished(found: Return, extremum: Extremum) -> Extremum:
     return replace(extremum, time=t, value=value)
 
 
-def _segment_of(segments: Sequence[Segment], extremum: Extremum) -> Segment:
-    """The segment of an orbit that has an extremum."""
-    timed = segments if isinstance(segments, Timed) else Segments.of(segments)
-    return timed.at(extremum.time) if extremum.segment is None else timed[extremum.segment]
-
-
-def derivatives_of(
-    half_periods: HalfPeriods, segments: Sequence[Segment], extremum: Extremum
-) -> tuple[FloatArray, float | None]:
+def derivatives_of(found: Return, extremum: Extremum) -> tuple[FloatArray, float | None]:
     """Derivatives of an extremum's value by the start of the motion, and by the number.
 
     Parameters
     ----------
-    half_periods : HalfPeriods
-        The map.
-    segments : sequence of Segment
-        The motion.
+    found : Return
+        The march.
     extremum : Extremum
         One of its extrema.
 
@@ -369,7 +358,8 @@ def derivatives_of(
         m over the number's unit, while the start of the motion stays where it is; None if the segments do not know
         their change with a number.
     """
-    one, sign = _segment_of(segments, extremum), half_periods.map.problem.stops[extremum.at].sign
+    its = found.linearised.motion.index_at(extremum.time) if extremum.segment is None else extremum.segment
+    one, sign = found.linearised.segment(its), found.half_periods.map.problem.stops[extremum.at].sign
     tau, k, change = extremum.time - one.start, extremum.at, one.change
     count, wave = one.deviations.shape[0], np.exp(one.rates * tau)
     row = np.real((one.weights[k, :count] * wave[:count]) @ one.deviations) + one.drift[k, 0] + tau * one.drift[k, 1]

@@ -196,7 +196,7 @@ def slow_switch(family: Family, place: Place) -> Coming | None:
         return None
     there = list[Coming]()
     for one in turning_points(found):
-        row, slope = derivatives_of(place.half_periods, found.linearised.segments, one)
+        row, slope = derivatives_of(found, one)
         if slope is None:
             slope = by_difference(family, place.value, found, one)[1]
         rate = float(np.append(row / place.weights, slope * family.scale(place.value)) @ place.tangent)
@@ -236,7 +236,7 @@ def leaves_at(family: Family, graze: OnExtremum, rate: float) -> bool:
         return False
     if (one.value > 0) == one.highest:  # it has crossed
         return _is_driven_on(last.linearised.motion, one)
-    row = derivatives_of(half, last.linearised.segments, one)[0] / place.weights
+    row = derivatives_of(last, one)[0] / place.weights
     across = -float(np.copysign(_JUST_BEYOND * abs(rate), one.value)) - one.value
     point = half.map.moved(place.point, across * row / float(row @ row) / place.weights)
     return _is_driven_on(family.linearised(place.value, point, place.count).linearised.motion, one)

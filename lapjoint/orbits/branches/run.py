@@ -21,6 +21,8 @@ class Limits:
     """Arc length from its start after which it ends, as if its points were spent."""
     first: float = math.inf
     """Arc length of its first step at most."""
+    marches: float = math.inf
+    """Number of marches with their derivatives after which it ends likewise."""
     until: Place | None = None
     """A motion at which it ends."""
     enough: Callable[[Run], bool] | None = None
