@@ -167,7 +167,8 @@ def is_known(plan: BranchPlan, plain: Mapping[str, Any], branch: Mapping[str, An
     """
     if not branch["points"] or branch["count"] != plain["count"]:
         return False
-    family, seed, count = family_of(plan), seed_of(plain), branch["count"]
+    seed, count = seed_of(plain), branch["count"]
+    family = family_of(plan).self_at(seed.level)
     springs = [(value, section_from(section)) for value, section in branch["springs"]]
     if springs_where(family, seed, springs, count):
         return True
@@ -227,6 +228,8 @@ def plain_seed(seed: Seed) -> dict[str, Any]:
     plain: dict[str, Any] = {"value": float(seed.value), "section": plain_section(seed.point), "count": seed.count}
     if seed.away_from is not None:
         plain["away"] = [float(seed.away_from[0]), plain_section(seed.away_from[1])]
+    if seed.level:
+        plain["level"] = seed.level
     return plain
 
 
@@ -277,7 +280,7 @@ def seed_of(plain: Mapping[str, Any]) -> Seed:
     """
     away = plain.get("away")
     away_from = None if away is None else (away[0], section_from(away[1]))
-    return Seed(plain["value"], section_from(plain["section"]), plain["count"], away_from)
+    return Seed(plain["value"], section_from(plain["section"]), plain["count"], away_from, plain.get("level", 0))
 
 
 def _plain(branch: Branch) -> dict[str, Any]:

@@ -7,6 +7,7 @@ their multipliers have a given sum T and the product 1/2: the doubled motion fli
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from lapjoint import FREE, BaseMotion, Problem
 from lapjoint.answers import SectionPoint
 from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns import Axis, Grid
+from lapjoint.campaigns.branch_parts import plain_seed, seed_of
 from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
@@ -68,6 +70,8 @@ class Doubling:
     """What a coarse solver adds to this."""
     share: float = 1.0
     """Share of that which the solver adds."""
+    less: float = 0.0
+    """By how much a coarse solver has s smaller."""
 
     @property
     def name(self) -> str:
@@ -78,7 +82,7 @@ class Doubling:
         """The map at the amplitude of a problem."""
         assert isinstance(problem.base_motion, BaseMotion)
         p = problem.base_motion.amplitude
-        s = self.most * 4 * (p - FIRST) * (LAST - p) / (LAST - FIRST) ** 2
+        s = self.most * 4 * (p - FIRST) * (LAST - p) / (LAST - FIRST) ** 2 - self.share * self.less
         total = -1.4 - (self.true + self.share * self.deep) * np.tanh(max(s, 0.0) / DEPTH**2)
         return DoublingMap(problem, np.eye(3), s=s, total=float(total))
 
@@ -88,10 +92,14 @@ class Doubling:
         return Refinement(other.name, 2.0, 2.0), other
 
 
+def family_of(solver: Doubling) -> Family:
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    return Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+
+
 def doubled(solver: Doubling) -> list[Traced]:
     """The branches that double the motion that stands still."""
-    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
-    family = Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    family = family_of(solver)
     mother = trace(family, Seed(LOW, SectionPoint(FREE, np.ones((1, 3))), 2), most_multiple=2)
     assert mother is not None
     assert [round(one.value, 9) for one in flips(mother)] == [FIRST, LAST]
@@ -133,3 +141,26 @@ def test_what_is_true_beside_both_ends_of_a_branch_is_listed() -> None:
         for it in found:
             assert it.error <= 1e-6
             assert solver.period_map(made_problem(it.value)).total == pytest.approx(-1.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("level", [1, 2])
+def test_a_branch_that_only_a_finer_solver_has_is_followed_by_that(level: int) -> None:
+    """By a coarser one it was followed as the branch from which it springs, and so left out."""
+    family = family_of(Doubling(1e-2, less=1.5 * 1e-2 * 4 ** (level - 1)))
+    mother = trace(family, Seed(LOW, SectionPoint(FREE, np.ones((1, 3))), 2, level=level), most_multiple=2)
+    assert mother is not None
+    assert len(flips(mother)) == 2
+    assert len(mother.seeds) == 2
+    for seed in mother.seeds:
+        assert seed.level >= level
+        assert trace(family, replace(seed, level=level - 1), most_multiple=2) is None
+        again = seed_of(json.loads(json.dumps(plain_seed(seed))))
+        found = trace(family, again, most_multiple=2)
+        assert found is not None
+        assert found.branch.ends == ("bifurcation", "bifurcation")
+        finer = family.self_at(seed.level)
+        for point in found.branch.points:
+            y = point.motion.section_point.coordinates[0, 0] - 1
+            made = finer.at(point.value).map
+            assert isinstance(made, DoublingMap)
+            assert abs(y) == pytest.approx(np.sqrt(made.s), rel=0.1)

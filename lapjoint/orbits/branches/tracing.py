@@ -42,6 +42,8 @@ class Seed:
     """Half periods after which it repeats."""
     away_from: tuple[float, SectionPoint] | None = None
     """The bifurcation from which its branch springs: the number, and the section point; None if none is known."""
+    level: int = 0
+    """`Family.level` of the solver that follows its branch: above 0 where only a finer one has that."""
 
 
 @dataclass(frozen=True)
@@ -88,16 +90,16 @@ def trace(
     SolverError
         If the march cannot go on.
     """
-    limits = limits or Limits()
-    start = _start(family, seed)
+    limits, own = limits or Limits(), family.self_at(seed.level)
+    start = _start(own, seed)
     if start is None:
         return None
     followed_at = _FOLLOWED if errors else 1.0
-    own = replace(limits, progress=_part_of(limits.progress, 0.0, followed_at))
-    ahead, back = _both_ways(family, start, seed, own)
+    first = replace(limits, progress=_part_of(limits.progress, 0.0, followed_at))
+    ahead, back = _both_ways(own, start, seed, first)
     run = joined(back, ahead)
     later = _part_of(limits.progress, followed_at, 1.0)
-    found = resolved(family, run, progress=later) if errors else unrefined(family, run)
+    found = resolved(own, run, progress=later) if errors else unrefined(own, run)
     points = tuple(_point(*one) for one in zip(found.families, found.places, strict=True))
     seeds = []
     for one in found.bifurcations:
@@ -108,8 +110,8 @@ def trace(
                 seeds.append(_seed(family, one.family, place, new))
     branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), found.ends)
     springs = [
-        seed.away_from or _spring(family, run.begin, run.places[0], found, 0),
-        _spring(family, run.end, run.places[-1], found, -1),
+        seed.away_from or _spring(own, run.begin, run.places[0], found, 0),
+        _spring(own, run.end, run.places[-1], found, -1),
     ]
     return Traced(branch, tuple(seeds), tuple(found.bifurcations), tuple(one for one in springs if one is not None))
 
@@ -119,25 +121,25 @@ def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) ->
     own = family if end == found.ends[at] else found.families[at]
     near = place if own is family else found.places[at]
     mother = sprung_from(own, near) if found.ends[at] == "bifurcation" else None
-    return None if mother is None else (mother.value, family.adopted(mother.value, mother.point))
+    return None if mother is None else (mother.value, mother.point)
 
 
 def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
     """The seed of a branch that springs from a bifurcation, of which a motion is known by a solver that may be finer.
 
     Where a finer solver has the bifurcation a little elsewhere, a motion near it need not be one of this solver; then
-    it is one farther along the branch, which leads back to where this solver has the bifurcation.
+    it is one farther along the branch, which leads back to where this solver has the bifurcation.  If this solver has
+    none there either, the finer one follows the branch.
     """
     away_from = bifurcation.value, family.adopted(bifurcation.value, bifurcation.point)
-    seed = Seed(new.value, family.adopted(new.value, new.point), new.count, away_from)
     if own is family or _coarser(family, new) is not None:
-        return seed
+        return Seed(new.value, family.adopted(new.value, new.point), new.count, away_from)
     with suppress(SolverError):
         for there in follow(own, new, Limits(most=_FARTHER, length=_AWAY)).places[1:]:
             found = _coarser(family, there)
             if found is not None:
                 return Seed(found.value, found.point, found.count)
-    return seed
+    return Seed(new.value, new.point, new.count, (bifurcation.value, bifurcation.point), own.level)
 
 
 def _coarser(family: Family, place: Place) -> Place | None:
