@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
@@ -22,6 +22,8 @@ from lapjoint.orbits.branches.value_errors import Stated, stated
 _RIVALS, _AS_NEAR = 4, 1e-3
 """Most other bifurcations of a branch, of the kind that is looked for, from which it is told; and the distance of the
 number, over it, within which they may be taken for it: two solvers have nearly all to 1e-5."""
+_LOCATED = 1e-8
+"""Distance of the number, over its scale, up to which one that has been located twice is one: it is to 1e-9."""
 T = TypeVar("T")
 _SPRINGING = ("flip", "symmetry breaking")
 """Kinds of bifurcations from which a branch of periodic motions springs."""
@@ -106,7 +108,7 @@ def among(one: Listed, others: Iterable[Listed]) -> Listed:
     return replace(one, rivals=rivals_of(mine.value, near))
 
 
-def listed(family: Family, run: Run, errors: bool) -> list[Listed]:
+def listed(family: Family, run: Run, errors: bool, known: Sequence[Bifurcation] = ()) -> list[Listed]:
     """The bifurcations of a curve.
 
     Parameters
@@ -117,19 +119,22 @@ def listed(family: Family, run: Run, errors: bool) -> list[Listed]:
         The curve.
     errors : bool
         Whether to estimate their errors, from the motions at them.
+    known : sequence of Bifurcation
+        Some of which the values and errors are known already.
 
     Returns
     -------
     list of Listed
         In their sequence along the curve.
     """
-    return sorted(_each(family, run, errors), key=lambda one: one.index)
+    return sorted(_each(family, run, errors, known), key=lambda one: one.index)
 
 
-def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
+def _each(family: Family, run: Run, errors: bool, known: Sequence[Bifurcation]) -> Iterator[Listed]:
     """Those at grazes, those that are not resolved, and those on smooth parts."""
+    found = list[tuple[Located | Graze, tuple[int, int]]]()  # each with the indices of the places beside it
     for graze in run.grazes:
-        yield _named(family, run, graze, (graze.index - 1, graze.index + 1), errors)
+        found.append((graze, (graze.index - 1, graze.index + 1)))
         if errors and not graze.seen:
             yield from _just_beyond(family, run, graze)
     for jump in run.jumps:
@@ -138,7 +143,38 @@ def _each(family: Family, run: Run, errors: bool) -> Iterator[Listed]:
         if isinstance(one, NotLocated):
             yield Listed(family, _unresolved(one, index))
         else:
-            yield _named(family, run, one, (index - 1, index), errors)
+            found.append((one, (index - 1, index)))
+    told = _told(family, [its for its, _ in found], known)
+    for i, (its, beside) in enumerate(found):
+        yield _named(family, run, its, beside, told.get(i) or _stated(family, its, errors))
+
+
+def _told(family: Family, found: Sequence[Located | Graze], known: Sequence[Bifurcation]) -> dict[int, Stated]:
+    """What is known already of some, by their indices: where one alone of its kind is there, and is meant."""
+    told, values = dict[int, list[Stated]](), [_value(one) for one in found]
+    for other in known:
+        reach = other.error + _LOCATED * family.scale(other.value)
+        near = [
+            i
+            for i, one in enumerate(found)
+            if abs(values[i] - other.value) <= reach and _kind_and_stop(one) == (other.kind, other.stop)
+        ]
+        for i in near:
+            told.setdefault(i, []).append(Stated(other.value, other.error if len(near) == 1 else np.inf))
+    return {i: ones[0] for i, ones in told.items() if len(ones) == 1 and np.isfinite(ones[0].error)}
+
+
+def _value(one: Located | Graze) -> float:
+    return one.value if isinstance(one, Graze) else one.place.value
+
+
+def _kind_and_stop(one: Located | Graze) -> tuple[BifurcationKind, int]:
+    return ("grazing", one.stop) if isinstance(one, Graze) else (one.kind, -1)
+
+
+def _stated(family: Family, one: Located | Graze, errors: bool) -> Stated:
+    value = _value(one)
+    return stated(family, motion_at(one), value, directly(one)) if errors else Stated(value, np.inf)
 
 
 def _just_beyond(family: Family, run: Run, graze: Graze) -> Iterator[Listed]:
@@ -166,13 +202,10 @@ def _unresolved(part: Jump | NotLocated, index: int) -> Bifurcation:
     return Bifurcation("unresolved", 0.5 * (part.first + part.last), 0.5 * abs(part.last - part.first), index)
 
 
-def _named(family: Family, run: Run, one: Located | Graze, beside: tuple[int, int], errors: bool) -> Listed:
-    """One that is resolved, with the indices of the places before it and behind it."""
-    place = motion_at(one)
-    value, index = (one.value, one.index) if isinstance(one, Graze) else (place.value, beside[1])
-    known = stated(family, place, value, directly(one)) if errors else Stated(value, np.inf)
-    stop, after = (one.stop, one.kind) if isinstance(one, Graze) else (-1, "")
-    kind: BifurcationKind = "grazing" if isinstance(one, Graze) else one.kind
+def _named(family: Family, run: Run, one: Located | Graze, beside: tuple[int, int], known: Stated) -> Listed:
+    """One that is resolved, with the indices of the places before it and behind it, and its number."""
+    place, (kind, stop) = motion_at(one), _kind_and_stop(one)
+    index, after = (one.index, one.kind) if isinstance(one, Graze) else (beside[1], "")
     motion = MotionThere(place.value, place.point, place.count)
     found = Bifurcation(kind, known.value, known.error, index, stop, after, _impulses(place), motion)
     return Listed(family, found, one, Way(family, run, *beside))

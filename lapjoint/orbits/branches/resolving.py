@@ -3,20 +3,22 @@
 Close to a graze, where a map of few modes jumps or turns sharply, a coarse solver may have bifurcations that a finer
 one has not, or none at all.  What is not confirmed there says nothing of the joint.  So each such part, with a little
 of the curve before and behind it, is followed by the finer solver from the motion before to the one behind; its
-motions and bifurcations take the place of the others, if less of them is in doubt.  Where the branch springs from
+motions and bifurcations take the place of the others, if less of them is in doubt.  What it leaves unresolved stays so:
+half of the work went into parts within such parts, a hundredth as wide.  Where the branch springs from
 another beside such a part, or is lost there, the finer solver follows it to where it springs; a branch that is all in
 doubt is followed both ways from a motion within.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, islice, pairwise, repeat
 
 import numpy as np
 
+from lapjoint.answers.branches import Bifurcation
 from lapjoint.errors import SolverError
 from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.by_another_solver import by_another
@@ -159,19 +161,25 @@ def _all_asked_again(found: Resolved) -> Resolved:
     return replace(found, bifurcations=asked)
 
 
-def _as_followed(family: Family, run: Run, *, errors: bool) -> Resolved:
-    """A curve as it was followed."""
+def _as_followed(family: Family, run: Run, *, errors: bool, known: Sequence[Bifurcation] = ()) -> Resolved:
+    """A curve as it was followed, of which some bifurcations may be known."""
     places = run.places
-    return Resolved(places, listed(family, run, errors), [family] * len(places), (run.begin, run.end))
+    return Resolved(places, listed(family, run, errors, known), [family] * len(places), (run.begin, run.end))
 
 
-def _resolved(family: Family, run: Run, levels: int, progress: Callable[[float], None] | None = None) -> Resolved:
-    """`resolved`, before what is left in doubt is asked for again."""
-    now = _as_followed(family, run, errors=True)
+def _resolved(
+    family: Family,
+    run: Run,
+    levels: int,
+    progress: Callable[[float], None] | None = None,
+    known: Sequence[Bifurcation] = (),
+) -> Resolved:
+    """`resolved`, before what is left in doubt is asked for again; some bifurcations may be known."""
+    now = _as_followed(family, run, errors=True, known=known)
     if not levels:
         return now
     search, taken = _Search(family, run, now.bifurcations, levels), list[Part]()
-    parts = list(_parts(now.bifurcations))
+    parts = list(_parts(now.bifurcations, confirmed_only=levels < _LEVELS))
     for done, part in enumerate(reversed(parts)):  # the indices of those before stay as they are
         if progress is not None:
             progress(_LISTED + (1 - _LISTED) * done / len(parts))
@@ -208,9 +216,9 @@ def asked_again(one: Listed, marches: float = np.inf) -> Listed:
     return replace(one, asked=True)
 
 
-def _parts(bifurcations: list[Listed]) -> Iterator[tuple[int, int]]:
-    """The first and the last index of what is in doubt, part by part."""
-    indices = [one.index for one in bifurcations if one.doubtful]
+def _parts(bifurcations: list[Listed], *, confirmed_only: bool) -> Iterator[tuple[int, int]]:
+    """The first and the last index of what is in doubt, part by part; or of what is not confirmed alone."""
+    indices = [one.index for one in bifurcations if one.doubtful and not (confirmed_only and one.found is None)]
     edges = [i for i, (a, b) in enumerate(pairwise(indices), start=1) if b - a > _TOGETHER]
     for first, last in pairwise([0, *edges, len(indices)]):
         if first < last:
@@ -286,7 +294,9 @@ class _Search:
             if found is None:
                 return None
             first, last, there = found
-            return Part(first, last, _resolved(finer, there, self.levels - level))
+            within = (one for one in self.bifurcations if first <= one.index <= last and not one.doubtful)
+            known = [one.bifurcation for one in within]
+            return Part(first, last, _resolved(finer, there, self.levels - level, known=known))
         except SolverError:
             return None
 

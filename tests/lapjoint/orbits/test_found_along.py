@@ -11,17 +11,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from finer_curve import FINER, both_ways, family, unconfirmed
 
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import Finder
 from lapjoint.orbits.branches.listing import Listed, listed
 from lapjoint.orbits.branches.resolving import asked_again
-from lapjoint.orbits.branches.run import Limits
+from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.branches.seeds import seed_from
+from lapjoint.orbits.branches.value_errors import Stated
 
 MOTIONS = json.loads((Path(__file__).parent / "two_flips.json").read_text(encoding="utf-8"))
 AROUND = Limits(most=60, length=3e-2)  # from the graze, it has both flips
@@ -54,15 +57,20 @@ def test_where_no_motion_of_the_branch_leads_to_it_one_of_a_closer_look_does() -
     assert abs(known.value - flips_of_the_curve()[0]) <= known.error <= AIM * known.value
 
 
-def test_each_bifurcation_of_a_curve_is_found_by_a_closer_look() -> None:
-    """Grazes too, of which the march from switch to switch is not kept."""
-    own = family()
+def a_curve(own: Family) -> Run:
+    """Upwards from the motion at 600 rad/s."""
     seed = seed_from(own, 600.0, own.at(600.0).map.initial(), 1)
     assert seed is not None
     start = corrected(own, seed.value, seed.point, seed.count)
     assert start is not None
     upwards = start.along(np.append(np.zeros(start.tangent.size - 1), 1.0))
-    run = follow(own, upwards, Limits(most=40, length=1.0))
+    return follow(own, upwards, Limits(most=40, length=1.0))
+
+
+def test_each_bifurcation_of_a_curve_is_found_by_a_closer_look() -> None:
+    """Grazes too, of which the march from switch to switch is not kept."""
+    own = family()
+    run = a_curve(own)
     surely, unsure = listed(own, run, errors=True), listed(own, run, errors=False)
     assert {one.bifurcation.kind for one in surely} == {"grazing", "neimark-sacker", "symmetry breaking"}
     stated = 0
@@ -72,3 +80,33 @@ def test_each_bifurcation_of_a_curve_is_found_by_a_closer_look() -> None:
             stated += 1
             assert abs(known.value - one.bifurcation.value) <= known.error + one.bifurcation.error
     assert stated == len(unsure)
+
+
+def test_what_is_known_already_is_taken_over_where_it_is_meant_without_doubt(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A finer solver that follows a part once more need not estimate errors again: the coarser one has asked it."""
+    own = family()
+    run = a_curve(own)
+    unsure = [one.bifurcation for one in listed(own, run, errors=False)]
+    mine = [replace(one, value=one.value * (1 + 1e-7), error=2e-7 * one.value) for one in unsure]
+    asked = list[float]()
+
+    def stated_here(_family: Family, _place: Place, value: float, _finder: Finder) -> Stated:
+        asked.append(value)
+        return Stated(value, np.inf)
+
+    monkeypatch.setattr("lapjoint.orbits.branches.listing.stated", stated_here)
+    again = [one.bifurcation for one in listed(own, run, True, mine)]
+    assert [(one.value, one.error) for one in again] == [(one.value, one.error) for one in mine]
+    assert not asked
+    for wrong in (
+        replace(mine[0], value=mine[0].value * (1 + 1e-6)),  # too far off
+        replace(mine[0], kind="fold", stop=-1),
+        replace(mine[0], stop=mine[0].stop + 1),
+    ):
+        listed(own, run, True, [wrong, *mine[1:]])
+        assert asked == [unsure[0].value]
+        asked.clear()
+    listed(own, run, True, [*mine, replace(mine[0], error=3e-7 * mine[0].value)])  # which of the two is meant?
+    assert asked == [unsure[0].value]
