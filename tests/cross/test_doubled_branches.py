@@ -164,3 +164,17 @@ def test_a_branch_that_only_a_finer_solver_has_is_followed_by_that(level: int) -
             made = finer.at(point.value).map
             assert isinstance(made, DoublingMap)
             assert abs(y) == pytest.approx(np.sqrt(made.s), rel=0.1)
+
+
+def test_a_branch_begins_at_a_motion_of_the_solver_that_follows_it() -> None:
+    """Not at the finer one's, from which Newton's method may lead elsewhere, or nowhere."""
+    family = family_of(Doubling(1e-2, less=4e-6))
+    mother = trace(family, Seed(LOW, SectionPoint(FREE, np.ones((1, 3))), 2, level=1), most_multiple=2)
+    assert mother is not None
+    assert len(mother.seeds) == 2
+    for seed in mother.seeds:
+        half = family.at(seed.value)
+        assert half.relative(half.map.difference(half.marched(seed.point, seed.count), seed.point), seed.point) <= 1e-9
+        found = trace(family, seed, most_multiple=2)
+        assert found is not None
+        assert found.branch.ends == ("bifurcation", "bifurcation")

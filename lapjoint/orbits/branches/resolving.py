@@ -4,9 +4,9 @@ Close to a graze, where a map of few modes jumps or turns sharply, a coarse solv
 one has not, or none at all.  What is not confirmed there says nothing of the joint.  So each such part, with a little
 of the curve before and behind it, is followed by the finer solver from the motion before to the one behind; its
 motions and bifurcations take the place of the others, if less of them is in doubt.  What it leaves unresolved stays so:
-half of the work went into parts within such parts, a hundredth as wide.  Where the branch springs from
-another beside such a part, or is lost there, the finer solver follows it to where it springs; a branch that is all in
-doubt is followed both ways from a motion within.
+parts within such parts took half of the work on a long branch.  Where the branch springs from another beside such a
+part, or is lost there, the finer solver follows it to where it springs; a branch that is all in doubt is followed both
+ways from a motion within.
 """
 
 from __future__ import annotations

@@ -132,8 +132,9 @@ def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
     none there either, the finer one follows the branch.
     """
     away_from = bifurcation.value, family.adopted(bifurcation.value, bifurcation.point)
-    if own is family or _coarser(family, new) is not None:
-        return Seed(new.value, family.adopted(new.value, new.point), new.count, away_from)
+    near = new if own is family else _coarser(family, new)
+    if near is not None:
+        return Seed(near.value, near.point, near.count, away_from)
     with suppress(SolverError):
         for there in follow(own, new, Limits(most=_FARTHER, length=_AWAY)).places[1:]:
             found = _coarser(family, there)
