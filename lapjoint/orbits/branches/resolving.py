@@ -2,11 +2,10 @@
 
 Close to a graze, where a map of few modes jumps or turns sharply, a coarse solver may have bifurcations that a finer
 one has not, or none at all.  What is not confirmed there says nothing of the joint.  So each such part, with a little
-of the curve before and behind it, is followed by the finer solver from the motion before to the one behind; its
-motions and bifurcations take the place of the others, if less of them is in doubt.  What it leaves unresolved stays so:
-parts within such parts took half of the work on a long branch.  Where the branch springs from another beside such a
-part, or is lost there, the finer solver follows it to where it springs; a branch that is all in doubt is followed both
-ways from a motion within.
+of the curve before and behind it, is followed by the finer solver from the motion before to the one behind; its motions
+and bifurcations take the place of the others, if less of them is in doubt.  Where the branch springs from another
+beside such a part, or is lost there, the finer solver follows it to where it springs; a branch that is all in doubt is
+followed both ways from a motion within.
 """
 
 from __future__ import annotations
@@ -43,6 +42,9 @@ third one found 2 of 23 beside grazes that two did not, and 1 of 31 along its cu
 _LITTLE = 400
 """Most marches by which that is looked for in a part that was only not resolved: 37 of 41 took at most 340, and the
 other four as long as all of these together."""
+_NARROW = 0.01 * AIM
+"""Half width, over the scale of the number, of what a finer solver leaves unresolved up to which it stays so: parts
+within parts took half of the work on a long branch."""
 _TOGETHER = 8
 """Most places between two bifurcations in doubt that belong to one part."""
 _MARGINS = (1e-3, 1e-2, 5e-2)
@@ -179,7 +181,7 @@ def _resolved(
     if not levels:
         return now
     search, taken = _Search(family, run, now.bifurcations, levels), list[Part]()
-    parts = list(_parts(now.bifurcations, confirmed_only=levels < _LEVELS))
+    parts = list(_parts(now.bifurcations, 0.0 if levels == _LEVELS else _NARROW * family.scale(run.places[0].value)))
     for done, part in enumerate(reversed(parts)):  # the indices of those before stay as they are
         if progress is not None:
             progress(_LISTED + (1 - _LISTED) * done / len(parts))
@@ -216,9 +218,9 @@ def asked_again(one: Listed, marches: float = np.inf) -> Listed:
     return replace(one, asked=True)
 
 
-def _parts(bifurcations: list[Listed], *, confirmed_only: bool) -> Iterator[tuple[int, int]]:
-    """The first and the last index of what is in doubt, part by part; or of what is not confirmed alone."""
-    indices = [one.index for one in bifurcations if one.doubtful and not (confirmed_only and one.found is None)]
+def _parts(bifurcations: list[Listed], narrow: float) -> Iterator[tuple[int, int]]:
+    """The first and the last index of what is in doubt, part by part, but for what is not resolved and so narrow."""
+    indices = [one.index for one in bifurcations if one.doubtful and one.bifurcation.error >= narrow]
     edges = [i for i, (a, b) in enumerate(pairwise(indices), start=1) if b - a > _TOGETHER]
     for first, last in pairwise([0, *edges, len(indices)]):
         if first < last:
