@@ -20,7 +20,10 @@ from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.campaigns.branch_parts import plain_seed, seed_of
 from lapjoint.orbits import Passage
+from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.restored import restored
+from lapjoint.orbits.branches.switching import repeats_in_half
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
 from lapjoint.orbits.period_map import Derivative, Linearised
 from lapjoint.orbits.refinement import Refinement
@@ -178,3 +181,19 @@ def test_a_branch_begins_at_a_motion_of_the_solver_that_follows_it() -> None:
         found = trace(family, seed, most_multiple=2)
         assert found is not None
         assert found.branch.ends == ("bifurcation", "bifurcation")
+
+
+def test_a_bifurcation_that_only_a_finer_solver_has_is_restored_by_that() -> None:
+    """The coarse one, and finer ones, come to the motion from which the branch springs."""
+    family = family_of(Doubling(1e-2, true=1.0, less=1.5e-2))
+    mother = trace(family, Seed(LOW, SectionPoint(FREE, np.ones((1, 3))), 2, level=1), most_multiple=2)
+    assert mother is not None
+    branches = [trace(family, seed, most_multiple=2) for seed in mother.seeds]
+    found = [one for branch in branches if branch is not None for one in flips(branch)]
+    assert len(found) == 4
+    for one in found:
+        again = restored(family, one)
+        assert again is not None
+        assert isinstance(again.found, Located)
+        assert again.family.level >= 2
+        assert not repeats_in_half(again.found.place)

@@ -21,9 +21,10 @@ from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import Coming, rates_of
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.shooting import taken_over
+from lapjoint.orbits.branches.switching import repeats_in_half
 
-_FINER = 2
-"""Most finer selves of the solver that are asked: its branches are resolved by so many."""
+_FINER = 4
+"""Most finer selves of the solver that are asked: a branch that only the second one has is resolved by two more."""
 _AS_IT_IS = 1e-8
 """Arc length from a motion in the file up to which it is the one that closes: what closes to 1e-9 on one processor may
 miss by a little more on another, where multipliers are a thousand.  Other selves have theirs at 1e-6 and more."""
@@ -60,8 +61,9 @@ def restored(family: Family, one: Bifurcation, rivals: Iterable[MotionThere] = (
 
 def _restored(family: Family, one: Bifurcation, motion: MotionThere) -> Listed | None:
     """`restored` by the self that found it, or else the first one that finds it."""
-    places = list(_places(family, motion))
-    for own, place in places:
+    places = list[tuple[Family, Place]]()
+    for own, place in _places(family, motion):
+        places.append((own, place))
         in_file = replace(place.beginning_at(motion.point), value=motion.value)
         if float(np.linalg.norm(place.chord(own, in_file))) <= _AS_IT_IS:  # this is the self that found it
             found = _as_it_is(own, one, place)
@@ -102,13 +104,13 @@ def _again(one: Listed, family: Family) -> Listed | None:
 
 
 def _places(family: Family, motion: MotionThere) -> Iterator[tuple[Family, Place]]:
-    """The motion by the solver, and by finer selves of it."""
+    """The motion by the solver, and by finer selves of it, unless Newton's method leads to one that repeats sooner."""
     own: Family | None = family
     for _ in range(_FINER + 1):
         if own is None:
             return
         place = corrected(own, motion.value, own.adopted(motion.value, motion.point), motion.half_periods)
-        if place is not None:
+        if place is not None and not repeats_in_half(place):
             yield own, place
         finer = own.finer(motion.value)
         own = None if finer is None else finer[1]
