@@ -37,7 +37,7 @@ from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
-from lapjoint.orbits.segments import Segment, Segments
+from lapjoint.orbits.segments import MadeSegments, Segments
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -205,7 +205,7 @@ class PeriodMap:
             along.segments,
             lambda: along.outline,
             along.segments_of,
-            along.segment,
+            lambda i: along.each[i],
         )
 
     @in_one_thread
@@ -284,9 +284,11 @@ class _Along:
         """The march from switch to switch."""
         return with_deviations(self.outline, self.carried(slice(None)))
 
-    def segment(self, i: int) -> Segment:
-        """One segment of it."""
-        return with_deviations(self.outline, self.carried(slice(i, i + 1)))[0]
+    @cached_property
+    def each(self) -> MadeSegments:
+        """The same, of which each segment is made alone, by all deviations carried once more."""
+        one = self.outline
+        return MadeSegments(one.start, one.end, lambda i: with_deviations(one, self.carried(slice(i, i + 1)))[0])
 
     def segments_of(self, deviation: FloatArray) -> Segments:
         """The same with one deviation, kg^1/2 m and kg^1/2 m/s, shape ``(2 N,)``."""

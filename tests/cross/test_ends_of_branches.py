@@ -161,6 +161,20 @@ def test_a_ring_is_gone_round_once_however_small_it_is(radius: float) -> None:
     assert abs(turned[-1] - turned[0]) == pytest.approx(2 * np.pi, abs=0.02)
 
 
+def test_a_curve_ends_once_its_marches_are_spent() -> None:
+    """What is looked for along a curve is given up after so many: at a graze nothing else ended some."""
+    family = family_of(Tongue(1), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+    start = corrected(family, 1.0, SectionPoint(FREE, np.array([[0.0, 1.0]])), 2, fixed=True)
+    assert start is not None
+    whole, most = follow(family, start, Limits(1000)), 20
+    before = family.marches
+    run = follow(family, start, Limits(1000, marches=most))
+    assert run.end == "effort"
+    assert most <= family.marches - before <= 2 * most  # a step is not broken off
+    assert 1 < len(run.places) < len(whole.places)
+    assert [one.value for one in run.places] == [one.value for one in whole.places[: len(run.places)]]
+
+
 def strands(x: float, p: float, apart: float, length: float) -> tuple[float, float]:
     """Strands side by side, which the curve goes along up and down, with the derivative by x."""
     angle = 2 * np.pi * (x - 1) / apart

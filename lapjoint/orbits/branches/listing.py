@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -55,6 +56,11 @@ class Listed:
     def doubtful(self) -> bool:
         """Whether a finer solver may have another one in its place."""
         return self.bifurcation.kind == "unresolved" or not np.isfinite(self.bifurcation.error)
+
+    @property
+    def unconfirmed(self) -> bool:
+        """Whether it was found, and finer solvers do not say how surely."""
+        return self.doubtful and self.found is not None
 
     @property
     def springing(self) -> Place | None:
@@ -151,17 +157,15 @@ def _each(family: Family, run: Run, errors: bool, known: Sequence[Bifurcation]) 
 
 def _told(family: Family, found: Sequence[Located | Graze], known: Sequence[Bifurcation]) -> dict[int, Stated]:
     """What is known already of some, by their indices: where one alone of its kind is there, and is meant."""
-    told, values = dict[int, list[Stated]](), [_value(one) for one in found]
-    for other in known:
-        reach = other.error + _LOCATED * family.scale(other.value)
-        near = [
-            i
-            for i, one in enumerate(found)
-            if abs(values[i] - other.value) <= reach and _kind_and_stop(one) == (other.kind, other.stop)
-        ]
-        for i in near:
-            told.setdefault(i, []).append(Stated(other.value, other.error if len(near) == 1 else np.inf))
-    return {i: ones[0] for i, ones in told.items() if len(ones) == 1 and np.isfinite(ones[0].error)}
+    pairs = [
+        (i, k)
+        for k, other in enumerate(known)
+        for i, one in enumerate(found)
+        if _kind_and_stop(one) == (other.kind, other.stop)
+        and abs(_value(one) - other.value) <= other.error + _LOCATED * family.scale(other.value)
+    ]
+    there, meant = Counter(i for i, _ in pairs), Counter(k for _, k in pairs)
+    return {i: Stated(known[k].value, known[k].error) for i, k in pairs if there[i] == meant[k] == 1}
 
 
 def _value(one: Located | Graze) -> float:

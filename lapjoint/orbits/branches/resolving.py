@@ -159,7 +159,7 @@ def resolved(
 def _all_asked_again(found: Resolved) -> Resolved:
     """The same after what is in doubt has been asked for again."""
     own = found.bifurcations
-    asked = [asked_again(among(one, own)) if one.doubtful and not one.asked else one for one in own]
+    asked = [asked_again(among(one, own)) if one.unconfirmed and not one.asked else one for one in own]
     return replace(found, bifurcations=asked)
 
 
@@ -175,13 +175,17 @@ def _resolved(
     levels: int,
     progress: Callable[[float], None] | None = None,
     known: Sequence[Bifurcation] = (),
+    narrow: float = 0.0,
 ) -> Resolved:
-    """`resolved`, before what is left in doubt is asked for again; some bifurcations may be known."""
+    """`resolved`, before what is left in doubt is asked for again.
+
+    Some bifurcations may be known, and what is not resolved and so `narrow` stays as it is.
+    """
     now = _as_followed(family, run, errors=True, known=known)
     if not levels:
         return now
     search, taken = _Search(family, run, now.bifurcations, levels), list[Part]()
-    parts = list(_parts(now.bifurcations, 0.0 if levels == _LEVELS else _NARROW * family.scale(run.places[0].value)))
+    parts = list(_parts(now.bifurcations, narrow))
     for done, part in enumerate(reversed(parts)):  # the indices of those before stay as they are
         if progress is not None:
             progress(_LISTED + (1 - _LISTED) * done / len(parts))
@@ -209,7 +213,7 @@ def asked_again(one: Listed, marches: float = np.inf) -> Listed:
     Listed
         The same where it has an error, is not resolved, or they do not agree.
     """
-    if not one.doubtful or one.found is None:
+    if one.found is None or not one.unconfirmed:
         return one
     for way in (one.way, Surroundings(one.family, motion_at(one.found))):
         known = by_another(replace(one, way=way), one.family, _ASKED, _FOLLOWED, marches)
@@ -257,10 +261,7 @@ class _Search:
         Where the part behind it is in the way, it has both as one.  For a part that is only not resolved, one finer
         solver alone is asked: much work after that makes few of these narrower.
         """
-        unconfirmed = any(
-            one.doubtful and one.bifurcation.kind != "unresolved" and part[0] <= one.index <= part[1]
-            for one in self.bifurcations
-        )
+        unconfirmed = any(one.unconfirmed and part[0] <= one.index <= part[1] for one in self.bifurcations)
         levels = self.selves if unconfirmed else self.selves[:1]
         for level in range(1, len(levels) + 1):
             alone = self._followed(part, level, taken)
@@ -298,7 +299,8 @@ class _Search:
             first, last, there = found
             within = (one for one in self.bifurcations if first <= one.index <= last and not one.doubtful)
             known = [one.bifurcation for one in within]
-            return Part(first, last, _resolved(finer, there, self.levels - level, known=known))
+            narrow = _NARROW * finer.scale(there.places[0].value)
+            return Part(first, last, _resolved(finer, there, self.levels - level, known=known, narrow=narrow))
         except SolverError:
             return None
 
@@ -419,7 +421,7 @@ def _with_less_than(doubt: tuple[int, float], part: Part) -> Part | None:
     for i, one in enumerate(own):
         if _doubt(own) < doubt or vain > doubt[0]:
             break
-        if one.doubtful and not one.asked and one.found is not None:
+        if one.unconfirmed and not one.asked:
             own[i] = asked_again(among(one, own), most)
             vain += own[i].doubtful
     return replace(part, found=replace(part.found, bifurcations=own)) if _doubt(own) < doubt else None
@@ -428,7 +430,7 @@ def _with_less_than(doubt: tuple[int, float], part: Part) -> Part | None:
 def _doubt(bifurcations: list[Listed]) -> tuple[int, float]:
     """How many have no error, and how wide all parts are that are not resolved."""
     wide = sum(one.bifurcation.error for one in bifurcations if one.bifurcation.kind == "unresolved")
-    return sum(one.doubtful and one.bifurcation.kind != "unresolved" for one in bifurcations), wide
+    return sum(one.unconfirmed for one in bifurcations), wide
 
 
 def _put_in(whole: Resolved, part: Part) -> Resolved:

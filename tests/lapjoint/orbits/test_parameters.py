@@ -112,6 +112,28 @@ def test_closed_forms_are_the_limit_of_differences_through_contacts(solver: str,
         assert slope_of(one, t) == pytest.approx(slope, rel=1e-5, abs=1e-5 * np.abs(slope).max())
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_segment_that_is_asked_for_alone_is_that_of_all(solver: str) -> None:
+    """Its deviations are kept there alone; the derivative of the end is then known without carrying them again."""
+    value, at = family_at(solver, FREQUENCY)
+    here = at(value)
+    assert isinstance(here, FieldDerivatives)
+    start = here.march(here.initial(), 6).end
+    alone, whole = (here.linearised_by(FREQUENCY, start, 3) for _ in range(2))
+    assert alone is not None
+    assert whole is not None
+    for i, one in enumerate(whole.segments):
+        other = alone.segment(i)
+        assert (other.start, other.end, other.switched) == (one.start, one.end, one.switched)
+        assert one.change is not None
+        assert other.change is not None
+        for name in ("closed", "rates", "weights", "amplitudes", "polynomial", "deviations", "drift"):
+            np.testing.assert_array_equal(getattr(other, name), getattr(one, name))
+        for mine, its in zip(other.change, one.change, strict=True):
+            np.testing.assert_array_equal(mine, its)
+    np.testing.assert_array_equal(alone.matrix, whole.matrix)
+
+
 def displacements(one: Segment, t: float) -> FloatArray:
     tau = t - one.start
     waves = one.weights * one.amplitudes * np.exp(one.rates * tau)
