@@ -99,7 +99,7 @@ def witnessed(solver: AnySolver, seed: int, index: int, errors: bool = False) ->
     branch = first_branch(family, errors)
     if branch is None:
         return Witnessed((), 0, 0, (), ())
-    faults, pushed = list(unnamed(branch)), 0
+    faults, pushed = [*unnamed(branch), *short(family, branch)], 0
     for i in rng.permutation(len(branch.points))[:DRAWN].tolist():
         point = branch.points[i]
         map_ = map_of(family, point)
@@ -148,6 +148,13 @@ def unnamed(branch: Branch) -> Iterator[str]:
         outside = [int(np.count_nonzero(np.abs(one.motion.multipliers) > 1)) for one in (a, b)]
         if outside[0] != outside[1]:
             yield f"{where}: {outside[0]} and {outside[1]} multipliers outside the circle, and no bifurcation"
+
+
+def short(family: Family, branch: Branch) -> Iterator[str]:
+    """Ends that are said to be those of the range, and are not."""
+    for end, point in zip(branch.ends, (branch.points[0], branch.points[-1]), strict=True):
+        if end == "boundary" and point.value not in (family.low, family.high):
+            yield f"ends as boundary at {point.value:.9g}"
 
 
 def at_graze(branch: Branch, i: int) -> bool:

@@ -214,9 +214,7 @@ class _Follower:
         if new is not None:
             rates = rates_of(self._family, new)
             seen = passed(self._here, self._rates, new, rates, self._step)
-            if seen.nothing:
-                if not self._comes_closer_to_shorter(new):
-                    self._take(new, rates, angle)
+            if seen.nothing and (self._comes_closer_to_shorter(new) or self._take(new, rates, angle)):
                 return
             if (len(seen.grazes) == 1 or (seen.grazes and self._step <= _DISTINCT)) and self._cross(
                 seen.grazes[0], self._step
@@ -286,16 +284,19 @@ class _Follower:
         self._resolve_at(replace(graze, before=replace(graze.before, place=before)))
         return True
 
-    def _take(self, new: Place, rates: Rates, angle: float) -> None:
-        """Take a step to a place with the same contacts."""
+    def _take(self, new: Place, rates: Rates, angle: float) -> bool:
+        """Take a step to a place with the same contacts; whether that was done."""
         if not self._family.low <= new.value <= self._family.high:
-            self._places += at_boundary(self._family, self._here, new)
-            self._end = "boundary"
-        elif not (self._turned_back(new) and self._leave_out_more()):
+            last = at_boundary(self._family, self._here, new)
+            self._places += last
+            self._end = "boundary" if last else ""
+            return bool(last)
+        if not (self._turned_back(new) and self._leave_out_more()):
             self._bend = bend_of(self._family, self._here, new)
             self._come_to(new, rates)
             grown = self._step * float(np.clip(_TURN / max(angle, 1e-9), 0.4, _GROWS))
             self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
+        return True
 
     def _comes_closer_to_shorter(self, beyond: Place) -> bool:
         """Whether a motion that repeats sooner lies before a place; then the next step is a shorter one, or the last.
