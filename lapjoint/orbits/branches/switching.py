@@ -4,12 +4,15 @@ There the map M over the motion's half periods sends its vector v to -v, so the 
 fixed points that leaves the motion along v: x = x0 + eps v + O(eps^2), p = p0 + O(eps^2).  For a flip it is the motion
 of twice the period; where a symmetry breaks, its half periods being odd, it is the motion that its mirror image does
 not repeat.  Both signs of eps give one motion, or a motion and its mirror image.
+
+A motion of that branch is told by M x - x = -2 eps v + O(eps^2), which is zero all along the old one.  How far it lies
+along v from where it springs tells the two apart less well: the old one goes along v, too, and beside a graze by more.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import product
+from contextlib import suppress
 
 import numpy as np
 
@@ -20,11 +23,13 @@ from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.run import Limits, Run
+from lapjoint.orbits.half_periods import Return
 from lapjoint.orbits.newton import RESIDUAL
+from lapjoint.problem import FloatArray
 
-_LENGTHS = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-2)
-"""Arc lengths eps, tried in turn: from long ones Newton's method leads back to the old branch.  With light damping one
-bifurcation in four is so near to a graze that only motions within 3e-4 of it are smooth."""
+_LENGTHS = (3e-3, 3e-4, 3e-5, 3e-6, 1e-6)
+"""Arc lengths eps, tried in turn: a branch is followed faster from far, but one bifurcation in four is so near to a
+graze that only motions within 1e-5 of it are smooth."""
 _FEW, _LONGER = 50, 2.0
 """Most points of a branch back to where it springs, and the largest ratio of its length and of the way to there."""
 _BESIDE, _MOST = 5e-3, 40
@@ -57,16 +62,11 @@ def switched(family: Family, bifurcation: Place) -> Place | None:
     _, vector = crosses_minus_one(bifurcation)
     direction = vector * bifurcation.weights
     direction = direction / np.linalg.norm(direction)
-    for sign, length in product((1.0, -1.0), _LENGTHS):
-        try:
-            found = _beside(family, bifurcation, sign * direction, length)
-        except (SolverError, InputError, np.linalg.LinAlgError):
-            continue
-        if found is None:
-            continue
-        half = found.half_periods
-        if half.apart(half.marched(found.point, bifurcation.count), found.point) > length / 2:
-            return found.along(found.chord(family, bifurcation))
+    for length in _LENGTHS:
+        with suppress(SolverError, InputError, np.linalg.LinAlgError):
+            found = _beside(family, bifurcation, direction, length)
+            if found is not None:
+                return found.along(found.chord(family, bifurcation))
     return None
 
 
@@ -174,30 +174,32 @@ def back_to_where_it_springs(family: Family, place: Place, length: float) -> Run
     return found if found.end == "bifurcation" else Run([place], [], [], "bifurcation")
 
 
-def _beside(family: Family, bifurcation: Place, direction: np.ndarray, length: float) -> Place | None:
-    """The motion of twice the half periods whose distance along a direction is `length`."""
-    count, value = 2 * bifurcation.count, bifurcation.value
-    border = np.append(direction, 0.0)
-    value, point = bifurcation.moved(family, length * border)
+def _beside(family: Family, bifurcation: Place, direction: FloatArray, length: float) -> Place | None:
+    """The motion of twice the half periods that is off by twice a length, along a direction, after half of them."""
+    value, point = bifurcation.moved(family, length * np.append(direction, 0.0))
     residual, closed = np.inf, None
     for i in range(_STEPS):
-        half = family.at(value)
-        found = family.linearised(value, point, count)
+        half, scale = family.at(value), family.scale(value)
+        once, found = (family.linearised(value, point, n * bifurcation.count) for n in (1, 2))
         r = half.map.difference(found.end, point)
         left = half.relative(r, point)
         if r.size != direction.size or left > max(0.5 * residual, 1e-2 if i < 3 else 0.0):
             return closed
-        residual = left
-        weights = scaling(half, point, r.size)
-        column = family.derivative(value, point, count) if found.by_number is None else found.by_number
-        J = jacobian(found.matrix, column * family.scale(value), weights)
-        away = half.map.difference(point, half.map.adopted(bifurcation.point)) * weights
-        step = np.linalg.solve(np.vstack([J, border]), np.append(-weights * r, length - float(direction @ away)))
+        residual, weights = left, scaling(half, point, r.size)
+        off = -2 * length - float(direction @ (half.map.difference(once.end, point) * weights))
+        K, J = (jacobian(one.matrix, _column(family, value, one) * scale, weights) for one in (once, found))
+        step = np.linalg.solve(np.vstack([J, direction @ K]), np.append(-weights * r, off))
         if residual <= RESIDUAL:
             closed = place_from(value, point, residual, found, J, weights)
             if settled(step, weights * r):
                 return closed
         point = half.map.moved(point, step[:-1] / weights)
-        value += float(step[-1]) * family.scale(value)
+        value += float(step[-1]) * scale
         point = family.adopted(value, point)
     return closed
+
+
+def _column(family: Family, value: float, found: Return) -> FloatArray:
+    """Derivative of the end of a march by the number, ``(n,)``."""
+    known = found.by_number
+    return family.derivative(value, found.start, found.count) if known is None else known
