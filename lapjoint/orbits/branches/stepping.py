@@ -110,24 +110,25 @@ def share_to_shorter(family: Family, here: Place, new: Place) -> float | None:
     return sizes[0] / sum(sizes)
 
 
-def at_boundary(family: Family, here: Place, new: Place) -> list[Place]:
-    """The place at the end of the range that a step leads out of.
+def at_boundary(family: Family, here: Place, new: Place, value: float) -> Place | None:
+    """The place at an end of the range that the way from one place to another leads out of.
 
     Parameters
     ----------
     family : Family
         The period maps.
     here, new : Place
-        The last place in the range, and one beyond its end.
+        The last place in the range, and another, behind its end or close before it.
+    value : float
+        The number at the end, in its SI unit.
 
     Returns
     -------
-    list of Place
-        One; none if it is not found.
+    Place, or None
+        None if it is not found.
     """
-    value = family.low if new.value < family.low else family.high
     share = (value - here.value) / (new.value - here.value)
     length = float(np.linalg.norm(new.chord(family, here)))
     _, guess = here.moved(family, share * length * here.tangent)
     found = corrected(family, value, family.adopted(value, guess), here.count, fixed=True)
-    return [] if found is None else [found.along(found.chord(family, here))]
+    return None if found is None else found.along(found.chord(family, here))
