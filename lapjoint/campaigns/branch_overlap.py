@@ -52,12 +52,59 @@ def own_parts(plan: BranchPlan, branch: Mapping[str, Any], others: Sequence[Mapp
         Likewise, in sequence; each goes on to the first motion on another one, and ends there as ``joins``.  The branch
         as it is, if it is all its own; empty, if nothing of it is.
     """
-    whole = _Whole(plan, branch)
-    parts = [_Part(0, len(branch["points"]) - 1, *branch["ends"])]
-    for other in others:
-        if other["count"] == branch["count"]:
-            parts = [own for part in parts for own in whole.without(part, other)]
+    whole, alike = _Whole(plan, branch), [other for other in others if other["count"] == branch["count"]]
+    parts = [
+        part
+        for part in _outside(_Part(0, len(branch["points"]) - 1, *branch["ends"]), branch["elsewhere"])
+        if not branch["elsewhere"] or all(whole.is_worth(part, other) for other in alike)
+    ]
+    for other in alike:
+        parts = [own for part in parts for own in whole.worth_without(part, other)]
     return [whole.cut(part) for part in parts]
+
+
+@in_one_thread
+def elsewhere(
+    plan: BranchPlan, curve: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]
+) -> tuple[list[list[int]], list[str]]:
+    """The parts of a curve that lie on some other branches, before its bifurcations are known.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    curve : mapping
+        ``values``, ``sections`` and ``count`` of its motions, and of its ``bifurcations`` the ``index`` of the grazes.
+    others : mapping of str to mapping
+        ``values``, ``sections`` and ``count`` of the others, by their names.
+
+    Returns
+    -------
+    list of list of int
+        The index of the first and the last motion of each part, in sequence.
+    list of str
+        The names of those that have such a part.
+    """
+    whole, last = _Whole(plan, curve), len(curve["values"]) - 1
+    own, names = [_Part(0, last, "", "")], []
+    for name, other in others.items():
+        if other["count"] == curve["count"]:
+            left = [one for part in own for one in whole.without(part, other)]
+            names += [name] if left != own else []
+            own = left
+    edges = [(-1, 0), *((one.first, one.last) for one in own), (last, last + 1)]
+    between = [[max(a, 0), min(b, last)] for (_, a), (b, _) in pairwise(edges) if b > a]
+    return between, names
+
+
+def _outside(whole: _Part, ranges: Sequence[Sequence[int]]) -> list[_Part]:
+    """What of a branch lies outside of some parts of it that lie on others."""
+    parts, left = list[_Part](), whole
+    for first, last in ranges:
+        if first > left.first:
+            parts.append(replace(left, last=first, end=_JOINS))
+        left = replace(left, first=last, begin=_JOINS)
+    return [*parts, left] if left.last > left.first or not ranges else parts
 
 
 @dataclass(frozen=True)
@@ -91,9 +138,14 @@ class _Whole:
         first, last = part.first + inward, part.last - inward
         more = {*lie, *_indices(part, _MORE), *beside, first, last}
         lie = {i: self._lies_on(i, other) for i in sorted(more) if first <= i <= last}
-        return [own for own in self._own(part, lie, other) if self._is_worth(own, other)]
+        return list(self._own(part, lie, other))
 
-    def _is_worth(self, part: _Part, other: Mapping[str, Any]) -> bool:
+    def worth_without(self, part: _Part, other: Mapping[str, Any]) -> list[_Part]:
+        """The same, without parts that have nothing of their own but what another branch leaves out."""
+        left = self.without(part, other)
+        return left if left == [part] else [own for own in left if self.is_worth(own, other)]
+
+    def is_worth(self, part: _Part, other: Mapping[str, Any]) -> bool:
         """Whether a part has more than what another branch, of which it comes and to which it goes, leaves out."""
         if part.last - part.first > _LEAST * len(self.branch["points"]):
             return True
@@ -145,7 +197,7 @@ class _Whole:
         first, last, branch = part.first, part.last, self.branch
         kept = {key: branch[key][first : last + 1] for key in ("values", "points", "sections")}
         moved = [one | {"index": one["index"] - first} for one in self._bifurcations(part)]
-        return {**branch, **kept, "bifurcations": moved, "ends": [part.begin, part.end]}
+        return {**branch, **kept, "bifurcations": moved, "ends": [part.begin, part.end], "elsewhere": []}
 
 
 def _is_one_of(one: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> bool:

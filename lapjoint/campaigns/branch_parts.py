@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
-from typing import Any, overload
+from itertools import count
+from typing import Any, TypeAlias, overload
 
 from lapjoint.answers.branches import Branch, MotionThere
 from lapjoint.answers.steady_state import SectionPoint
@@ -17,10 +18,13 @@ from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.free_motion import free_seed
-from lapjoint.orbits.branches.run import Limits
+from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.branches.seeds import on_branch, seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
+
+Elsewhere: TypeAlias = Callable[[Mapping[str, Any]], tuple[list[list[int]], list[str]]]
+"""Which parts of a curve lie on branches that are known, and on which."""
 
 _A_FEW = 3
 """Number of points that tell whether all is compiled that a branch takes."""
@@ -97,7 +101,10 @@ def solve_start(plan: BranchPlan, number: int) -> dict[str, Any]:
 
 @in_one_thread
 def solve_branch(
-    plan: BranchPlan, plain: Mapping[str, Any], progress: Callable[[float], None] | None = None
+    plan: BranchPlan,
+    plain: Mapping[str, Any],
+    progress: Callable[[float], None] | None = None,
+    elsewhere: Elsewhere | None = None,
 ) -> dict[str, Any]:
     """The branch of a motion.
 
@@ -109,14 +116,27 @@ def solve_branch(
         The motion, as `plain_seed` gives it.
     progress : callable, optional
         Called with the share of the range, or of the effort, that is behind.
+    elsewhere : callable, optional
+        Says which parts of a curve lie on branches that are known, as `lapjoint.campaigns.branch_overlap.elsewhere`.
 
     Returns
     -------
     dict of str to Any
-        ``seeds`` of the branches that spring from it; ``count``, half periods; ``springs``, where it springs from
-        others; ``values``, ``points`` and ``sections`` of its motions; ``bifurcations``; and ``ends``.  Without points
-        if there is none; then ``message`` says why.
+        ``seeds`` of the branches that spring from it; ``unsprung``, kind and number of each bifurcation from which one
+        springs that was not found; ``count``, half periods; ``springs``, where it springs from others; ``values``,
+        ``points`` and ``sections`` of its motions; ``bifurcations``; and ``ends``; ``elsewhere``, the first and the
+        last point of each part that lies on others, and has no bifurcations here, and ``joins``, the names of these.
+        Without points if there is none; then ``message`` says why.
     """
+    joins = list[str]()
+
+    def is_elsewhere(run: Run) -> frozenset[int]:
+        if elsewhere is None:
+            return frozenset()
+        parts, names = elsewhere(_plain_curve(run, plain["count"]))
+        joins.extend(names)
+        return frozenset(i for first, last in parts for i in range(first + 1, last + 1))
+
     try:
         found = trace(
             family_of(plan),
@@ -124,14 +144,37 @@ def solve_branch(
             most_multiple=plan.max_period_multiple,
             errors=plan.errors,
             limits=Limits(plan.max_points, progress=progress),
+            elsewhere=is_elsewhere,
         )
     except SolverError as error:
         return {"seeds": [], "points": [], "message": str(error)}
     if found is None:
         return {"seeds": [], "points": [], "message": "Newton's method does not find the motion again"}
-    springs = [[float(value), plain_section(point)] for value, point in found.springs]
-    seeds = [plain_seed(seed) for seed in found.seeds]
-    return {"seeds": seeds, "count": plain["count"], "springs": springs, **_plain(found.branch)}
+    own = {
+        "seeds": [plain_seed(seed) for seed in found.seeds],
+        "unsprung": [[one.kind, float(one.value)] for one in found.unsprung],
+        "count": plain["count"],
+        "springs": [[float(value), plain_section(point)] for value, point in found.springs],
+        "elsewhere": _ranges(found.elsewhere),
+        "joins": joins,
+    }
+    return own | _plain(found.branch)
+
+
+def _ranges(ways: frozenset[int]) -> list[list[int]]:
+    """The first and the last place of each part of a curve, of the numbers of places up to which ways lead in it."""
+    starts = sorted(i for i in ways if i - 1 not in ways)
+    return [[i - 1, next(k for k in count(i) if k not in ways) - 1] for i in starts]
+
+
+def _plain_curve(run: Run, count: int) -> dict[str, Any]:
+    """The motions of a curve that was followed, and where it grazes."""
+    return {
+        "values": [float(place.value) for place in run.places],
+        "sections": [plain_section(place.point) for place in run.places],
+        "count": count,
+        "bifurcations": [{"index": graze.index} for graze in run.grazes],
+    }
 
 
 def follow_a_little(plan: BranchPlan, plain: Mapping[str, Any]) -> None:

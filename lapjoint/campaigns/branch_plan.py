@@ -27,6 +27,10 @@ MOST_MULTIPLE = 64
 """Largest period multiple of branches."""
 
 
+_PARTS = 2
+"""Number of the form in which a journal keeps the parts of the work: another one is not gone on with."""
+
+
 @dataclass(frozen=True)
 class BranchPlan:
     """Everything that branches depend on.
@@ -197,6 +201,7 @@ class BranchPlan:
         """What distinguishes this from any other search, as values that JSON can hold; floats are written exactly."""
         return {
             "content": "branches",
+            "parts": _PARTS,
             **problem_identity(self.problem),
             "path": self.axis.path,
             "range": [float(self.first), float(self.last)],

@@ -3,23 +3,27 @@
 Several branches may be followed at the same time, ahead of what has been taken.  Motions that lie on a branch that is
 known are left out, by the sequence of the motions and not of the work; so neither the number of workers nor an
 interruption changes what is found, or in what sequence.
+
+Branches that spring from one branch often come together, or are one that springs there twice: a fifth of the work on
+the diagram of a lightly damped joint was done twice.  So each is followed once those before it are known, and left to
+them where it goes on as one of them.  Should one of these be left out itself, it is followed once more.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
-from lapjoint.campaigns.branch_overlap import own_parts
+from lapjoint.campaigns.branch_overlap import elsewhere, own_parts
 from lapjoint.campaigns.branch_parts import is_known, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.solver import Progress
 
-_CLOSE = 2
-"""Distance, in the sequence of all that spring from a branch, of two that may be both ends of one: of 110 branches with
-both ends there, 102 have them no farther apart."""
+_CURVE = ("values", "sections", "count")
+"""What of a branch tells whether motions lie on it."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +36,15 @@ class Part:
     """Number of the start, or of the motion among all that are found at this value."""
     seed: Mapping[str, Any] | None = None
     """The motion whose branch is followed, as `lapjoint.campaigns.branch_parts.plain_seed` gives it; or None."""
+    others: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """The branches on which parts of it may lie, as `lapjoint.campaigns.branch_overlap.elsewhere` takes them."""
+    again: int = 0
+    """How often it has been done with other ones."""
 
     @property
     def name(self) -> str:
         """What the journal calls it."""
-        own = f"{'start' if self.seed is None else 'branch'} {self.number}"
+        own = f"{'start' if self.seed is None else 'branch'} {self.number}" + ", again" * self.again
         return f"value {self.value}: {own}" if self.value else own
 
     def solved(self, plan: BranchPlan, progress: Progress | None = None) -> dict[str, Any]:
@@ -57,7 +65,8 @@ class Part:
         own = plan.at(self.value)
         if self.seed is None:
             return solve_start(own, self.number)
-        return solve_branch(own, self.seed, None if progress is None else lambda share: progress(share, 1.0))
+        lie = partial(elsewhere, own, others=self.others) if self.others else None
+        return solve_branch(own, self.seed, None if progress is None else lambda share: progress(share, 1.0), lie)
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,7 @@ class Diagram:
     branches: Sequence[dict[str, Any]]
     """The branches, as `lapjoint.campaigns.branch_parts.solve_branch` gives them, in sequence."""
     failures: Sequence[str] = ()
-    """Why starts, or motions that were found, could not be followed."""
+    """Why starts, or motions that were found, or branches that spring from others, could not be followed."""
     left_out: int = 0
     """Number of motions whose branches were not followed, as the effort was spent."""
 
@@ -80,14 +89,10 @@ class _Motion:
     """As `lapjoint.campaigns.branch_parts.plain_seed` gives it."""
     parent: int | None = None
     """Number of the part whose branch it springs from; None if a start leads to it."""
-    place: int = 0
-    """Its place in the sequence of all that spring from there."""
 
     def may_share_its_branch_with(self, other: _Motion) -> bool:
-        """Whether one branch may have both: most starts lead to the same few, and many spring at two that are close."""
-        if self.parent is None or other.parent is None:
-            return self.parent is other.parent and self.seed["count"] == other.seed["count"]
-        return self.parent == other.parent and abs(self.place - other.place) <= _CLOSE
+        """Whether one branch may have both: most starts lead to the same few, and many spring at two bifurcations."""
+        return self.parent == other.parent and self.seed["count"] == other.seed["count"]
 
 
 class Search:
@@ -117,6 +122,10 @@ class Search:
         """Names of held parts that lie on a branch that has been followed, and so will not be followed themselves."""
         self._taken: dict[str, dict[str, Any]] = {}
         """The branches that have been taken, by the names of their parts."""
+        self._names = set[str]()
+        """The names of the parts as which they were found."""
+        self._once_more = False
+        """Whether the first open part is to be done again, and has not been given yet."""
         self._seen = 0
         self._begun = False
         self._points = 0
@@ -150,10 +159,29 @@ class Search:
                 part = self._open.popleft()
                 self._held.discard(part.name)
                 self._take(part, found[part.name])
-            opened = self._released(found) or self._next(found)
+            opened = self._first_again() or self._released(found) or self._next(found)
             if not opened and not (self._open and self._open[0].name in found):
-                return [part for part in new if part.name not in found]
+                return [self._with_others(part, found) for part in new if part.name not in found]
             new += opened
+
+    def _with_others(self, part: Part, found: Mapping[str, dict[str, Any]]) -> Part:
+        """A part with the branches on which it may lie in part, all that spring from the same one and come earlier."""
+        if part.seed is None:
+            return part
+        motion, open_ = self._motions[part.name], set[str]()
+        for other in self._open:
+            if other.name == part.name:
+                break
+            open_ |= {other.name} - self._dropped
+        mine = (name for name, other in self._motions.items() if motion.may_share_its_branch_with(other))
+        names = [name for name in mine if name in self._names or (name in open_ and name in found)]
+        curves = {name: found[name] for name in names if "values" in found[name]}
+        return replace(part, others={name: {key: one[key] for key in _CURVE} for name, one in curves.items()})
+
+    def _first_again(self) -> list[Part]:
+        """The first open part, if it is to be done once more."""
+        again, self._once_more = self._once_more, False
+        return [self._open[0]] if again else []
 
     def _released(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Open parts that were held, and for which nothing that comes earlier is to be waited for any more."""
@@ -225,17 +253,22 @@ class Search:
         elif part.seed is not None and self._lies_on_one_of(part, self._taken):
             return
         elif one.get("message"):
-            reason = self._failure(part, one["message"])
-            self._failures += [reason] if reason not in self._failures else []
+            self._fail(self._failure(part, one["message"]))
         elif part.seed is None:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
+        elif not self._names.issuperset(one["joins"]):
+            self._open.appendleft(replace(part, again=part.again + 1))
+            self._motions[self._open[0].name] = self._motions[part.name]
+            self._once_more = True
         elif own := own_parts(self._plan, one, list(self._taken.values())):
+            self._names.add(part.name)
             for i, piece in enumerate(own):
                 self._taken[f"{part.name}, part {i}" if i else part.name] = piece
                 self._points += sum(int(point["period_multiple"]) for point in piece["points"])
-            sprung = [_Motion(seed, part.number, i) for i, seed in enumerate(one["seeds"])]
-            for first in range(_CLOSE + 1):  # those that are close may be the two ends of one branch
-                self._waiting += sprung[first :: _CLOSE + 1]
+            for kind, value in one["unsprung"]:
+                where = f"{kind} at {self._plan.axis.path} = {value:.9g}"
+                self._fail(f"{where}: no motion was found of the branch that springs there")
+            self._waiting += [_Motion(seed, part.number) for seed in one["seeds"]]
 
     @property
     def _has_room(self) -> bool:
@@ -249,6 +282,11 @@ class Search:
 
     def _is_known(self, seed: Mapping[str, Any]) -> bool:
         return any(is_known(self._plan, seed, one) for one in self._taken.values())
+
+    def _fail(self, why: str) -> None:
+        """Keep why something could not be followed, once."""
+        if why not in self._failures:
+            self._failures.append(why)
 
     def _failure(self, part: Part, reason: str) -> str:
         """Why nothing came of a part, with where that is."""

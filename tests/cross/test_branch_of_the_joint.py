@@ -11,20 +11,27 @@ from lapjoint.answers.branches import Branch
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.seeds import seed_from
-from lapjoint.orbits.branches.tracing import trace
+from lapjoint.orbits.branches.tracing import Traced, trace
 
 FREQUENCY = "base_motion.angular_frequency"
 
 
-def branch_between(low: float, high: float) -> Branch:
-    """The branch of the motion from rest at `high`."""
+def family_between(low: float, high: float) -> Family:
     grid = Grid(paper_joint(), (Axis(FREQUENCY, (low, high)),))
-    family = Family(analytic.Solver(), lambda value: grid.with_values((value,)), FREQUENCY, low, high)
-    seed = seed_from(family, high, family.at(high).map.initial(), 1)
+    return Family(analytic.Solver(), lambda value: grid.with_values((value,)), FREQUENCY, low, high)
+
+
+def traced(family: Family) -> Traced:
+    """The branch of the motion from rest at the upper end of a range."""
+    seed = seed_from(family, family.high, family.at(family.high).map.initial(), 1)
     assert seed is not None
     found = trace(family, seed, most_multiple=1, errors=False)
     assert found is not None
-    return found.branch
+    return found
+
+
+def branch_between(low: float, high: float) -> Branch:
+    return traced(family_between(low, high)).branch
 
 
 def check(branch: Branch, points: int) -> None:
@@ -64,6 +71,27 @@ def test_contacts_that_are_lost_one_after_the_other_are_grazes_and_not_gaps() ->
     assert kinds.count("grazing") >= 18
     left_out = sum(2 * one.error for one in branch.bifurcations if one.kind == "unresolved")
     assert left_out <= 2e-5  # rad/s
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "least"), [pytest.param(4.2, 50.0, 5, marks=pytest.mark.thorough), (50.0, 110.0, 7)]
+)
+def test_from_each_broken_symmetry_a_branch_springs(low: float, high: float, least: int) -> None:
+    """One of its motions repeats after a period, as a march shows, and does not mirror itself."""
+    family = family_between(low, high)
+    found = traced(family)
+    broken = [one.value for one in found.branch.bifurcations if one.kind == "symmetry breaking"]
+    assert len(broken) >= least
+    assert not found.unsprung
+    assert [seed.away_from is not None and seed.away_from[0] for seed in found.seeds] == broken
+    for seed in found.seeds:
+        half = family.at(seed.value)
+        point = half.map.adopted(seed.point)
+        missed = [half.apart(half.marched(point, count), point) for count in (1, 2)]
+        assert missed[0] > 1e-6
+        assert missed[1] < 1e-9
+        assert missed[1] < 1e-3 * missed[0]
+        assert seed.value == pytest.approx(seed.away_from[0] if seed.away_from else 0.0, rel=1e-3)
 
 
 @pytest.mark.slow

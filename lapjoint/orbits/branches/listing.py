@@ -137,13 +137,13 @@ def listed(family: Family, run: Run, errors: bool, known: Sequence[Bifurcation] 
 
 
 def _each(family: Family, run: Run, errors: bool, known: Sequence[Bifurcation]) -> Iterator[Listed]:
-    """Those at grazes, those that are not resolved, and those on smooth parts."""
+    """Those at grazes, those that are not resolved, and those on smooth parts; none that is another branch's."""
     found = list[tuple[Located | Graze, tuple[int, int]]]()  # each with the indices of the places beside it
-    for graze in run.grazes:
+    for graze in (one for one in run.grazes if one.index not in run.elsewhere):
         found.append((graze, (graze.index - 1, graze.index + 1)))
         if errors and not graze.seen:
             yield from _just_beyond(family, run, graze)
-    for jump in run.jumps:
+    for jump in (one for one in run.jumps if one.index not in run.elsewhere):
         yield Listed(family, _unresolved(jump, jump.index))
     for index, one in _smooth(family, run):
         if isinstance(one, NotLocated):
@@ -196,7 +196,7 @@ def _just_beyond(family: Family, run: Run, graze: Graze) -> Iterator[Listed]:
 def _smooth(family: Family, run: Run) -> Iterator[tuple[int, Located | NotLocated]]:
     """Those on the smooth parts of a curve, each with the index of the place that follows it."""
     parts, places = {i for i, _, _ in run.smooth_parts}, run.places
-    for i, a, b in run.smooth_parts:
+    for i, a, b in (part for part in run.smooth_parts if part[0] not in run.elsewhere):
         before, after = (places[i - 2] if i - 1 in parts else None), (places[i + 1] if i + 1 in parts else None)
         for one in between(family, a, b, (before, after)):
             yield i, one

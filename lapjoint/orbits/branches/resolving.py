@@ -85,6 +85,8 @@ class Resolved:
     """The period maps of each place."""
     ends: tuple[str, str]
     """Why it ends at its first place, and at its last."""
+    elsewhere: frozenset[int] = frozenset()
+    """As `Run.elsewhere`: no bifurcation was looked for there."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +168,8 @@ def _all_asked_again(found: Resolved) -> Resolved:
 def _as_followed(family: Family, run: Run, *, errors: bool, known: Sequence[Bifurcation] = ()) -> Resolved:
     """A curve as it was followed, of which some bifurcations may be known."""
     places = run.places
-    return Resolved(places, listed(family, run, errors, known), [family] * len(places), (run.begin, run.end))
+    found = listed(family, run, errors, known)
+    return Resolved(places, found, [family] * len(places), (run.begin, run.end), run.elsewhere)
 
 
 def _resolved(
@@ -445,6 +448,7 @@ def _put_in(whole: Resolved, part: Part) -> Resolved:
         bifurcations,
         whole.families[:i] + found.families + whole.families[j + 1 :],
         (_end_of(found.ends[0], whole.ends[0]), _end_of(found.ends[1], whole.ends[1])),
+        frozenset(k if k <= i else k + more for k in whole.elsewhere if k <= i or k > j),
     )
 
 

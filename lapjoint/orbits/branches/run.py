@@ -82,6 +82,8 @@ class Run:
     """Why it ends."""
     begin: str = ""
     """Why it does not go on before its start, where that is known."""
+    elsewhere: frozenset[int] = frozenset()
+    """Numbers of places up to which, from the one before, the curve is another branch's."""
 
     @property
     def smooth_parts(self) -> Iterator[tuple[int, Place, Place]]:

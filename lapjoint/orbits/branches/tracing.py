@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lapjoint.answers.branches import Branch, BranchPoint
+from lapjoint.answers.branches import Bifurcation, Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.collecting import seldom_collected
 from lapjoint.errors import SolverError
@@ -58,12 +58,22 @@ class Traced:
     """Its bifurcations, with the motions there."""
     springs: tuple[tuple[float, SectionPoint], ...] = ()
     """Bifurcations of other branches from which it springs, at either end: the number, and the section point."""
+    unsprung: tuple[Bifurcation, ...] = ()
+    """Its bifurcations from which another branch springs of which no motion was found."""
+    elsewhere: frozenset[int] = frozenset()
+    """Numbers of points up to which, from the one before, it is another branch, and no bifurcation was looked for."""
 
 
 @in_one_thread
 @seldom_collected
 def trace(
-    family: Family, seed: Seed, *, most_multiple: int, errors: bool = True, limits: Limits | None = None
+    family: Family,
+    seed: Seed,
+    *,
+    most_multiple: int,
+    errors: bool = True,
+    limits: Limits | None = None,
+    elsewhere: Callable[[Run], frozenset[int]] | None = None,
 ) -> Traced | None:
     """The branch of a motion.
 
@@ -79,6 +89,8 @@ def trace(
         Whether to estimate the errors of the bifurcations.
     limits : Limits, optional
         How far it is followed.
+    elsewhere : callable, optional
+        Called with the curve, where it is a branch that is known already, as `Run.elsewhere` has it.
 
     Returns
     -------
@@ -98,22 +110,27 @@ def trace(
     first = replace(limits, progress=_part_of(limits.progress, 0.0, followed_at))
     ahead, back = _both_ways(own, start, seed, first)
     run = joined(back, ahead)
+    if elsewhere is not None:
+        run = replace(run, elsewhere=elsewhere(run))
     later = _part_of(limits.progress, followed_at, 1.0)
     found = resolved(own, run, progress=later) if errors else unrefined(own, run)
     points = tuple(_point(*one) for one in zip(found.families, found.places, strict=True))
-    seeds = []
+    seeds, unsprung = list[Seed](), list[Bifurcation]()
     for one in found.bifurcations:
         place = one.springing
         if place is not None and place.count * 2 <= 2 * most_multiple:
             new = switched(one.family, place)
-            if new is not None:
+            if new is None:
+                unsprung.append(one.bifurcation)
+            else:
                 seeds.append(_seed(family, one.family, place, new))
     branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), found.ends)
     springs = [
         seed.away_from or _spring(own, run.begin, run.places[0], found, 0),
         _spring(own, run.end, run.places[-1], found, -1),
     ]
-    return Traced(branch, tuple(seeds), tuple(found.bifurcations), tuple(one for one in springs if one is not None))
+    known = tuple(one for one in springs if one is not None)
+    return Traced(branch, tuple(seeds), tuple(found.bifurcations), known, tuple(unsprung), found.elsewhere)
 
 
 def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) -> tuple[float, SectionPoint] | None:

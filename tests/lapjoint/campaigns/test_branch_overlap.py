@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns import branch_overlap
-from lapjoint.campaigns.branch_overlap import own_parts
+from lapjoint.campaigns.branch_overlap import elsewhere, own_parts
 from lapjoint.campaigns.branch_parts import family_of, lies_on, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.point import section_from
@@ -110,6 +111,37 @@ def test_what_does_not_lie_on_parts_of_the_branch_is_its_own(whole: dict[str, An
     assert set(listed) <= set(seen)
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_what_lies_on_branches_that_are_known_is_not_looked_at_and_the_rest_is_as_it_was(
+    whole: dict[str, Any], seed: int
+) -> None:
+    rng, n = np.random.default_rng((78, seed)), len(whole["points"])
+    others = dict[str, dict[str, Any]]()
+    for name in "ab"[: rng.integers(1, 3)]:
+        first, last = sorted(rng.choice(n, 2, replace=False).tolist())
+        others[name] = piece(whole, first, last)
+    i = int(rng.integers(n))
+    motion = {"value": whole["values"][i], "section": whole["sections"][i], "count": whole["count"]}
+    all_of_it = solve_branch(PLAN, motion)
+    found = solve_branch(PLAN, motion, None, partial(elsewhere, PLAN, others=others))
+    assert all(found[key] == all_of_it[key] for key in ("values", "sections", "ends"))
+    inside = {j for first, last in found["elsewhere"] for j in range(first + 1, last + 1)}
+    assert found["bifurcations"] == [one for one in all_of_it["bifurcations"] if one["index"] not in inside]
+    known = list(others.values())
+    assert bool(found["joins"]) == bool(found["elsewhere"]) == (own_parts(PLAN, all_of_it, known) != [all_of_it])
+    for own in own_parts(PLAN, found, known):
+        first = whole_index(found, own)
+        begins = own["ends"][0] == "joins"
+        mine = [one for one in all_of_it["bifurcations"] if first + begins <= one["index"] < first + len(own["values"])]
+        assert [one | {"index": one["index"] + first} for one in own["bifurcations"]] == mine
+        for part in own_parts(PLAN, own, known):  # all of it is its own
+            assert len(part["values"]) >= len(own["values"]) - 2 * 3
+
+
+def whole_index(whole: dict[str, Any], part: dict[str, Any]) -> int:
+    return int(whole["values"].index(part["values"][0]))
+
+
 def test_a_branch_that_comes_to_another_twice_loses_what_lies_between(whole: dict[str, Any]) -> None:
     n = len(whole["points"])
     low, high = n // 3, 2 * n // 3
@@ -148,7 +180,7 @@ def test_a_little_that_another_leaves_out_is_kept_for_its_bifurcations(
     points = {key: list(range(320)) for key in ("values", "points", "sections")}
     before = listed(("fold", 1.0, 1e-6), apart[0] - 1)
     mine = [before] + [listed(one, apart[5]) for one in (own,) if one is not None]
-    branch = {**points, "count": 2, "ends": ["boundary", "boundary"], "bifurcations": mine}
+    branch = {**points, "count": 2, "ends": ["boundary", "boundary"], "bifurcations": mine, "elsewhere": []}
     others = [listed(one, apart[5]) for one in (other,) if one is not None]
     parts = own_parts(PLAN, branch, [branch | {"bifurcations": others}])
     found = [(part["values"][0], part["values"][-1], [one["kind"] for one in part["bifurcations"]]) for part in parts]
@@ -159,6 +191,6 @@ def test_a_little_that_another_leaves_out_is_kept_for_its_bifurcations(
 def test_ends_of_a_short_branch_that_stick_out_are_not_its_own(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
     """Two that end at one bifurcation end at some distance from it."""
     points = {key: list(range(count)) for key in ("values", "points", "sections")}
-    branch = {**points, "count": 2, "ends": ["bifurcation", "bifurcation"], "bifurcations": []}
+    branch = {**points, "count": 2, "ends": ["bifurcation", "bifurcation"], "bifurcations": [], "elsewhere": []}
     monkeypatch.setattr(branch_overlap._Whole, "_lies_on", lambda self, i, other: 0 < i < count - 1)
     assert own_parts(PLAN, branch, [branch]) == []
