@@ -64,9 +64,7 @@ def own_parts(plan: BranchPlan, branch: Mapping[str, Any], others: Sequence[Mapp
 
 
 @in_one_thread
-def elsewhere(
-    plan: BranchPlan, curve: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]
-) -> tuple[list[list[int]], list[str]]:
+def elsewhere(plan: BranchPlan, curve: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """The parts of a curve that lie on some other branches, before its bifurcations are known.
 
     Parameters
@@ -80,21 +78,46 @@ def elsewhere(
 
     Returns
     -------
-    list of list of int
-        The index of the first and the last motion of each part, in sequence.
-    list of str
-        The names of those that have such a part.
+    dict of str to Any
+        ``elsewhere``, the index of the first and the last motion of each part, in sequence; ``joins``, the names of
+        those that have such a part; ``asked``, the names of all; and ``probes``, the motions that are asked first, by
+        which `may_lie_on` tells whether a further one would have a part.
     """
     whole, last = _Whole(plan, curve), len(curve["values"]) - 1
-    own, names = [_Part(0, last, "", "")], []
+    every = _Part(0, last, "", "")
+    own, joins = [every], list[str]()
     for name, other in others.items():
         if other["count"] == curve["count"]:
             left = [one for part in own for one in whole.without(part, other)]
-            names += [name] if left != own else []
+            joins += [name] if left != own else []
             own = left
     edges = [(-1, 0), *((one.first, one.last) for one in own), (last, last + 1)]
-    between = [[max(a, 0), min(b, last)] for (_, a), (b, _) in pairwise(edges) if b > a]
-    return between, names
+    parts = [[max(a, 0), min(b, last)] for (_, a), (b, _) in pairwise(edges) if b > a]
+    probes = [[curve["values"][i], curve["sections"][i]] for i in _indices(every, _PROBES)]
+    return {"elsewhere": parts, "joins": joins, "asked": list(others), "probes": probes}
+
+
+@in_one_thread
+def may_lie_on(plan: BranchPlan, branch: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether a part of a branch would have been left to another one, had that been known.
+
+    Parameters
+    ----------
+    plan : BranchPlan
+        The plan.
+    branch : mapping
+        The branch, as `lapjoint.campaigns.branch_parts.solve_branch` gives it, of which nothing was left to others.
+    other : mapping
+        The other, as `elsewhere` takes it.
+
+    Returns
+    -------
+    bool
+        Whether one of its probes lies on the other.
+    """
+    values, sections = zip(*branch["probes"], strict=True)
+    whole = _Whole(plan, {"values": values, "sections": sections, "count": branch["count"]})
+    return other["count"] == branch["count"] and any(whole.lies_on(i, other) for i in range(len(values)))
 
 
 def _outside(whole: _Part, ranges: Sequence[Sequence[int]]) -> list[_Part]:
@@ -130,14 +153,14 @@ class _Whole:
 
     def without(self, part: _Part, other: Mapping[str, Any]) -> list[_Part]:
         """What of a part does not lie on another branch."""
-        lie = {i: self._lies_on(i, other) for i in _indices(part, _PROBES)}
+        lie = {i: self.lies_on(i, other) for i in _indices(part, _PROBES)}
         if not any(lie.values()):
             return [part]
         beside = {one["index"] - by for one in self.branch["bifurcations"] for by in (0, 1)}
         inward = min(_INWARD, (part.last - part.first + 2) // 4)
         first, last = part.first + inward, part.last - inward
         more = {*lie, *_indices(part, _MORE), *beside, first, last}
-        lie = {i: self._lies_on(i, other) for i in sorted(more) if first <= i <= last}
+        lie = {i: self.lies_on(i, other) for i in sorted(more) if first <= i <= last}
         return list(self._own(part, lie, other))
 
     def worth_without(self, part: _Part, other: Mapping[str, Any]) -> list[_Part]:
@@ -175,10 +198,10 @@ class _Whole:
         """Two neighbours of which the first lies on another branch and the second does not, between two that are so."""
         while abs(outside - inside) > 1:
             between = (inside + outside) // 2
-            inside, outside = (between, outside) if self._lies_on(between, other) else (inside, between)
+            inside, outside = (between, outside) if self.lies_on(between, other) else (inside, between)
         return inside, outside
 
-    def _lies_on(self, i: int, other: Mapping[str, Any]) -> bool:
+    def lies_on(self, i: int, other: Mapping[str, Any]) -> bool:
         if i not in self._seeds:
             family, value, count = family_of(self.plan), self.branch["values"][i], self.branch["count"]
             guess = family.adopted(value, section_from(self.branch["sections"][i]))

@@ -23,8 +23,8 @@ from lapjoint.orbits.branches.seeds import on_branch, seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
 
-Elsewhere: TypeAlias = Callable[[Mapping[str, Any]], tuple[list[list[int]], list[str]]]
-"""Which parts of a curve lie on branches that are known, and on which."""
+Elsewhere: TypeAlias = Callable[[Mapping[str, Any]], dict[str, Any]]
+"""Which parts of a curve lie on branches that are known, as `lapjoint.campaigns.branch_overlap.elsewhere` says it."""
 
 _A_FEW = 3
 """Number of points that tell whether all is compiled that a branch takes."""
@@ -117,25 +117,23 @@ def solve_branch(
     progress : callable, optional
         Called with the share of the range, or of the effort, that is behind.
     elsewhere : callable, optional
-        Says which parts of a curve lie on branches that are known, as `lapjoint.campaigns.branch_overlap.elsewhere`.
+        Says which parts of the curve lie on branches that are known; without it none does.
 
     Returns
     -------
     dict of str to Any
         ``seeds`` of the branches that spring from it; ``unsprung``, kind and number of each bifurcation from which one
         springs that was not found; ``count``, half periods; ``springs``, where it springs from others; ``values``,
-        ``points`` and ``sections`` of its motions; ``bifurcations``; and ``ends``; ``elsewhere``, the first and the
-        last point of each part that lies on others, and has no bifurcations here, and ``joins``, the names of these.
-        Without points if there is none; then ``message`` says why.
+        ``points`` and ``sections`` of its motions; ``bifurcations``; and ``ends``; with what `elsewhere` says: of its
+        parts, which have no bifurcations here, the first and the last point.  Without points if there is none; then
+        ``message`` says why.
     """
-    joins = list[str]()
+    said = dict[str, Any]()
 
     def is_elsewhere(run: Run) -> frozenset[int]:
-        if elsewhere is None:
-            return frozenset()
-        parts, names = elsewhere(_plain_curve(run, plain["count"]))
-        joins.extend(names)
-        return frozenset(i for first, last in parts for i in range(first + 1, last + 1))
+        if elsewhere is not None:
+            said.update(elsewhere(_plain_curve(run, plain["count"])))
+        return frozenset(i for first, last in said.get("elsewhere", ()) for i in range(first + 1, last + 1))
 
     try:
         found = trace(
@@ -155,10 +153,8 @@ def solve_branch(
         "unsprung": [[one.kind, float(one.value)] for one in found.unsprung],
         "count": plain["count"],
         "springs": [[float(value), plain_section(point)] for value, point in found.springs],
-        "elsewhere": _ranges(found.elsewhere),
-        "joins": joins,
     }
-    return own | _plain(found.branch)
+    return own | said | {"elsewhere": _ranges(found.elsewhere)} | _plain(found.branch)
 
 
 def _ranges(ways: frozenset[int]) -> list[list[int]]:

@@ -5,8 +5,9 @@ known are left out, by the sequence of the motions and not of the work; so neith
 interruption changes what is found, or in what sequence.
 
 Branches that spring from one branch often come together, or are one that springs there twice: a fifth of the work on
-the diagram of a lightly damped joint was done twice.  So each is followed once those before it are known, and left to
-them where it goes on as one of them.  Should one of these be left out itself, it is followed once more.
+the diagram of a lightly damped joint was done twice.  So each waits for those before it while there is other work, and
+is left to them where it goes on as one of them.  One that was followed before they were known, and is in part one of
+them, is followed once more; so is one that was left in part to another which is left out itself.
 """
 
 from __future__ import annotations
@@ -17,11 +18,13 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from lapjoint.campaigns.branch_overlap import elsewhere, own_parts
+from lapjoint.campaigns.branch_overlap import elsewhere, may_lie_on, own_parts
 from lapjoint.campaigns.branch_parts import is_known, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.solver import Progress
 
+_BESIDE = ("joins", "asked", "probes")
+"""What of a branch depends on which others were known when it was followed."""
 _CURVE = ("values", "sections", "count")
 """What of a branch tells whether motions lie on it."""
 
@@ -65,8 +68,8 @@ class Part:
         own = plan.at(self.value)
         if self.seed is None:
             return solve_start(own, self.number)
-        lie = partial(elsewhere, own, others=self.others) if self.others else None
-        return solve_branch(own, self.seed, None if progress is None else lambda share: progress(share, 1.0), lie)
+        share = None if progress is None else lambda share: progress(share, 1.0)
+        return solve_branch(own, self.seed, share, partial(elsewhere, own, others=self.others))
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,8 @@ class _Motion:
     """As `lapjoint.campaigns.branch_parts.plain_seed` gives it."""
     parent: int | None = None
     """Number of the part whose branch it springs from; None if a start leads to it."""
+    number: int = 0
+    """Number of its own part."""
 
     def may_share_its_branch_with(self, other: _Motion) -> bool:
         """Whether one branch may have both: most starts lead to the same few, and many spring at two bifurcations."""
@@ -106,10 +111,12 @@ class Search:
         Number of the value.
     ahead : int
         Number of branches that may be under way, or done before one that comes earlier in the sequence.
+    at_once : int
+        Number of branches that can be followed at the same time: so many are under way if there are any.
     """
 
-    def __init__(self, plan: BranchPlan, value: int, ahead: int) -> None:
-        self._plan, self._value, self._ahead = plan.at(value), value, ahead
+    def __init__(self, plan: BranchPlan, value: int, ahead: int, at_once: int) -> None:
+        self._plan, self._value, self._ahead, self._at_once = plan.at(value), value, ahead, at_once
         self._waiting = deque[_Motion]()
         self._open = deque[Part]()
         self._motions: dict[str, _Motion] = {}
@@ -158,24 +165,31 @@ class Search:
             while self._open and self._open[0].name in found:
                 part = self._open.popleft()
                 self._held.discard(part.name)
-                self._take(part, found[part.name])
-            opened = self._first_again() or self._released(found) or self._next(found)
+                self._take(part, found)
+            opened = self._first_again() or self._released(found) or self._next(found) or self._so_as_not_to_idle(found)
             if not opened and not (self._open and self._open[0].name in found):
                 return [self._with_others(part, found) for part in new if part.name not in found]
             new += opened
 
+    def _is_as_if_all_were_known(self, part: Part, one: Mapping[str, Any], found: Mapping[str, dict[str, Any]]) -> bool:
+        """Whether a branch is what it is beside all those before it that spring from the same one and were taken."""
+        if not self._names.issuperset(one["joins"]):
+            return False
+        others = [name for name in self._akin(part) if name in self._names and name not in one["asked"]]
+        return not others or not (one["joins"] or any(may_lie_on(self._plan, one, found[name]) for name in others))
+
+    def _akin(self, part: Part) -> list[str]:
+        """The names of all parts before one whose branches may have motions in common with its own, in sequence."""
+        mine = self._motions[part.name]
+        akin = [(one.number, name) for name, one in self._motions.items() if mine.may_share_its_branch_with(one)]
+        return [name for number, name in sorted(akin) if number < part.number]
+
     def _with_others(self, part: Part, found: Mapping[str, dict[str, Any]]) -> Part:
-        """A part with the branches on which it may lie in part, all that spring from the same one and come earlier."""
+        """A part with the branches on which it may lie in part: those that were taken, and those that may be."""
         if part.seed is None:
             return part
-        motion, open_ = self._motions[part.name], set[str]()
-        for other in self._open:
-            if other.name == part.name:
-                break
-            open_ |= {other.name} - self._dropped
-        mine = (name for name, other in self._motions.items() if motion.may_share_its_branch_with(other))
-        names = [name for name in mine if name in self._names or (name in open_ and name in found)]
-        curves = {name: found[name] for name in names if "values" in found[name]}
+        names = self._names | {one.name for one in self._open if one.name in found} - self._dropped
+        curves = {name: found[name] for name in self._akin(part) if name in names and "values" in found[name]}
         return replace(part, others={name: {key: one[key] for key in _CURVE} for name, one in curves.items()})
 
     def _first_again(self) -> list[Part]:
@@ -203,6 +217,15 @@ class Search:
             before.append(part)
         return free
 
+    def _so_as_not_to_idle(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
+        """An open part that is held, if too few are under way."""
+        idle = sum(part.name not in found and part.name not in self._held for part in self._open) < self._at_once
+        for part in self._open if idle and self._has_room else ():
+            if part.name in self._held and part.name not in self._dropped:
+                self._held.remove(part.name)
+                return [part]
+        return []
+
     def _next(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Parts to be opened: all starts; or branches, as many as may be ahead, once all starts are taken."""
         if not self._begun:
@@ -216,7 +239,7 @@ class Search:
             motion = self._waiting.popleft()
             part = Part(self._value, self._seen, motion.seed)
             if not self._lies_on_one_of(part, self._taken):
-                self._motions[part.name] = motion
+                self._motions[part.name] = replace(motion, number=part.number)
                 if self._may_be_known(part, self._open, found):
                     self._held.add(part.name)
                 else:
@@ -246,8 +269,9 @@ class Search:
                 return True
         return False
 
-    def _take(self, part: Part, one: dict[str, Any]) -> None:
+    def _take(self, part: Part, found: Mapping[str, dict[str, Any]]) -> None:
         """Take what the next part in the sequence has come to."""
+        one = found[part.name]
         if part.seed is not None and self._spent:
             self._over.append(part.seed)
         elif part.seed is not None and self._lies_on_one_of(part, self._taken):
@@ -256,14 +280,16 @@ class Search:
             self._fail(self._failure(part, one["message"]))
         elif part.seed is None:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
-        elif not self._names.issuperset(one["joins"]):
+        elif not self._is_as_if_all_were_known(part, one, found):
             self._open.appendleft(replace(part, again=part.again + 1))
             self._motions[self._open[0].name] = self._motions[part.name]
             self._once_more = True
         elif own := own_parts(self._plan, one, list(self._taken.values())):
             self._names.add(part.name)
             for i, piece in enumerate(own):
-                self._taken[f"{part.name}, part {i}" if i else part.name] = piece
+                self._taken[f"{part.name}, part {i}" if i else part.name] = {
+                    key: value for key, value in piece.items() if key not in _BESIDE
+                }
                 self._points += sum(int(point["period_multiple"]) for point in piece["points"])
             for kind, value in one["unsprung"]:
                 where = f"{kind} at {self._plan.axis.path} = {value:.9g}"

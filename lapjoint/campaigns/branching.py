@@ -203,7 +203,8 @@ class _Work:
         alone = self._workers == 1 and self._scheduler is None
         workers = self._workers if isinstance(self._workers, int) and self._scheduler is None else 1
         ahead = 1 if alone else _AHEAD * workers if workers > 1 else _AHEAD_OF_OTHERS
-        searches = [Search(self._plan, i, ahead) for i in range(self._plan.values)]
+        at_once = workers if alone or workers > 1 else ahead
+        searches = [Search(self._plan, i, ahead, at_once) for i in range(self._plan.values)]
         with standing_pool(workers) if workers > 1 else nullcontext() as self._pool:
             for together in [[search] for search in searches] if alone else [searches]:
                 self._do(together)

@@ -176,7 +176,7 @@ def test_a_little_that_another_leaves_out_is_kept_for_its_bifurcations(
         return {**dict(zip(("kind", "value", "error"), one, strict=True)), "index": index, "stop": -1}
 
     apart = range(143, 153)
-    monkeypatch.setattr(branch_overlap._Whole, "_lies_on", lambda self, i, other: i not in apart)
+    monkeypatch.setattr(branch_overlap._Whole, "lies_on", lambda self, i, other: i not in apart)
     points = {key: list(range(320)) for key in ("values", "points", "sections")}
     before = listed(("fold", 1.0, 1e-6), apart[0] - 1)
     mine = [before] + [listed(one, apart[5]) for one in (own,) if one is not None]
@@ -192,5 +192,5 @@ def test_ends_of_a_short_branch_that_stick_out_are_not_its_own(monkeypatch: pyte
     """Two that end at one bifurcation end at some distance from it."""
     points = {key: list(range(count)) for key in ("values", "points", "sections")}
     branch = {**points, "count": 2, "ends": ["bifurcation", "bifurcation"], "bifurcations": [], "elsewhere": []}
-    monkeypatch.setattr(branch_overlap._Whole, "_lies_on", lambda self, i, other: 0 < i < count - 1)
+    monkeypatch.setattr(branch_overlap._Whole, "lies_on", lambda self, i, other: 0 < i < count - 1)
     assert own_parts(PLAN, branch, [branch]) == []
