@@ -220,7 +220,7 @@ class Search:
     def _so_as_not_to_idle(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """An open part that is held, if too few are under way."""
         idle = sum(part.name not in found and part.name not in self._held for part in self._open) < self._at_once
-        for part in self._open if idle and self._has_room else ():
+        for part in self._open if idle and not self._spent else ():
             if part.name in self._held and part.name not in self._dropped:
                 self._held.remove(part.name)
                 return [part]

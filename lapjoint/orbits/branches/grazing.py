@@ -311,11 +311,12 @@ def _stays_inside(before: Place, beyond: OnExtremum, rate: float) -> bool:
 
     The map's derivative differs from that before the graze by as much more as the root of the distance is smaller.
     """
-    first, last = (one.orbit.last.matrix for one in (before, beyond.place))
-    if first.shape != last.shape:
+    orbits = before.orbit, beyond.place.orbit
+    first, last = (orbit.last.matrix for orbit in orbits)
+    if first.shape != last.shape or not all(orbit.moduli.max() < 1 for orbit in orbits):
         return False
     most = _SURELY * np.sqrt(max(abs(beyond.extremum.value) / (_NEAREST * _CLOSE * abs(rate)), 1.0))
-    shares = (0.0, *np.geomspace(1.0, most, _LOOKS))
+    shares = np.geomspace(1.0, most, _LOOKS)[1:]
     return all(np.abs(np.linalg.eigvals(first + share * (last - first))).max() < 1 for share in shares)
 
 

@@ -106,7 +106,7 @@ def searched(
             earlier = [other["own"] for number, other in final.items() if "own" in other and number < one.number]
             assert one.seed is None or one.seed["value"] % KINDS not in earlier
         under_way += new
-        assert sum(one.seed is not None for one in under_way) <= ahead
+        assert sum(one.seed is not None for one in under_way) <= max(ahead, at_once)
         akin = Counter((one.seed.get("away"), one.seed["count"]) for one in under_way if one.seed and not one.again)
         most = max([most, *akin.values()])
     # Most starts lead to the same few branches, and those that spring from one may be one, or come together: they wait.
