@@ -194,7 +194,8 @@ class _Work:
         self._workers, self._scheduler = workers, scheduler
         self._parts: dict[str, dict[str, Any]] = {} if journal is None else journal.parts
         self._pool: StandingPool | None = None
-        self._known_of = (plan.size + 1) * plan.values  # one branch at least is to be expected at each value
+        self._given = set[str]()
+        self._least = (plan.size + 1) * plan.values  # one branch at least is to be expected at each value
 
     def done(self) -> list[Diagram]:
         """What is found at each value of the second number."""
@@ -214,16 +215,9 @@ class _Work:
         """Do some searches at the same time: their starts, and then their branches."""
         from lapjoint.campaigns.branch_round import Round
 
-        expected = {id(search): 1 for search in searches}
-
         def next_parts() -> list[Part]:
-            parts = []
-            for search in searches:
-                new = search.go_on(self._parts)
-                parts += new
-                branches = sum(part.seed is not None for part in new)
-                self._known_of += max(branches - expected[id(search)], 0)
-                expected[id(search)] = max(expected[id(search)] - branches, 0)
+            parts = [part for search in searches for part in search.go_on(self._parts)]
+            self._given |= {part.name for part in parts}
             return parts
 
         while parts := next_parts():
@@ -247,4 +241,5 @@ class _Work:
 
     def _say(self, share: float = 0.0, whole: float = 1.0) -> None:
         if self._progress is not None:
-            self._progress(len(self._parts) + share / whole, self._known_of)
+            known_of = max(self._least, len(self._given | self._parts.keys()))
+            self._progress(len(self._parts) + share / whole, known_of)
