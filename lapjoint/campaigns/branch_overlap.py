@@ -72,9 +72,9 @@ def elsewhere(plan: BranchPlan, curve: Mapping[str, Any], others: Mapping[str, M
     plan : BranchPlan
         The plan.
     curve : mapping
-        ``values``, ``sections`` and ``count`` of its motions, and of its ``bifurcations`` the ``index`` of the grazes.
+        ``values``, ``sections`` and ``count`` of its motions, and its grazes as ``bifurcations``.
     others : mapping of str to mapping
-        ``values``, ``sections`` and ``count`` of the others, by their names.
+        ``values``, ``sections``, ``count`` and ``bifurcations`` of the others, by their names.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def elsewhere(plan: BranchPlan, curve: Mapping[str, Any], others: Mapping[str, M
     own, joins = [every], list[str]()
     for name, other in others.items():
         if other["count"] == curve["count"]:
-            left = [one for part in own for one in whole.without(part, other)]
+            left = [one for part in own for one in whole.worth_without(part, other)]
             joins += [name] if left != own else []
             own = left
     edges = [(-1, 0), *((one.first, one.last) for one in own), (last, last + 1)]
@@ -170,7 +170,7 @@ class _Whole:
 
     def is_worth(self, part: _Part, other: Mapping[str, Any]) -> bool:
         """Whether a part has more than what another branch, of which it comes and to which it goes, leaves out."""
-        if part.last - part.first > _LEAST * len(self.branch["points"]):
+        if part.last - part.first > _LEAST * len(self.branch["values"]):
             return True
         return any(not _is_one_of(one, other["bifurcations"]) for one in self._bifurcations(part))
 

@@ -26,6 +26,8 @@ from lapjoint.solver import Solver
 Elsewhere: TypeAlias = Callable[[Mapping[str, Any]], dict[str, Any]]
 """Which parts of a curve lie on branches that are known, as `lapjoint.campaigns.branch_overlap.elsewhere` says it."""
 
+_ABOUT = 1e-5
+"""Error of a graze over its number, about, before finer solvers have been asked."""
 _A_FEW = 3
 """Number of points that tell whether all is compiled that a branch takes."""
 _KEPT = 8
@@ -164,12 +166,21 @@ def _ranges(ways: frozenset[int]) -> list[list[int]]:
 
 
 def _plain_curve(run: Run, count: int) -> dict[str, Any]:
-    """The motions of a curve that was followed, and where it grazes."""
+    """The motions of a curve that was followed, and its grazes; their errors are not known."""
     return {
         "values": [float(place.value) for place in run.places],
         "sections": [plain_section(place.point) for place in run.places],
         "count": count,
-        "bifurcations": [{"index": graze.index} for graze in run.grazes],
+        "bifurcations": [
+            {
+                "index": graze.index,
+                "kind": "grazing",
+                "stop": graze.stop,
+                "value": float(graze.value),
+                "error": _ABOUT * abs(float(graze.value)),
+            }
+            for graze in run.grazes
+        ],
     }
 
 

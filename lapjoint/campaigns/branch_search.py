@@ -25,8 +25,6 @@ from lapjoint.solver import Progress
 
 _BESIDE = ("joins", "asked", "probes")
 """What of a branch depends on which others were known when it was followed."""
-_CURVE = ("values", "sections", "count")
-"""What of a branch tells whether motions lie on it."""
 
 
 @dataclass(frozen=True)
@@ -131,8 +129,8 @@ class Search:
         """The branches that have been taken, by the names of their parts."""
         self._names = set[str]()
         """The names of the parts as which they were found."""
-        self._once_more = False
-        """Whether the first open part is to be done again, and has not been given yet."""
+        self._once_more = set[str]()
+        """Names of the parts that were given to be done again."""
         self._seen = 0
         self._begun = False
         self._points = 0
@@ -190,12 +188,15 @@ class Search:
             return part
         names = self._names | {one.name for one in self._open if one.name in found} - self._dropped
         curves = {name: found[name] for name in self._akin(part) if name in names and "values" in found[name]}
-        return replace(part, others={name: {key: one[key] for key in _CURVE} for name, one in curves.items()})
+        return replace(part, others={name: _curve_of(one) for name, one in curves.items()})
 
     def _first_again(self) -> list[Part]:
         """The first open part, if it is to be done once more."""
-        again, self._once_more = self._once_more, False
-        return [self._open[0]] if again else []
+        first = self._open[0] if self._open else None
+        if first is None or not first.again or first.name in self._once_more:
+            return []
+        self._once_more.add(first.name)
+        return [first]
 
     def _released(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Open parts that were held, and for which nothing that comes earlier is to be waited for any more."""
@@ -283,7 +284,6 @@ class Search:
         elif not self._is_as_if_all_were_known(part, one, found):
             self._open.appendleft(replace(part, again=part.again + 1))
             self._motions[self._open[0].name] = self._motions[part.name]
-            self._once_more = True
         elif own := own_parts(self._plan, one, list(self._taken.values())):
             self._names.add(part.name)
             for i, piece in enumerate(own):
@@ -319,3 +319,9 @@ class Search:
         value = self._plan.value_of(part.number) if part.seed is None else part.seed["value"]
         what = f"start {part.number}" if part.seed is None else "a motion"
         return f"{what} at {self._plan.axis.path} = {value:.9g}: {reason}"
+
+
+def _curve_of(one: Mapping[str, Any]) -> dict[str, Any]:
+    """What of a branch tells whether others go on as it does."""
+    known = [{key: its[key] for key in ("kind", "stop", "value", "error")} for its in one["bifurcations"]]
+    return {**{key: one[key] for key in ("values", "sections", "count")}, "bifurcations": known}

@@ -42,7 +42,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> None:
         own = seed["value"] % KINDS
         if own == 5:
             return {"seeds": [], "points": [], "message": f"{own} cannot be followed"}
-        curve = {"values": PLACES[own], "sections": "", "count": seed["count"]}
+        curve = {"values": PLACES[own], "sections": "", "count": seed["count"], "bifurcations": []}
         assert lie is not None
         points = [{"period_multiple": 1 + own % 2}] * (own % 7 + 1)
         sprung = [{"value": 3 * own + k, "count": counted(3 * own + k), "away": own} for k in range(own % 6)]
@@ -111,7 +111,11 @@ def searched(
         most = max([most, *akin.values()])
     # Most starts lead to the same few branches, and those that spring from one may be one, or come together: they wait.
     assert most == 1 or at_once > 1
-    diagram = search.diagram
+    diagram, resumed = search.diagram, Search(own, 0, ahead, at_once)
+    while left := resumed.go_on(found):
+        assert diagram.left_out  # else all is done
+        found |= {part.name: part.solved(own) for part in left}
+    assert resumed.diagram == diagram
     if not diagram.left_out:
         places = sorted(place for one in diagram.branches for place in one["values"])
         assert places == sorted({place for one in diagram.branches for place in PLACES[one["own"]]})
