@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -23,17 +22,14 @@ from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling, settled
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
-from lapjoint.orbits.branches.passings import coming, rates_of
 from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.half_periods import Return
 from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.problem import FloatArray
 
-_LONGEST, _SHORTEST = 3e-3, 1e-6
-"""Arc lengths eps between which one is tried: a branch is followed faster from far, and rounding leaves 1e-8."""
-_SHARE, _SHORTER = 0.3, 0.1
-"""Share of the way to the nearest graze that is tried first, as only motions before that are smooth, and by how much a
-length is shortened at which none is found: one bifurcation in four has a graze within 1e-4."""
+_LENGTHS = (3e-3, 3e-4, 3e-5, 3e-6, 1e-6)
+"""Arc lengths eps, tried in turn: a branch is followed faster from far, but one bifurcation in four is so near to a
+graze that only motions within 1e-5 of it are smooth."""
 _FEW, _LONGER = 50, 2.0
 """Most points of a branch back to where it springs, and the largest ratio of its length and of the way to there."""
 _BESIDE, _MOST = 5e-3, 40
@@ -66,28 +62,12 @@ def switched(family: Family, bifurcation: Place) -> Place | None:
     _, vector = crosses_minus_one(bifurcation)
     direction = vector * bifurcation.weights
     direction = direction / np.linalg.norm(direction)
-    with suppress(SolverError, InputError, np.linalg.LinAlgError):
-        for length in _lengths(_to_nearest_graze(family, bifurcation, direction)):
-            found = _found_beside(family, bifurcation, direction, length)
+    for length in _LENGTHS:
+        with suppress(SolverError, InputError, np.linalg.LinAlgError):
+            found = _beside(family, bifurcation, direction, length)
             if found is not None:
                 return found.along(found.chord(family, bifurcation))
     return None
-
-
-def _to_nearest_graze(family: Family, place: Place, direction: FloatArray) -> float:
-    """Arc length along a direction, either way, to where a motion grazes, as the rates of its extrema have it."""
-    along = replace(place, tangent=np.append(direction, 0.0))
-    rates = rates_of(family, along)
-    both = (coming(along, each) for each in (rates, replace(rates, value=-rates.value)))
-    return min((soon.length for soon in both if soon is not None), default=np.inf)
-
-
-def _lengths(to_graze: float) -> Iterator[float]:
-    """The lengths that are tried in turn beside a bifurcation so far from a graze."""
-    length = max(min(_SHARE * to_graze, _LONGEST), _SHORTEST)
-    while length >= _SHORTEST:
-        yield length
-        length = max(_SHORTER * length, _SHORTEST) if length > _SHORTEST else 0.0
 
 
 def repeated_near(family: Family, near: Place) -> Place | None:
@@ -192,14 +172,6 @@ def back_to_where_it_springs(family: Family, place: Place, length: float) -> Run
     """
     found = follow(family, place, Limits(most=_FEW, length=_LONGER * length, first=0.5 * length))
     return found if found.end == "bifurcation" else Run([place], [], [], "bifurcation")
-
-
-def _found_beside(family: Family, bifurcation: Place, direction: FloatArray, length: float) -> Place | None:
-    """`_beside`; None, too, where a march cannot go on."""
-    try:
-        return _beside(family, bifurcation, direction, length)
-    except (SolverError, InputError, np.linalg.LinAlgError):
-        return None
 
 
 def _beside(family: Family, bifurcation: Place, direction: FloatArray, length: float) -> Place | None:
