@@ -265,7 +265,8 @@ def _may_pass(
     either place, unless it rises or falls from the place before both to the one behind.
     """
     a, b = of(first), of(last)
-    if any(abs(y - x) > min(abs(x - bound), abs(y - bound)) for x, y in zip(a, b, strict=False)):
+    ways = ((_beyond(x, bound), _beyond(y, bound)) for x, y in zip(a, b, strict=False))
+    if any(abs(y - x) > min(abs(x), abs(y)) for x, y in ways):
         return True
     before, after = (None if place is None else of(place) for place in around)
     turns = [True] * len(a)
@@ -273,6 +274,11 @@ def _may_pass(
         turns = [not _steady(values) for values in zip(before, a, b, after, strict=True)]
     ways = ((around[0], first, last), (before, a)), ((around[1], last, first), (after, b))
     return any(turns) and any(_goes_on_past(family, *way, *numbers, bound, turns) for way, numbers in ways)
+
+
+def _beyond(number: float, bound: float) -> float:
+    """How far a number is from a bound; of a modulus outside the circle the logarithm, as it grows many times over."""
+    return math.log(number) if number > bound == 1.0 else number - bound
 
 
 def _steady(values: Sequence[float]) -> bool:
