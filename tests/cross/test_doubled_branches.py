@@ -21,7 +21,11 @@ from lapjoint.campaigns import Axis, Grid
 from lapjoint.campaigns.branch_parts import plain_seed, seed_of
 from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.bifurcations import Located
+from lapjoint.orbits.branches.by_another_solver import _Search
+from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import Again
+from lapjoint.orbits.branches.found_along import motion_at
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.switching import repeats_in_half
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
@@ -144,6 +148,17 @@ def test_what_is_true_beside_both_ends_of_a_branch_is_listed() -> None:
         for it in found:
             assert it.error <= 1e-6
             assert solver.period_map(made_problem(it.value)).total == pytest.approx(-1.5, abs=1e-3)
+
+
+def test_a_motion_that_repeats_sooner_is_not_what_another_solver_is_asked_for() -> None:
+    """Finite elements had taken a fold of the branch from which a narrow one springs for that one's."""
+    one = doubled(Doubling(1e-2, true=1.0))[0].bifurcations[0]
+    assert one.found is not None
+    motion, search = motion_at(one.found), _Search(replace(one, rivals=()), one.family)
+    sooner = corrected(one.family, motion.value, SectionPoint(FREE, np.ones((1, 3))), motion.count, fixed=True)
+    assert sooner is not None
+    assert search._is_nearest(0, Again(motion, motion.value))
+    assert not search._is_nearest(0, Again(sooner, motion.value))
 
 
 @pytest.mark.parametrize("level", [1, 2])

@@ -265,8 +265,8 @@ def _may_pass(
     either place, unless it rises or falls from the place before both to the one behind.
     """
     a, b = of(first), of(last)
-    ways = ((_beyond(x, bound), _beyond(y, bound)) for x, y in zip(a, b, strict=False))
-    if any(abs(y - x) > min(abs(x), abs(y)) for x, y in ways):
+    apart = [(_beyond(x, bound), _beyond(y, bound)) for x, y in zip(a, b, strict=False)]
+    if any(abs(y - x) > min(abs(x), abs(y)) for x, y in apart):
         return True
     before, after = (None if place is None else of(place) for place in around)
     turns = [True] * len(a)

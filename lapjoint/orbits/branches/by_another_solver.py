@@ -28,6 +28,7 @@ from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.springing import Springing, spring_of, springing
+from lapjoint.orbits.branches.switching import repeats_in_half
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 
@@ -193,7 +194,12 @@ class _Search:
         return comes_back(way, own, self.motion, lambda: there.carried(own), self.from_motion, sure)
 
     def _is_nearest(self, i: int, found: Again, spring: Springing | None = None) -> bool:
-        """Whether what a self has found is nearer to the first solver's motion than to those at its rivals."""
+        """Whether what a self has found is nearer to the first solver's motion than to those at its rivals.
+
+        One that repeats sooner is of the branch from which that of the first solver springs.
+        """
+        if repeats_in_half(found.place):
+            return False
         mine, family = self._before(0.0), self.selves[i]
         if not self.rivals or mine is None:
             return True
