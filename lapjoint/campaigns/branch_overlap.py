@@ -59,7 +59,7 @@ def own_parts(plan: BranchPlan, branch: Mapping[str, Any], others: Sequence[Mapp
         if not branch["elsewhere"] or all(whole.is_worth(part, other) for other in alike)
     ]
     for other in alike:
-        parts = [own for part in parts for own in whole.worth_without(part, other)]
+        parts = [own for part in parts for own in whole.without(part, other)]
     return [whole.cut(part) for part in parts]
 
 
@@ -88,7 +88,7 @@ def elsewhere(plan: BranchPlan, curve: Mapping[str, Any], others: Mapping[str, M
     own, joins = [every], list[str]()
     for name, other in others.items():
         if other["count"] == curve["count"]:
-            left = [one for part in own for one in whole.worth_without(part, other)]
+            left = [one for part in own for one in whole.without(part, other)]
             joins += [name] if left != own else []
             own = left
     edges = [(-1, 0), *((one.first, one.last) for one in own), (last, last + 1)]
@@ -152,7 +152,7 @@ class _Whole:
     branch: Mapping[str, Any]
 
     def without(self, part: _Part, other: Mapping[str, Any]) -> list[_Part]:
-        """What of a part does not lie on another branch."""
+        """What of a part does not lie on another branch, but for what has nothing of its own that this one has not."""
         lie = {i: self.lies_on(i, other) for i in _indices(part, _PROBES)}
         if not any(lie.values()):
             return [part]
@@ -161,11 +161,7 @@ class _Whole:
         first, last = part.first + inward, part.last - inward
         more = {*lie, *_indices(part, _MORE), *beside, first, last}
         lie = {i: self.lies_on(i, other) for i in sorted(more) if first <= i <= last}
-        return list(self._own(part, lie, other))
-
-    def worth_without(self, part: _Part, other: Mapping[str, Any]) -> list[_Part]:
-        """The same, without parts that have nothing of their own but what another branch leaves out."""
-        left = self.without(part, other)
+        left = list(self._own(part, lie, other))
         return left if left == [part] else [own for own in left if self.is_worth(own, other)]
 
     def is_worth(self, part: _Part, other: Mapping[str, Any]) -> bool:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
-from itertools import count
 from typing import Any, TypeAlias, overload
 
 from lapjoint.answers.branches import Branch, MotionThere
@@ -161,8 +160,8 @@ def solve_branch(
 
 def _ranges(ways: frozenset[int]) -> list[list[int]]:
     """The first and the last place of each part of a curve, of the numbers of places up to which ways lead in it."""
-    starts = sorted(i for i in ways if i - 1 not in ways)
-    return [[i - 1, next(k for k in count(i) if k not in ways) - 1] for i in starts]
+    starts, ends = (sorted(i for i in ways if i + beside not in ways) for beside in (-1, 1))
+    return [[first - 1, last] for first, last in zip(starts, ends, strict=True)]
 
 
 def _plain_curve(run: Run, count: int) -> dict[str, Any]:

@@ -120,17 +120,13 @@ class Search:
         self._motions: dict[str, _Motion] = {}
         """The motions of open parts, by their names."""
         self._held = set[str]()
-        """Names of open parts that wait for those before them, as their motions may lie on the same branches."""
+        """Names of open parts that wait for those before them, as they may lie on the same branches."""
         self._asked: dict[tuple[str, str], bool] = {}
         """Whether the motion of one part lies on the branch of another, by their names."""
         self._dropped = set[str]()
         """Names of held parts that lie on a branch that has been followed, and so will not be followed themselves."""
         self._taken: dict[str, dict[str, Any]] = {}
         """The branches that have been taken, by the names of their parts."""
-        self._names = set[str]()
-        """The names of the parts as which they were found."""
-        self._once_more = set[str]()
-        """Names of the parts that were given to be done again."""
         self._seen = 0
         self._begun = False
         self._points = 0
@@ -164,16 +160,16 @@ class Search:
                 part = self._open.popleft()
                 self._held.discard(part.name)
                 self._take(part, found)
-            opened = self._first_again() or self._released(found) or self._next(found) or self._so_as_not_to_idle(found)
+            opened = self._released(found) or self._next(found) or self._so_as_not_to_idle(found)
             if not opened and not (self._open and self._open[0].name in found):
                 return [self._with_others(part, found) for part in new if part.name not in found]
             new += opened
 
     def _is_as_if_all_were_known(self, part: Part, one: Mapping[str, Any], found: Mapping[str, dict[str, Any]]) -> bool:
         """Whether a branch is what it is beside all those before it that spring from the same one and were taken."""
-        if not self._names.issuperset(one["joins"]):
+        if not self._taken.keys() >= set(one["joins"]):
             return False
-        others = [name for name in self._akin(part) if name in self._names and name not in one["asked"]]
+        others = [name for name in self._akin(part) if name in self._taken and name not in one["asked"]]
         return not others or not (one["joins"] or any(may_lie_on(self._plan, one, found[name]) for name in others))
 
     def _akin(self, part: Part) -> list[str]:
@@ -186,17 +182,9 @@ class Search:
         """A part with the branches on which it may lie in part: those that were taken, and those that may be."""
         if part.seed is None:
             return part
-        names = self._names | {one.name for one in self._open if one.name in found} - self._dropped
+        names = self._taken.keys() | {one.name for one in self._open if one.name in found} - self._dropped
         curves = {name: found[name] for name in self._akin(part) if name in names and "values" in found[name]}
         return replace(part, others={name: _curve_of(one) for name, one in curves.items()})
-
-    def _first_again(self) -> list[Part]:
-        """The first open part, if it is to be done once more."""
-        first = self._open[0] if self._open else None
-        if first is None or not first.again or first.name in self._once_more:
-            return []
-        self._once_more.add(first.name)
-        return [first]
 
     def _released(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Open parts that were held, and for which nothing that comes earlier is to be waited for any more."""
@@ -282,10 +270,11 @@ class Search:
         elif part.seed is None:
             self._waiting += [_Motion(seed) for seed in one["seeds"]]
         elif not self._is_as_if_all_were_known(part, one, found):
-            self._open.appendleft(replace(part, again=part.again + 1))
-            self._motions[self._open[0].name] = self._motions[part.name]
+            again = replace(part, again=part.again + 1)
+            self._motions[again.name] = self._motions[part.name]
+            self._open.appendleft(again)
+            self._held.add(again.name)
         elif own := own_parts(self._plan, one, list(self._taken.values())):
-            self._names.add(part.name)
             for i, piece in enumerate(own):
                 self._taken[f"{part.name}, part {i}" if i else part.name] = {
                     key: value for key, value in piece.items() if key not in _BESIDE

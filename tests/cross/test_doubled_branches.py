@@ -19,7 +19,6 @@ from lapjoint.answers import SectionPoint
 from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.campaigns.branch_parts import plain_seed, seed_of
-from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.by_another_solver import _Search
 from lapjoint.orbits.branches.corrector import corrected
@@ -44,10 +43,6 @@ class DoublingMap(MadeMap):
 
     s: float = 0.0
     total: float = 0.0
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""

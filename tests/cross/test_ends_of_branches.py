@@ -17,7 +17,6 @@ import analytic
 from lapjoint import BaseMotion, Problem, SolverError, paper_joint
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
-from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.closing import Marks, Start
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
@@ -117,10 +116,6 @@ class CurveMap(MadeMap):
 
     f: Callable[[float], tuple[float, float]] = lambda _: (0.0, 0.0)
 
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
-
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""
         x, slope = start.coordinates, np.eye(1)
@@ -212,10 +207,6 @@ class CliffMap(MadeMap):
     """
 
     p: float = 0.0
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""

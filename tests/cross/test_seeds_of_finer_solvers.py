@@ -11,7 +11,6 @@ from made_map import MadeMap, made_problem
 from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits import Passage
 from lapjoint.orbits.branches import tracing
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import corrected
@@ -34,10 +33,6 @@ class FlipMap(MadeMap):
     """
 
     a: float = 0.0
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""

@@ -16,7 +16,6 @@ from made_map import MadeMap, made_problem
 from lapjoint import FREE, BaseMotion, Problem
 from lapjoint.answers import SectionPoint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.switching import switched
 from lapjoint.orbits.branches.tracing import Seed, trace
@@ -42,10 +41,6 @@ class SteepMap(MadeMap):
     def in_own(self, point: SectionPoint) -> FloatArray:
         """The coordinates about it."""
         return np.asarray(self.solver.basis.T @ (point.coordinates[0] - self.fixed))
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""

@@ -47,13 +47,13 @@ class MadeMap:
 
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
         """The map, as often as there are whole periods."""
-        power = np.linalg.matrix_power(self.matrix, half_periods // 2)
-        return Passage(SectionPoint(FREE, 1 + (start.coordinates - 1) @ power.T), np.zeros(0), 0)
+        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """The same with its derivative."""
         power = np.linalg.matrix_power(self.matrix, half_periods // 2)
-        return Linearised(self.march(start, half_periods).end, lambda: Derivative(power), tuple)
+        end = SectionPoint(FREE, 1 + (start.coordinates - 1) @ power.T)
+        return Linearised(end, lambda: Derivative(power), tuple)
 
     def history(self, start: SectionPoint, periods: int) -> History:
         """A motion without contact."""
@@ -117,10 +117,6 @@ class TongueMap(MadeMap):
 
     multiple: int = 1
     detuning: float = 0.0
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""

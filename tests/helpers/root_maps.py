@@ -16,7 +16,6 @@ from made_map import MadeMap, made_problem
 from lapjoint import BaseMotion, Problem, Stop
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -60,10 +59,6 @@ class RootMap(MadeMap):
 
     of: Roots | None = None
     p: float = 0.0
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""

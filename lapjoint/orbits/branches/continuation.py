@@ -250,7 +250,7 @@ class _Follower:
             return False  # it lies behind
         if passed(self._here, self._rates, before, None, length).grazes:
             return False
-        if not self._is_inside(found[0].value):
+        if not self._family.covers(found[0].value):
             return self._ends_at_boundary(before, found[0].value)
         if not found[1]:
             if self._jump_over(found[0], before):
@@ -286,7 +286,7 @@ class _Follower:
 
     def _take(self, new: Place, rates: Rates, angle: float) -> bool:
         """Take a step to a place with the same contacts; whether that was done."""
-        if not self._is_inside(new.value):
+        if not self._family.covers(new.value):
             return self._ends_at_boundary(new, new.value)
         if not (self._turned_back(new) and self._leave_out_more()):
             self._bend = bend_of(self._family, self._here, new)
@@ -295,15 +295,10 @@ class _Follower:
             self._step, self._ceiling = min(grown, self._ceiling), min(_RISES * self._ceiling, _LONGEST)
         return True
 
-    def _is_inside(self, value: float) -> bool:
-        """Whether a number is in the range."""
-        return self._family.low <= value <= self._family.high
-
     def _ends_at_boundary(self, new: Place, value: float) -> bool:
         """End the curve at the end of the range on the way to a place whose number leads out; whether it is found."""
-        last = at_boundary(
-            self._family, self._here, new, self._family.low if value < self._family.low else self._family.high
-        )
+        end = min(max(value, self._family.low), self._family.high)
+        last = at_boundary(self._family, self._here, new, end)
         self._places += [] if last is None else [last]
         self._end = "" if last is None else "boundary"
         return last is not None
@@ -314,7 +309,7 @@ class _Follower:
         Beside it, the number changes as the square of the way, so that it is come to step by step.
         """
         here = self._here
-        if here.missed is None or beyond.missed is None or not self._is_inside(beyond.value):
+        if here.missed is None or beyond.missed is None or not self._family.covers(beyond.value):
             return False
         missed, there = (float(np.linalg.norm(one)) for one in (here.missed, beyond.missed))
         share = share_to_shorter(self._family, here, beyond)
@@ -349,7 +344,7 @@ class _Follower:
 
     def _pass(self, graze: Graze, beyond: tuple[Place, ...]) -> None:
         """Go across a graze, or end there."""
-        if not self._is_inside(graze.value):
+        if not self._family.covers(graze.value):
             if not self._ends_at_boundary(graze.before.place, graze.value):
                 self._end = "lost"
             return

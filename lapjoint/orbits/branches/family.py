@@ -277,6 +277,21 @@ class Family:
         """
         return abs(value) if self.low > 0 or self.high < 0 else self.high - self.low
 
+    def covers(self, value: float) -> bool:
+        """Whether a value of the number is in the range.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        bool
+            Whether it is, or at one of its ends.
+        """
+        return self.low <= value <= self.high
+
     def adopted(self, value: float, point: SectionPoint) -> SectionPoint:
         """A section point of a neighbouring problem on the map of this one.
 
@@ -366,6 +381,24 @@ class Family:
             if there.switches == march.switches:
                 break
         return column
+
+    def column(self, value: float, found: Return) -> FloatArray:
+        """`derivative` at the start of a march that was made, which may know it.
+
+        Parameters
+        ----------
+        value : float
+            Of the number, in its SI unit.
+        found : Return
+            The march.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            As `derivative` gives it.
+        """
+        known = found.by_number
+        return self.derivative(value, found.start, found.count) if known is None else known
 
     def _made(self, value: float) -> HalfPeriods:
         return HalfPeriods(self.solver_at(value).period_map(self.problem_at(value)))

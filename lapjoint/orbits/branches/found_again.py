@@ -309,7 +309,7 @@ def _beside(family: Family, here: Place, step: float) -> Place | None:
     """The place some arc length from another, with its tangent in the same direction."""
     value, guess = here.moved(family, step * here.tangent)
     found = corrected(family, value, guess, here.count, fixed=abs(here.tangent[-1]) > STEEP)
-    if found is None or not family.low <= value <= family.high:
+    if found is None or not family.covers(value):
         return None
     return found.along(np.sign(step) * found.chord(family, here))
 

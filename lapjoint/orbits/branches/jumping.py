@@ -54,7 +54,7 @@ def jumped(family: Family, places: Sequence[Place], least: int) -> tuple[Place, 
     sign, otherwise = math.copysign(1.0, here.tangent[-1]), None
     for width, share in list(enumerate(WIDTHS))[least:]:
         value = here.value + sign * share * family.scale(here.value)
-        if not family.low <= value <= family.high:
+        if not family.covers(value):
             break
         guesses = [here.moved(family, share / abs(here.tangent[-1]) * here.tangent)[1]] if here.tangent[-1] else []
         behind = _behind(family, places, share)
@@ -97,7 +97,7 @@ def across_jump(family: Family, here: Place) -> Place | None:
         if found is None:
             continue
         near = float(np.linalg.norm(found.chord(family, here))) <= _ADJACENT
-        if near and found.extrema.closings != here.extrema.closings and family.low <= found.value <= family.high:
+        if near and found.extrema.closings != here.extrema.closings and family.covers(found.value):
             return found if found.orientation == here.orientation else found.turned()
     return None
 
@@ -113,7 +113,7 @@ def _beside(family: Family, here: Place) -> Iterator[Place | None]:
         yield corrected(family, value, guess, here.count)
         for sign in (-1.0, 1.0):
             value = here.value + sign * length * family.scale(here.value)
-            if family.low <= value <= family.high:
+            if family.covers(value):
                 yield corrected(family, value, family.adopted(value, guess), here.count, fixed=True)
 
 

@@ -118,10 +118,7 @@ def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int
         if not residual <= min(_FAR, _WORSE * least):
             return None
         least, last = min(least, residual), residual
-        columns = [
-            family.derivative(value, point, length) if one.by_number is None else one.by_number
-            for one, point, length in zip(found, points, lengths, strict=True)
-        ]
+        columns = [family.column(value, one) for one in found]
         n = misses[0].size
         whole, by_number, missed = np.eye(n), np.zeros(n), np.zeros(n)
         for one, column, miss in zip(found, columns, misses, strict=True):

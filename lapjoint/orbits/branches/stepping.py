@@ -47,7 +47,7 @@ def stepped(family: Family, here: Place, step: float, bend: FloatArray | None) -
         ahead = ahead + 0.5 * step**2 * bend
     value, guess = here.moved(family, ahead)
     steep = abs(here.tangent[-1]) > STEEP
-    new = corrected(family, value, guess, here.count, fixed=steep and family.low <= value <= family.high)
+    new = corrected(family, value, guess, here.count, fixed=steep and family.covers(value))
     if new is None:
         return None, math.nan
     chord = new.chord(family, here)

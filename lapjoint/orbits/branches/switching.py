@@ -23,7 +23,6 @@ from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.run import Limits, Run
-from lapjoint.orbits.half_periods import Return
 from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.problem import FloatArray
 
@@ -187,7 +186,7 @@ def _beside(family: Family, bifurcation: Place, direction: FloatArray, length: f
             return closed
         residual, weights = left, scaling(half, point, r.size)
         off = -2 * length - float(direction @ (half.map.difference(once.end, point) * weights))
-        K, J = (jacobian(one.matrix, _column(family, value, one) * scale, weights) for one in (once, found))
+        K, J = (jacobian(one.matrix, family.column(value, one) * scale, weights) for one in (once, found))
         step = np.linalg.solve(np.vstack([J, direction @ K]), np.append(-weights * r, off))
         if residual <= RESIDUAL:
             closed = place_from(value, point, residual, found, J, weights)
@@ -197,9 +196,3 @@ def _beside(family: Family, bifurcation: Place, direction: FloatArray, length: f
         value += float(step[-1]) * scale
         point = family.adopted(value, point)
     return closed
-
-
-def _column(family: Family, value: float, found: Return) -> FloatArray:
-    """Derivative of the end of a march by the number, ``(n,)``."""
-    known = found.by_number
-    return family.derivative(value, found.start, found.count) if known is None else known

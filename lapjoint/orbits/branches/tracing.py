@@ -180,7 +180,7 @@ def _start(family: Family, seed: Seed) -> Place | None:
     inside = family.low < seed.value < family.high
     if inside:
         found = corrected(family, seed.value, guess, seed.count)
-    if not inside or (found is not None and not family.low <= found.value <= family.high):
+    if not inside or (found is not None and not family.covers(found.value)):
         found = corrected(family, seed.value, guess, seed.count, fixed=True)
     return None if found is None or (seed.away_from is not None and repeats_in_half(found)) else found
 

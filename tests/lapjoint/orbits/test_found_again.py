@@ -16,7 +16,6 @@ from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.errors import SolverError
-from lapjoint.orbits import Passage
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
@@ -58,10 +57,6 @@ class FoldMap(MadeMap):
     of: Folds | None = None
     p: float = 0.0
 
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
-
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""
         it, y = self.of, start.coordinates[0, 0] - 1
@@ -79,10 +74,6 @@ class Hairpin(MadeMap):
 
     steep: float = 0.0
     p: float = 0.0
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""

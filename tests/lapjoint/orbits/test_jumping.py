@@ -14,7 +14,6 @@ from made_map import MadeMap, made_problem
 from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits import Passage
 from lapjoint.orbits.branches import corrector, passings
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extrema
@@ -34,10 +33,6 @@ class JumpMap(MadeMap):
     a: float = 1.0
     b: float = 1.0
     d: float = 0.0
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """See `MadeMap`."""
-        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""
