@@ -186,9 +186,7 @@ class PeriodMap:
         begin, duration = _coordinates(start), half_periods * self.period / 2
         end, matrix = march_linearised(self.joint, begin, duration, np.eye(start.coordinates.size))
         if end.state != start.state:
-            n = matrix.shape[0] // 2
-            back = self.joint.passage(end.state, start.state).S
-            matrix = np.concatenate([back @ matrix[:n], back @ matrix[n:]])
+            matrix = _passed_on(self.joint.passage(end.state, start.state).S, matrix)
         known = Derivative(matrix)
         return Linearised(_section_point(end), lambda: known, lambda: gap_view(march(self.joint, begin, 0.0, duration)))
 
@@ -297,12 +295,13 @@ class _Along:
     def derivative(self) -> Derivative:
         """The derivative of its end, in the modes of its start."""
         known = self.last[0] if self.last else self.carried(slice(0))
-        matrix, end = known.end, self.motion.end.state
+        matrix, factors, end = known.end, known.factors, self.motion.end.state
         if end != self.state:
-            n, passage = matrix.shape[0] // 2, self.motion.joint.passage(end, self.state)
-            matrix = np.concatenate([passage.S @ matrix[:n], passage.S @ matrix[n:]])
+            passage = self.motion.joint.passage(end, self.state)
+            matrix = _passed_on(passage.S, matrix)
             matrix[:, -1] += self._left_out_change(passage.residual[1:])
-        return Derivative(matrix[:, :-1], matrix[:, -1].copy())
+            factors = None if factors is None else (_passed_on(passage.S, factors[0]), factors[1])
+        return Derivative(matrix[:, :-1], matrix[:, -1].copy(), factors)
 
     def _left_out_change(self, residual: FloatArray) -> FloatArray:
         """Change of what is carried over between the modes of two states at a multiple of the period, ``(2 N,)``."""
@@ -310,6 +309,12 @@ class _Along:
         theta, omega = harmonics.theta(0.0), harmonics.omega
         moving = (known.sizes + known.frequency) * omega * np.cos(theta)
         return np.concatenate([(known.sizes * np.sin(theta)) @ residual, moving @ residual])
+
+
+def _passed_on(S: FloatArray, deviations: FloatArray) -> FloatArray:
+    """Deviations (dq, dv) as columns, carried over to the modes of another state."""
+    n = deviations.shape[0] // 2
+    return np.concatenate([S @ deviations[:n], S @ deviations[n:]])
 
 
 def _as_one(motions: list[March], period: float) -> March:

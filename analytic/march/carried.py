@@ -112,8 +112,9 @@ def advance_periods(
         if not enter(tables, None, None, motion, work):
             return MISSING_SWITCH, now
         if carried and stop >= 0:
-            then = zeros((2 * tables.modes[motion.counts[SLOT]], now.shape[1]))
-            saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, now, then)
+            n, m = tables.modes[slot], now.shape[1]
+            then = zeros((2 * tables.modes[motion.counts[SLOT]], m))
+            saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, n, m, now, then)
             now = then
         if not leave(tables, None, None, motion, work, period, 0.0, depth):
             return STUCK, now

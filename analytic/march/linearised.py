@@ -11,11 +11,14 @@ from analytic.march.compiled import Log
 from analytic.march.march import March
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, saltation
-from lapjoint.compiled_arrays import complex_zeros, put
-from lapjoint.compiling import njit_called
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
+from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _ALL = slice(None)
+_FEWER, _WORTH_IT = 0.75, 4
+"""Largest share of the columns that units of what is left may be, and the least number of segments that follow, where
+they are carried instead: to have all of them again takes as long as two switches."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,9 @@ class Carried:
     no more was to be kept."""
     end: FloatArray
     """The deviations at the end of the march, shape ``(2 N_end, n + 1)`` or ``(2 N_end, n)``."""
+    factors: tuple[FloatArray, FloatArray] | None
+    """Two matrices of shapes ``(2 N_end, r)`` and ``(r, n)``, whose product the first ``n`` of these are, where fast
+    modes died out on the way, so that r is less than n; else None."""
     first: int = 0
     """Index of the segment at whose start the first ones are."""
 
@@ -67,16 +73,18 @@ def carried_along(
         The number leaves the start of the march where it is.
     """
     tables, log = motion.joint.tables, motion.log
-    rows = 2 * int(tables.modes[log.slot[0]])
+    rows, most = 2 * int(tables.modes[log.slot[0]]), 2 * tables.kind.shape[1]
     n = rows if deviations is None else deviations.shape[1]
-    now = np.empty((2, 2 * tables.kind.shape[1], n if change is None else n + 1))
-    now[0, :rows] = np.eye(rows, now.shape[2]) if deviations is None else 0.0
+    columns = n if change is None else n + 1
+    now = np.zeros((2, most, columns))
+    now[0, :rows] = np.eye(rows, columns) if deviations is None else 0.0
     if deviations is not None:
         now[0, :rows, :n] = deviations
     first, last, _ = kept.indices(log.slot.size)
-    starts, end = np.empty((last - first, *now.shape[1:])), np.empty(now.shape[1:])
-    _carry(tables, change, log, later, now, first, starts, end)
-    return Carried(motion, change, starts, end[: 2 * int(tables.modes[log.slot[-1]])], first)
+    starts, end = np.empty((last - first, most, columns)), np.empty((most, columns))
+    factors = _carry(tables, change, log, later, now, n, first, starts, end)
+    end = end[: 2 * int(tables.modes[log.slot[-1]])]
+    return Carried(motion, change, starts, end, factors if factors[1].size else None, first)
 
 
 @njit_called(vectorised=True)
@@ -86,38 +94,91 @@ def _carry(
     log: Log,
     later: float,
     both: FloatArray,
+    units: int,
     first: int,
     starts: FloatArray,
     end: FloatArray,
-) -> None:
+) -> tuple[FloatArray, FloatArray]:
     """Carry deviations from the start of a march on to its `end`, ``(2 N, m)``.
 
-    `both`, ``(2, 2 N, m)``, has them at the start, and takes those at the start of each of the ``M`` segments in turn;
-    `starts`, ``(K, 2 N, m)``, those of the segment `first`, and of others after it.
+    `both`, ``(2, 2 N, m)``, has them at the start, the first `units` by it and the other by the number; `starts`,
+    ``(K, 2 N, m)``, takes those at the start of the segment `first`, and of others after it.
+
+    Where fast modes have died out, those of the others are all that is left.  Then a unit of each of these is carried
+    on instead, which are fewer columns, and is multiplied by what there was of them, `since`, where it is wanted.
     """
-    now, changes = end, complex_zeros((0, 0, 0))
+    here, then, since, changes = both[0], both[1], zeros((0, units)), complex_zeros((0, 0, 0))
+    now = zeros(here.shape)
     if change is not None:
         changes = changes_of_answers(tables, change, log.slot)
     for i in range(log.slot.size):
-        slot, here, then = log.slot[i], both[i % 2], both[(i + 1) % 2]
+        slot, n, left = log.slot[i], tables.modes[log.slot[i]], log.slot.size - 1 - i
         if change is not None:  # what it does to the forced motion does not flow
             add_forced_change(tables, change, changes, slot, log.start[i], -1.0, here)
         if first <= i < first + starts.shape[0]:
-            for j in range(2 * tables.modes[slot]):
-                put(starts[i - first, j], here[j])
-        flow(tables, slot, log.end[i] - log.start[i], here, now)
+            _write(here[: 2 * n], units, since, starts[i - first])
+        live = flow(tables, slot, log.end[i] - log.start[i], here, now)
+        if left >= _WORTH_IT and 2 * live <= _FEWER * units:
+            since, now, units = _left_of(now, units, since, n, live), _units(now, units, n, live), 2 * live
+            here, then = zeros(now.shape), zeros(now.shape)
         if change is not None:
             add_forced_change(tables, change, changes, slot, log.end[i], 1.0, now)
-        if log.stop[i] >= 0 and i + 1 < log.slot.size:
+        if left > 0 and log.stop[i] >= 0:
             t, k, rate = log.end[i], log.stop[i], log.rate[i]
             q_old, v_old, q_new, v_new = log.q_end[i], log.v_end[i], log.q[i + 1], log.v[i + 1]
-            jump = saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, now, then)
+            jump = saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, live, units, now, then)
             if change is not None:
                 add_switch_change(tables, change, slot, k, t, rate, jump, then)
-        elif i + 1 < log.slot.size:
-            for j in range(2 * tables.modes[slot]):
-                for c in range(end.shape[1]):
-                    then[j, c] = now[j, c]
+            here, then = then, here
+        elif left > 0:
+            for j in range(2 * n):
+                put(here[j], now[j])
     i = log.slot.size - 1
     if change is not None:
         add_end_change(tables, log.slot[i], log.end[i], later, log.q_end[i], log.v_end[i], now)
+    _write(now[: 2 * tables.modes[log.slot[i]]], units, since, end)
+    return now[: 2 * tables.modes[log.slot[i]], :units], since
+
+
+@njit_inner()
+def _left_of(now: FloatArray, units: int, since: FloatArray, n: int, live: int) -> FloatArray:
+    """What there is of the deviations of the first `live` modes, ``(2 live, m)``."""
+    left = zeros((2 * live, units))
+    for j in range(live):
+        put(left[j], now[j, :units])
+        put(left[live + j], now[n + j, :units])
+    if since.shape[0] == 0:
+        return left
+    whole = zeros((2 * live, since.shape[1]))
+    np.dot(left, since, whole)
+    return whole
+
+
+@njit_inner()
+def _units(now: FloatArray, units: int, n: int, live: int) -> FloatArray:
+    """Units of the deviations of the first `live` modes as columns, and then those of `now` behind its `units`."""
+    begin = zeros((now.shape[0], 2 * live + now.shape[1] - units))
+    for j in range(live):
+        begin[j, j] = begin[n + j, live + j] = 1.0
+    for j in range(2 * n):
+        put(begin[j, 2 * live :], now[j, units:])
+    return begin
+
+
+@njit_inner()
+def _write(now: FloatArray, units: int, since: FloatArray, whole: FloatArray) -> None:
+    """Write deviations, ``(2 N, m)``: the first `units` times what there was of them, and the others."""
+    behind = units
+    if since.shape[0] > 0:
+        behind = since.shape[1]
+        left, product = zeros((now.shape[0], units)), zeros((now.shape[0], behind))
+        for j in range(now.shape[0]):
+            put(left[j], now[j, :units])
+        np.dot(left, since, product)
+        for j in range(now.shape[0]):
+            put(whole[j, :behind], product[j])
+    else:
+        for j in range(now.shape[0]):
+            put(whole[j, :behind], now[j, :behind])
+    for j in range(now.shape[0]):
+        put(whole[j, behind:], now[j, units:])

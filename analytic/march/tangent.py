@@ -24,6 +24,9 @@ from lapjoint.compiled_arrays import complex_zeros, zeros
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
+_DIED_OUT = -37.0
+"""Logarithm of what is left of the free motion of a mode when it counts as died out: 1e-16, as a number has sixteen
+digits."""
 _NOTHING = 1e-60
 """Deviations smaller than this, kg^1/2 m or kg^1/2 m/s, become zero as they flow.  Those of fast modes die out to
 numbers near 1e-308, of which processors multiply one in the time of fifty others: that was a fifth of the time of a
@@ -31,7 +34,31 @@ branch.  Carried are units, whose largest rest is seldom below 1e-10, and of who
 
 
 @njit_inner()
-def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray) -> None:
+def living(tables: Tables, slot: int, s: float) -> int:
+    """How many modes of a state, the slowest ones, have a free motion left after some time.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    s : float
+        How long, s.
+
+    Returns
+    -------
+    int
+        Those of all others have died out.
+    """
+    n = tables.modes[slot]
+    while n > 0 and tables.kind[slot, n - 1] == OSCILLATING and tables.root[slot, n - 1].real * s < _DIED_OUT:
+        n -= 1
+    return n
+
+
+@njit_inner()
+def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray) -> int:
     """Carry deviations over some time within a state.
 
     Parameters
@@ -46,10 +73,15 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray)
         Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, as columns, of the ``N`` modes of the state.
     then : FloatArray, shape (2 N, m)
         Takes them after that time; it may be `now`.
+
+    Returns
+    -------
+    int
+        `living`: those of the other modes are zero.
     """
-    n = tables.modes[slot]
+    n, live = tables.modes[slot], living(tables, slot, s)
     extra = n
-    for i in range(n):
+    for i in range(live):
         kind, root = tables.kind[slot, i], tables.root[slot, i]
         if kind == OSCILLATING:
             a, b = root.real, root.imag
@@ -70,6 +102,10 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray)
             q, v = C * x + S * y, C1 * x + S1 * y
             then[i, j] = q if abs(q) > _NOTHING else 0.0
             then[n + i, j] = v if abs(v) > _NOTHING else 0.0
+    for i in range(live, n):
+        for j in range(now.shape[1]):
+            then[i, j] = then[n + i, j] = 0.0
+    return live
 
 
 @njit_inner(inline="always")
@@ -121,6 +157,8 @@ def saltation(
     v_old: FloatArray,
     q_new: FloatArray,
     v_new: FloatArray,
+    live: int,
+    whole: int,
     now: FloatArray,
     then: FloatArray,
 ) -> FloatArray:
@@ -136,6 +174,8 @@ def saltation(
         When, s, and with which h', m/s.
     q_old, v_old, q_new, v_new : ndarray, shape (N,)
         The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
+    live, whole : int
+        Number of modes, the slowest ones, of which the deviations in columns before `whole` are not zero.
     now : ndarray, shape (2 N_old, m)
         Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
     then : ndarray, shape (2 N_new, m)
@@ -157,15 +197,21 @@ def saltation(
     delay, S = zeros(m), tables.carry[old, k][:n_new]
     for i in range(n_old):
         weight = late * mode[i]
-        for c in range(m):
+        for c in range(0 if i < live else whole, m):
             delay[c] += weight * now[i, c]
-    if n_old < S.shape[1]:  # a matrix product takes rows that follow each other in memory
-        S = zeros((n_new, n_old))
+    part = S
+    if live < S.shape[1]:  # a matrix product takes rows that follow each other in memory
+        part = zeros((n_new, live))
         for j in range(n_new):
-            for i in range(n_old):
-                S[j, i] = tables.carry[old, k, j, i]
-    _project(S, now[:n_old], then[:n_new])
-    _project(S, now[n_old : 2 * n_old], then[n_new : 2 * n_new])
+            for i in range(live):
+                part[j, i] = S[j, i]
+    _project(part, now[:live], then[:n_new])
+    _project(part, now[n_old : n_old + live], then[n_new : 2 * n_new])
+    for j in range(n_new):
+        for i in range(live, n_old):
+            for c in range(whole, m):
+                then[j, c] += S[j, i] * now[i, c]
+                then[n_new + j, c] += S[j, i] * now[n_old + i, c]
     jump = zeros(2 * n_new)
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
     for j in range(n_new):
