@@ -51,7 +51,7 @@ def living(tables: Tables, slot: int, s: float) -> int:
     int
         Those of all others have died out.
     """
-    n = tables.modes[slot]
+    n = int(tables.modes[slot])
     while n > 0 and tables.kind[slot, n - 1] == OSCILLATING and tables.root[slot, n - 1].real * s < _DIED_OUT:
         n -= 1
     return n

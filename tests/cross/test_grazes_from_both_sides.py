@@ -90,12 +90,12 @@ def test_beyond_a_graze_at_which_a_symmetry_breaks_lies_the_motion_that_touches_
     graze = nearest_graze(one, both.branch.bifurcations[0].value)
     assert graze.value == pytest.approx(both.branch.bifurcations[0].value, rel=1e-11)
     before, value = graze.before, graze.value
-    assert before.place.extrema.closings in {(2, 1, 1, 1), (1, 1, 2, 1)}  # it, or its mirror image
+    assert before.place.closings in {(2, 1, 1, 1), (1, 1, 2, 1)}  # it, or its mirror image
     for _ in range(3):
         for rate in np.copysign(np.geomspace(1e-5, 3e-3, 12), graze.rate):
             beyond = beyond_graze(family, before, rate)
             assert beyond is not None
-            assert beyond.place.extrema.closings == (1, 1, 1, 1)
+            assert beyond.place.closings == (1, 1, 1, 1)
             assert beyond.value == pytest.approx(value, rel=1e-8)
         finer = family.finer(value)
         assert finer is not None
@@ -122,6 +122,6 @@ def test_branches_that_meet_at_a_graze_have_it_at_one_number() -> None:
     assert one is not None
     first, *_ = (it.found for it in both.bifurcations if isinstance(it.found, Graze))
     second = nearest_graze(one, first.value)
-    assert [graze.before.place.extrema.closings for graze in (first, second)] == [(4, 0, 4, 0), (4, 0, 3, 0)]
+    assert [graze.before.place.closings for graze in (first, second)] == [(4, 0, 4, 0), (4, 0, 3, 0)]
     assert abs(second.before.value - first.value) > 1e-7 * first.value  # what the straight line misses it by
     assert second.value == pytest.approx(first.value, rel=1e-9)

@@ -329,9 +329,7 @@ def _middle(family: Family, first: Place, last: Place) -> Place | None:
     length = float(np.linalg.norm(last.chord(family, first)))
     if length <= _LOCATED:
         return None
-    found = between_two(
-        family, first, last, 0.5, length, lambda place: place.extrema.closings == first.extrema.closings
-    )
+    found = between_two(family, first, last, 0.5, length, lambda place: place.closings == first.closings)
     return None if found is None or found.orientation != first.orientation else found  # it may be of another curve
 
 

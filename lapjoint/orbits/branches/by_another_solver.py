@@ -98,7 +98,8 @@ class _Search:
     def __post_init__(self) -> None:
         assert self.one.found is not None
         self.motion, self.direct = motion_at(self.one.found), directly(self.one.found)
-        self.from_motion = directly(self.one.found, like=self.motion)  # where the other solver's is not critical yet
+        # Where the other solver's motion is not critical yet:
+        self.from_motion = directly(self.one.found, self.one.family, like=self.motion)
         self.rivals = [Carrier(self.one.family, rival) for rival in self.one.rivals]
         self.selves, self.known = [self.family], list[Refinement]()
         while len(self.known) < self.finer and (finer := self.selves[-1].finer(self.motion.value)) is not None:
@@ -210,7 +211,7 @@ class _Search:
 
     def _contacts_beyond(self, place: Place) -> bool | None:
         """Whether a motion has the contacts of those beyond the graze, instead of before; None if it has neither."""
-        apart = np.abs(np.subtract(place.extrema.closings, self.motion.extrema.closings))
+        apart = np.abs(np.subtract(place.closings, self.motion.closings))
         if not apart.any():
             return False
         return True if isinstance(self.one.found, Graze) and apart.sum() == apart[self.one.found.stop] == 1 else None

@@ -103,6 +103,6 @@ class Carrier:
         """
         place = self.place
         near = taken_over(other, place, lambda point: self._at(point).guess(other))
-        if near is None or near.extrema.closings != place.extrema.closings:
+        if near is None or near.closings != place.closings:
             return None
         return near if near.tangent[-1] * place.tangent[-1] > 0 else near.turned()

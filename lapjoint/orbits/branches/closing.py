@@ -83,7 +83,7 @@ class Start:
     @cached_property
     def _closings(self) -> list[int]:
         """How often stops close: the same for all images, though not for the same stops."""
-        return sorted(self.place.extrema.closings)
+        return sorted(self.place.closings)
 
     def between(self, a: Place, b: Place, same: float = SAME) -> Place | None:
         """The place of the curve, between two neighbours, that is an image of its start.
@@ -100,7 +100,7 @@ class Start:
         Place, or None
             None if there is none.
         """
-        if a.extrema.closings != b.extrema.closings or sorted(a.extrema.closings) != self._closings:
+        if a.closings != b.closings or sorted(a.closings) != self._closings:
             return None
         chord = b.chord(self.family, a)
         length = float(np.linalg.norm(chord))
@@ -122,7 +122,7 @@ class Start:
                 return None
             way = -here.chord(self.family, image)
             if float(np.linalg.norm(way)) <= same:
-                return here if here.extrema.closings == like.extrema.closings else None
+                return here if here.closings == like.closings else None
             value, guess = here.moved(self.family, float(way @ here.tangent) * here.tangent)
             found = corrected(self.family, value, guess, here.count)
             here = None if found is None else found.along(here.tangent)

@@ -332,7 +332,7 @@ class _Follower:
         length = float(np.linalg.norm(beyond.chord(self._family, here)))
         for part in _UP_TO:  # so near to where two curves meet, Newton's method may find neither
             last = between_two(self._family, here, beyond, part * share, length)
-            if last is None or last.extrema.closings != here.extrema.closings:
+            if last is None or last.closings != here.closings:
                 continue
             if last.missed is None or float(np.linalg.norm(last.missed)) <= _TOLD:
                 continue
@@ -369,7 +369,7 @@ class _Follower:
     def _resolve_at(self, graze: Graze) -> None:
         """Have the last part that was left out as a graze just before it, if that part is next to nothing."""
         before, here = graze.before.place, self._here
-        if self._jumps[-1].width > _NOTHING or here.extrema.closings == before.extrema.closings:
+        if self._jumps[-1].width > _NOTHING or here.closings == before.closings:
             return
         self._jumps.pop()
         kind = "persists" if before.tangent[-1] * here.tangent[-1] > 0 else "folds"
@@ -444,7 +444,7 @@ class _Follower:
         return True
 
     def _has_contacts_of(self, other: Place) -> bool:
-        return other.extrema.closings == self._here.extrema.closings
+        return other.closings == self._here.closings
 
     def _leave_out(self, beyond: Place, width: int) -> None:
         """Go on from a motion beyond a part that is not resolved."""

@@ -18,7 +18,7 @@ import numpy as np
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of, same_turning_point
+from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, closings_of, extrema_of, same_turning_point
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import RESIDUAL, Orbit
 from lapjoint.problem import FloatArray
@@ -72,6 +72,11 @@ class Place:
     def extrema(self) -> Extrema:
         """How near it comes to every stop, and how far beyond."""
         return extrema_of(self.orbit.last)
+
+    @property
+    def closings(self) -> tuple[int, ...]:
+        """How often each stop closes, as `Extrema.closings` has it."""
+        return self.extrema.closings if "extrema" in self.__dict__ else closings_of(self.orbit.last)
 
     def matching(self, extremum: Extremum, duration: float) -> Extremum | None:
         """The extremum, or the turning point, that is nearest in phase to one of its kind by another solver.
@@ -266,9 +271,9 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
                 column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
             J, state, first = jacobian(found.matrix, column * family.scale(value), weights), point.state, residual
         if residual <= RESIDUAL:
-            tangent, step = _null_and(J, -weights * r)
+            tangent, step = tangent_and_step(J, -weights * r)
             closed = Place(value, Orbit(count, point, residual, found), weights, tangent, found.half_periods)
-            step = np.append(step[:-1], 0.0) if fixed else _shortest(step, tangent)
+            step = np.append(step[:-1], 0.0) if fixed else shortest(step, tangent)
             if settled(step, weights * r):
                 return closed
         else:
@@ -318,18 +323,45 @@ def newton_step(J: FloatArray, F: FloatArray, fixed: bool) -> FloatArray:
     """
     if fixed:
         return np.append(np.linalg.solve(J[:, :-1], -F), 0.0)
-    along, step = _null_and(J, -F)
-    return _shortest(step, along)
+    along, step = tangent_and_step(J, -F)
+    return shortest(step, along)
 
 
-def _shortest(step: FloatArray, along: FloatArray) -> FloatArray:
-    """A step without its part along the curve."""
+def shortest(step: FloatArray, along: FloatArray) -> FloatArray:
+    """A step without its part along the curve.
+
+    Parameters
+    ----------
+    step : FloatArray, shape (n + 1,)
+        (u, w), scaled.
+    along : FloatArray, shape (n + 1,)
+        The unit tangent.
+
+    Returns
+    -------
+    FloatArray, shape (n + 1,)
+        The rest.
+    """
     return step - float(step @ along) * along
 
 
-def _null_and(J: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The unit vector t with J t = 0, and a vector with J y = `right`, each of shape ``(n + 1,)``.
+def tangent_and_step(J: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The unit vector t with J t = 0, and a vector with J y = `right`.
 
+    Parameters
+    ----------
+    J : FloatArray, shape (n, n + 1)
+        `jacobian`.
+    right : FloatArray, shape (n,)
+        Scaled.
+
+    Returns
+    -------
+    t, y : FloatArray, shape (n + 1,)
+        t has any direction, y any part along t.
+
+    Notes
+    -----
     With the number's part of t as one, and of y as zero, its other parts solve one system each.  Where the curve folds
     that system is singular; near there t loses nothing, as its errors are along itself, and y gains too much of t.
     """
@@ -371,7 +403,7 @@ def place_from(
     Place
         Its tangent has any direction.
     """
-    tangent, _ = _null_and(J, np.zeros(J.shape[0]))
+    tangent, _ = tangent_and_step(J, np.zeros(J.shape[0]))
     return Place(value, Orbit(found.count, point, residual, found), weights, tangent, found.half_periods)
 
 

@@ -90,7 +90,7 @@ class OnExtremum:
     @property
     def closings_of_sides(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """How often each stop closes on either side of the graze: as here, and with one contact more or less."""
-        here, stop = self.place.extrema.closings, self.extremum.stop
+        here, stop = self.place.closings, self.extremum.stop
         there = here[stop] + (-1 if self.touched else 1)
         return here, (*here[:stop], there, *here[stop + 1 :])
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, signature
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
+from lapjoint.orbits.branches.critical_search import Critical, change_beside, critical_motion
 from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import beyond_graze, just_beyond, located_graze, nearer_to_graze, sharper
@@ -18,15 +19,6 @@ _REACHES = (1e-4, 1e-2)
 """Arc lengths, to both sides of where the coarser solver has it, within which a bifurcation is looked for."""
 _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 """Arc lengths before a graze from which it is looked for, in turn: by another solver, it may lie before."""
-_FIRST = (1e-5, 1e-7)
-"""Arc lengths of the first step of a search by secants, until there is a motion: most bifurcations of two solvers are
-about as far apart as the first; a hairpin beside a graze may be shorter."""
-_SECANTS = 15
-"""Most secants: five are enough where a multiplier is smooth; beside a graze it changes as a square root."""
-_GROWS = 30.0
-"""By how much a step by a secant is longer than the last one at most."""
-_LOCATED = 1e-9
-"""Length of a step, or value of what vanishes, at which a bifurcation is found."""
 NEAR = 3e-3
 """Arc length between a bifurcation as two solvers have it: another of its kind may lie not far off.  Of 240, three lay
 farther apart, and none by 0.01."""
@@ -136,7 +128,7 @@ def alike(family: Family, place: Place) -> Place | None:
         At the same number; None if it has other contacts there, or other multipliers outside the circle.
     """
     near = taken_over(family, place, fixed=True)
-    if near is None or near.extrema.closings != place.extrema.closings:
+    if near is None or near.closings != place.closings:
         return None
     near = near.going_on_from(place)
     return near if signature(near) == signature(place) else None
@@ -160,11 +152,11 @@ def with_same_contacts(family: Family, place: Place, like: Place | None = None) 
         The number may be another one; None if it has other contacts.
     """
     near, like = taken_over(family, place), like or place
-    same = near is not None and near.extrema.closings == like.extrema.closings
+    same = near is not None and near.closings == like.closings
     return near.going_on_from(like) if near is not None and same else None
 
 
-def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
+def smooth_finder(kind: Kind, like: Place | None = None, own: Family | None = None) -> Finder:
     """Finds a bifurcation of a smooth part of a curve: the same one, by the multiplier that is critical there.
 
     Parameters
@@ -173,6 +165,8 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
         Its kind.
     like : Place, optional
         The motion at the bifurcation, by any solver; without it, it is the one from which the search begins.
+    own : Family, optional
+        The period maps of `like`, or of the first motion given: they tell how fast what vanishes changes there.
 
     Returns
     -------
@@ -180,15 +174,25 @@ def smooth_finder(kind: Kind, like: Place | None = None) -> Finder:
         The function.
     """
 
+    last: Critical | None = None
+
     def find(family: Family, place: Place) -> Again | None:
-        own = family.at(place.value) is place.half_periods  # then it is not marched once more
-        near = place if own else taken_over(family, place)
-        if near is None:
-            return None
+        nonlocal last
         vanishes = critical(kind, like or place)
-        root = _root(family, near, vanishes)
-        if root is not None and is_same(kind, root[0], like or place):
-            return Again(root[0], root[0].value, by_one_motion=_shift(*root, vanishes))
+        if last is None and own is not None:
+            last = change_beside(own, like or place, vanishes)
+        mine = family.at(place.value) is place.half_periods  # then it is not carried over
+        guess = place.point if mine else family.adopted(place.value, place.point)
+        root, near = critical_motion(family, place.value, guess, place.count, vanishes, last), place
+        if root is None and (last is not None or not mine):
+            there = place if mine else taken_over(family, place)
+            if there is None:
+                return None
+            near = there
+            root = critical_motion(family, near.value, near.point, near.count, vanishes)
+        if root is not None and is_same(kind, root.place, like or place):
+            last = root
+            return Again(root.place, root.place.value, by_one_motion=_shift(root, vanishes))
         found = _between_ends(family, near, kind)
         return Again(found, found.value) if found is not None and is_same(kind, found, like or place) else None
 
@@ -262,7 +266,7 @@ def is_same(kind: Kind, found: Place, place: Place) -> bool:
     bool
         Whether they have the same contacts, and the same critical multiplier: the real part of a pair may be -1, too.
     """
-    if found.extrema.closings != place.extrema.closings:
+    if found.closings != place.closings:
         return False
     if kind not in ("fold", "neimark-sacker"):
         return bool((np.abs(found.orbit.values + 1) <= _MINUS_ONE).any())
@@ -270,39 +274,20 @@ def is_same(kind: Kind, found: Place, place: Place) -> bool:
     return abs(mu - other) <= _SAME_MULTIPLIER
 
 
-def _shift(found: Place, rate: float, vanishes: Callable[[Place], float]) -> Shift:
+def _shift(found: Critical, vanishes: Callable[[Place], float]) -> Shift | None:
     """How far off other solvers have what vanishes at a place, from its change with the arc length there."""
+    place, rate = found
+    if rate is None:
+        return None
 
     def shift(family: Family) -> float | None:
-        near = with_same_contacts(family, found)
+        near = with_same_contacts(family, place)
         if near is None:
             return None
-        step = (vanishes(found) - vanishes(near)) / rate
-        return near.moved(family, step * near.tangent)[0] - found.value
+        step = (vanishes(place) - vanishes(near)) / rate
+        return near.moved(family, step * near.tangent)[0] - place.value
 
     return shift
-
-
-def _root(family: Family, near: Place, vanishes: Callable[[Place], float]) -> tuple[Place, float] | None:
-    """The place at which something vanishes, by secants from a place near it, and its change with the arc length."""
-    first = ((step, _beside(family, near, step)) for step in _FIRST)
-    length, here = next(((step, there) for step, there in first if there is not None), (0.0, None))
-    before = near
-    for _ in range(_SECANTS):
-        if here is None:
-            return None
-        a, b = vanishes(before), vanishes(here)
-        if a == b:
-            return None
-        if abs(b) <= _LOCATED:
-            return here, (b - a) / length
-        step = float(np.clip(-b * length / (b - a), -_GROWS * abs(length), _GROWS * abs(length)))
-        if abs(step) <= _LOCATED:
-            return here, (b - a) / length
-        before, here, length = here, _beside(family, here, step), step
-        if here is not None and float(np.linalg.norm(here.chord(family, near))) > _REACHES[-1]:
-            return None
-    return None
 
 
 def _beside(family: Family, here: Place, step: float) -> Place | None:
@@ -348,7 +333,7 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
             near = corrected(family, value, guess, place.count) if back else taken_over(family, place)
             mine = None if near is None else near.matching(extremum, duration)
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
-            if graze is not None and graze.place.extrema.closings[extremum.stop] in closings:
+            if graze is not None and graze.place.closings[extremum.stop] in closings:
                 beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
                 other = None if beyond is None else just_beyond(family, beyond, rate)
                 best = sharper(family, graze, other, rate)
@@ -382,10 +367,10 @@ def hides_something(family: Family, before: OnExtremum, rate: float, after: Plac
     graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
     if graze is None:
         return False
-    if graze.place.extrema.closings == after.extrema.closings:  # this solver has it on the other side of its graze
+    if graze.place.closings == after.closings:  # this solver has it on the other side of its graze
         return signature(graze.place) != signature(after)
     beyond = beyond_graze(family, graze, rate)
-    if beyond is None or beyond.place.extrema.closings != after.extrema.closings:
+    if beyond is None or beyond.place.closings != after.closings:
         return False
     nearer, seen = nearer_to_graze(family, graze.place, beyond, just_beyond(family, beyond, rate), rate)
     return seen and len({signature(one) for one in (*nearer, beyond.place, after)}) > 1

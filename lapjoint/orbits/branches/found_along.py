@@ -192,15 +192,15 @@ def motion_at(one: Located | Graze) -> Place:
     return one.before.place if isinstance(one, Graze) else one.place
 
 
-def directly(one: Located | Graze, like: Place | None = None) -> Finder:
+def directly(one: Located | Graze, own: Family | None = None, like: Place | None = None) -> Finder:
     """Finds a bifurcation by another solver from the motion there.
 
     Parameters
     ----------
     one : Located or Graze
         The bifurcation.
-    like : Place, optional
-        As `smooth_finder` has it.
+    own, like : Family and Place, optional
+        As `smooth_finder` has them.
 
     Returns
     -------
@@ -208,7 +208,7 @@ def directly(one: Located | Graze, like: Place | None = None) -> Finder:
         The function.
     """
     if isinstance(one, Located):
-        return smooth_finder(one.kind, like)
+        return smooth_finder(one.kind, like, own)
     return graze_finder(one.before, one.rate)
 
 

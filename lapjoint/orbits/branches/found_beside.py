@@ -108,5 +108,5 @@ class _FromGraze:
         """The bifurcation, from where the one has it."""
         guess, motion = self.guess(place), motion_at(self.one)
         near = with_same_contacts(self.other, guess, like=motion)
-        found = None if near is None else directly(self.one, like=motion)(self.other, near)
+        found = None if near is None else directly(self.one, self.own, like=motion)(self.other, near)
         return found or around(self.one, self.other, near or self.there, guess, self.length)

@@ -44,7 +44,7 @@ def free_seed(family: Family, value: float) -> Seed | None:
         found = corrected(family, value, family.adopted(value, orbit.point), half.least, fixed=True)
     except SolverError:
         return None
-    if found is None or any(found.extrema.closings) or any(found.point.state.closed):
+    if found is None or any(found.closings) or any(found.point.state.closed):
         return None
     return Seed(value, found.point, half.least)
 

@@ -141,16 +141,42 @@ def extrema_of(found: Return) -> Extrema:
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
     segments, (stops, _) = found.linearised.motion, stops_of(problem.structure)
     at, time, value, highest = gap_extrema(motion_of(found), stops)
-    ends = np.flatnonzero(segments.switched >= 0)
-    switched = segments.switched[ends]
-    closes = ~segments.closed[ends, switched]
-    closings = np.bincount(switched[closes], minlength=len(problem.stops))
-    stop, twins = at, half_periods.twins
+    switched, closes = _switches(segments)
+    when, stop, twins = segments.end[segments.switched >= 0], at, half_periods.twins
+    if found.count % 2 and twins is not None:
+        stop, switched = (np.minimum(one, np.array(twins)[one]) for one in (at, switched))
+    return Extrema(stop, at, time, value, highest, closings_of(found), duration, switched, when, closes)
+
+
+def closings_of(found: Return) -> tuple[int, ...]:
+    """How often each stop closes in a motion.
+
+    Parameters
+    ----------
+    found : Return
+        The march over its half periods.
+
+    Returns
+    -------
+    tuple of int
+        As `Extrema.closings` has it.
+    """
+    half_periods = found.half_periods
+    if not half_periods.map.problem.stops:
+        return ()
+    switched, closes = _switches(found.linearised.motion)
+    closings = np.bincount(switched[closes], minlength=len(half_periods.map.problem.stops))
+    twins = half_periods.twins
     if found.count % 2 and twins is not None:
         closings = closings + closings[list(twins)]
-        stop, switched = (np.minimum(one, np.array(twins)[one]) for one in (at, switched))
-    closed, when = tuple(closings.tolist()), segments.end[ends]
-    return Extrema(stop, at, time, value, highest, closed, duration, switched, when, closes)
+    return tuple(closings.tolist())
+
+
+def _switches(segments: Segments) -> tuple[IndexArray, npt.NDArray[np.bool_]]:
+    """The stop of each switch of a motion, and whether it closes there, each of shape ``(J,)``."""
+    ends = np.flatnonzero(segments.switched >= 0)
+    switched = segments.switched[ends]
+    return switched, ~segments.closed[ends, switched]
 
 
 @lru_cache(maxsize=64)  # problems of one branch, and of others that are followed at the same time, share theirs

@@ -128,7 +128,7 @@ def located_graze(family: Family, place: Place, extremum: Extremum, rate: float)
     if abs(extremum.value) <= abs(end):
         end = extremum.value
     found = on_extremum(family, place, extremum, end, scale, towards=True)
-    return found if found is not None and found.place.extrema.closings == place.extrema.closings else None
+    return found if found is not None and found.place.closings == place.closings else None
 
 
 def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum | None:
@@ -154,7 +154,7 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
         there = on_extremum(family, graze.place, graze.extremum, target, abs(rate), patiently=patiently)
         if there is None or float(np.linalg.norm(there.place.chord(family, graze.place))) > _NEAR:
             return None
-        changed = np.subtract(there.place.extrema.closings, graze.place.extrema.closings)
+        changed = np.subtract(there.place.closings, graze.place.closings)
         count = int(np.abs(changed).sum())
         if count != abs(int(changed.sum())):  # one contact has come, and another gone: two grazes lie between
             return None
@@ -385,7 +385,7 @@ def nearer_to_graze(
 def _at_share(family: Family, beyond: OnExtremum, share: float, rate: float) -> OnExtremum | None:
     """The motion beyond a graze at a share of the distance, with the same contacts."""
     found = on_extremum(family, beyond.place, beyond.extremum, share * beyond.extremum.value, abs(rate))
-    return found if found is not None and found.place.extrema.closings == beyond.place.extrema.closings else None
+    return found if found is not None and found.place.closings == beyond.place.closings else None
 
 
 def _vanishes_sooner(family: Family, place: Place, than: Coming) -> Coming | None:

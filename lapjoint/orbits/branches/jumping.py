@@ -97,7 +97,7 @@ def across_jump(family: Family, here: Place) -> Place | None:
         if found is None:
             continue
         near = float(np.linalg.norm(found.chord(family, here))) <= _ADJACENT
-        if near and found.extrema.closings != here.extrema.closings and family.covers(found.value):
+        if near and found.closings != here.closings and family.covers(found.value):
             return found if found.orientation == here.orientation else found.turned()
     return None
 
@@ -121,7 +121,7 @@ def _behind(family: Family, places: Sequence[Place], share: float) -> Place | No
     """The last place with the same contacts that is a fifth as far behind as a part to be left out is wide."""
     here, far = places[-1], _AS_FAR * share * family.scale(places[-1].value)
     for one in reversed(places[max(len(places) - _LATEST, 0) : -1]):
-        if one.extrema.closings != here.extrema.closings or (here.value - one.value) * one.tangent[-1] <= 0:
+        if one.closings != here.closings or (here.value - one.value) * one.tangent[-1] <= 0:
             return None
         if abs(here.value - one.value) >= far:
             return one

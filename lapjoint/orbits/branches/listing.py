@@ -178,14 +178,14 @@ def _kind_and_stop(one: Located | Graze) -> tuple[BifurcationKind, int]:
 
 def _stated(family: Family, one: Located | Graze, errors: bool) -> Stated:
     value = _value(one)
-    return stated(family, motion_at(one), value, directly(one)) if errors else Stated(value, np.inf)
+    return stated(family, motion_at(one), value, directly(one, family)) if errors else Stated(value, np.inf)
 
 
 def _just_beyond(family: Family, run: Run, graze: Graze) -> Iterator[Listed]:
     """The part between a graze and the next place beyond it, on whichever side, if a finer solver sees more there."""
     places, known = run.places, family.finer(graze.value)
     for i in (graze.index, graze.index + 1):  # the second place of either part
-        if known is None or not 0 < i < len(places) or places[i - 1].extrema.closings == places[i].extrema.closings:
+        if known is None or not 0 < i < len(places) or places[i - 1].closings == places[i].closings:
             continue
         after = places[i] if i > graze.index else places[i - 1]
         with suppress(SolverError, InputError):

@@ -231,7 +231,7 @@ def passed(here: Place, rates: Rates, new: Place, new_rates: Rates | None, lengt
     b = _events(new.extrema, rates if new_rates is None else new_rates)  # those of `here` are not looked at there
     same, through, passes, partner = met(a, b, length, new_rates is not None)
     crossed = np.flatnonzero(passes)
-    nothing = same and not through and not crossed.size and here.extrema.closings == new.extrema.closings
+    nothing = same and not through and not crossed.size and here.closings == new.closings
     if not crossed.size:
         return Passed(nothing, ())
     h0, h1, rate = a.value[crossed], b.value[partner[crossed]], a.value_rate[crossed]

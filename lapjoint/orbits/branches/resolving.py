@@ -380,7 +380,7 @@ class _Search:
             if near is None or repeats_in_half(near) or not self._is_near(finer, near, place):
                 continue
             near = near.going_on_from(place)
-            if near.extrema.closings == place.extrema.closings:
+            if near.closings == place.closings:
                 yield near
             else:
                 others.append(near)

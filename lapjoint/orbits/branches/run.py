@@ -90,7 +90,7 @@ class Run:
         """Neighbouring places between which the curve is smooth, with the index of the second."""
         apart = {jump.index for jump in self.jumps}
         for i, (a, b) in enumerate(pairwise(self.places), start=1):
-            if i not in apart and a.extrema.closings == b.extrema.closings:
+            if i not in apart and a.closings == b.closings:
                 yield i, a, b
 
 

@@ -13,10 +13,12 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.collecting import seldom_collected
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.bifurcations import flip_of
 from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.resolving import Resolved, resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run, joined
@@ -26,6 +28,8 @@ from lapjoint.orbits.steady_state import periodic_state
 
 _FOLLOWED = 0.4
 """Share of the work that is behind once a branch is followed, about, where errors are estimated."""
+_FINER = 2
+"""Most finer solvers that are asked for a motion of a branch that springs where one finds none."""
 _FARTHER, _AWAY = 30, 0.05
 """Most points, and arc length, of a branch along which a motion is looked for that a coarser solver has, too."""
 
@@ -119,11 +123,11 @@ def trace(
     for one in found.bifurcations:
         place = one.springing
         if place is not None and place.count * 2 <= 2 * most_multiple:
-            new = switched(one.family, place)
+            new = _sprung(family, one.family, place, _FINER if errors else 0)
             if new is None:
                 unsprung.append(one.bifurcation)
             else:
-                seeds.append(_seed(family, one.family, place, new))
+                seeds.append(new)
     branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), found.ends)
     springs = [
         seed.away_from or _spring(own, run.begin, run.places[0], found, 0),
@@ -139,6 +143,16 @@ def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) ->
     near = place if own is family else found.places[at]
     mother = sprung_from(own, near) if found.ends[at] == "bifurcation" else None
     return None if mother is None else (mother.value, mother.point)
+
+
+def _sprung(family: Family, own: Family, place: Place, finer: int) -> Seed | None:
+    """The seed of a branch that springs at a place by a solver, or by so many finer ones; None if none has a motion."""
+    new = switched(own, place)
+    if new is not None:
+        return _seed(family, own, place, new)
+    known = own.finer(place.value) if finer else None
+    again = None if known is None else smooth_finder(flip_of(place))(known[1], place)
+    return None if known is None or again is None else _sprung(family, known[1], again.place, finer - 1)
 
 
 def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:

@@ -125,7 +125,7 @@ def test_the_tangent_and_the_shortest_step_hold_up_to_a_fold(least: float) -> No
         J = np.column_stack([u @ np.diag(sizes) @ v, u @ rng.uniform(0.5, 2.0, n)])
         F = 1e-5 * rng.standard_normal(n)
         w, s, vt = np.linalg.svd(J)
-        tangent, _ = corrector._null_and(J, F)
+        tangent, _ = corrector.tangent_and_step(J, F)
         assert np.linalg.norm(tangent - (tangent @ vt[-1]) * vt[-1]) <= 1e-9
         step = corrector.newton_step(J, F, fixed=False)
         shortest = -vt[:n].T @ ((w.T @ F) / s)

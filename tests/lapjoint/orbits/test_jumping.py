@@ -79,6 +79,7 @@ def test_a_branch_goes_on_beyond_a_jump_of_the_map(
         b = -b
     d = float(rng.choice((-1, 1)) * np.exp(rng.uniform(*np.log((1e-8, 3e-7)))))
     monkeypatch.setattr(corrector, "extrema_of", contacts_only)
+    monkeypatch.setattr(corrector, "closings_of", lambda found: contacts_only(found).closings)
     monkeypatch.setattr(passings, "extrema_of", contacts_only)
     grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
     family = Family(Jumps(a, b, d, sign), lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)

@@ -87,14 +87,14 @@ def test_a_graze_has_the_contacts_of_one_of_its_sides() -> None:
     """A stop is touched seven times before it, and eight times beyond; at the next one it is six times."""
     one = restored_from(family(), MOTIONS["graze_of_other_contacts"])
     assert isinstance(one.found, Graze)
-    stop, finer, closings = one.found.stop, one.family, motion_at(one.found).extrema.closings
+    stop, finer, closings = one.found.stop, one.family, motion_at(one.found).closings
     assert closings[stop] == 7
     for _ in range(3):
         known = finer.finer(one.found.value)
         assert known is not None
         finer = known[1]
         again = directly(one.found)(finer, motion_at(one.found))
-        assert again is None or again.place.extrema.closings[stop] in (7, 8)
+        assert again is None or again.place.closings[stop] in (7, 8)
 
 
 @pytest.mark.thorough

@@ -91,7 +91,7 @@ def test_a_stop_that_is_touched_at_the_very_peak_only_is_not_passed_unseen(
 def test_one_step_over_the_peak_shows_the_graze_on_the_way(peak: tuple[float, float]) -> None:
     family = family_of(cantilever(peak[1] * (1 - 1e-3)))
     before, after = (place_at(family, peak[0] + sign * 0.01) for sign in (-1, 1))
-    assert before.extrema.closings == after.extrema.closings == (0,)
+    assert before.closings == after.closings == (0,)
     length = float(np.linalg.norm(after.chord(family, before)))
     rates = [rates_of(family, place) for place in (before, after)]
     seen = passed(before, rates[0], after, rates[1], length)
@@ -122,7 +122,8 @@ def bumps(time: list[float], value: list[float], highest: list[bool]) -> Any:
     stop = np.zeros(len(time), dtype=np.intp)
     switches = (np.zeros(2, dtype=np.intp), np.array([0.2, 0.4]), np.array([True, False]))
     return SimpleNamespace(
-        extrema=Extrema(stop, stop, np.array(time), np.array(value), np.array(highest), (1,), 1.0, *switches)
+        closings=(1,),
+        extrema=Extrema(stop, stop, np.array(time), np.array(value), np.array(highest), (1,), 1.0, *switches),
     )
 
 

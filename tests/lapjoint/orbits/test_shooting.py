@@ -54,7 +54,7 @@ def test_finer_solvers_have_strongly_unstable_motions_that_newtons_method_misses
         assert all(one.orbit.residual <= RESIDUAL for one, _ in chain)
         distances = [distance for _, distance in chain]
         assert distances[0] <= FAR
-        if len(chain) == STEPS and {one.extrema.closings for one, _ in chain} == {place.extrema.closings}:
+        if len(chain) == STEPS and {one.closings for one, _ in chain} == {place.closings}:
             assert distances[2] <= 0.5 * distances[1] <= 0.25 * distances[0]
             found += 1
         own = finer_than(family, place)
