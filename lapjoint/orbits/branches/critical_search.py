@@ -11,6 +11,7 @@ motion is not brought to the curve at each of the places that secants would try.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -29,18 +30,23 @@ hardly changes."""
 _STEPS = 15
 """Most steps: five are enough where a multiplier is smooth; beside a graze it changes as a square root."""
 _FAR = 0.5
-"""Largest residual of the first guess over the size of the motion."""
+"""Largest residual of a guess over the size of the motion: multipliers of 1e4 make it large just beside the curve."""
 _SLOWEST = 0.7
-"""Least share of the residual that a step must take off, or:"""
+"""Least share of the distance from the curve that a step must take off, or:"""
 _ASIDE = 0.5
-"""Largest residual over the length of the step that led there: a step along a curve that turns leads away from it."""
+"""Largest distance from the curve over the length of the step that led there: where it turns, a step leads off it."""
 _REACH = 1e-2
 """Arc length within which the motion is looked for."""
+_TOLD, _ROUNDED = 1e-8, 1e-7
+"""Length of a step along the curve from which on the change of g tells how fast it changes, and up to which a step that
+does not bring g nearer to zero shows that rounding is all that is left of it: beside a fold, that is 1e-8."""
 _TRIED = (1e-5, 1e-7)
 """Arc lengths of a step to find out how fast g changes, in turn: most bifurcations of two solvers are about as far
 apart as the first; a hairpin beside a graze may be shorter."""
 _GROWS = 30.0
 """By how much a step along the curve is longer than the one at which g' was found, at most."""
+_BESIDE = 0.5
+"""Distance from the curve over the next step along it from which on a step leads to the curve alone."""
 _OFF = 0.1
 """Distance from the curve over the length of a step along it up to which the change of g is due to that length."""
 
@@ -52,6 +58,8 @@ class Critical(NamedTuple):
     """The motion."""
     rate: float | None
     """Change of what vanishes with the arc length along the tangent of `place`; None if it is not known."""
+    left: float = 0.0
+    """Arc length that may be left of the way there, where rounding lets no step come nearer."""
 
 
 def critical_motion(
@@ -114,12 +122,30 @@ def change_beside(family: Family, place: Place, vanishes: Callable[[Place], floa
     """
     step = _TRIED[0] if family.covers(place.moved(family, _TRIED[0] * place.tangent)[0]) else -_TRIED[0]
     try:
-        seen = _Search(family, place.count, vanishes, step).seen(*place.moved(family, step * place.tangent), _FAR)
+        there = _Search(family, place.count, vanishes, step).seen(*place.moved(family, step * place.tangent), place)
     except (SolverError, InputError, np.linalg.LinAlgError):
         return None
-    if seen is None or float(np.linalg.norm(seen[1])) > _OFF * abs(step):
+    if there is None or there.off > _OFF * abs(step):
         return None
-    return Critical(place, (vanishes(_going_on(seen[0], place)) - vanishes(place)) / step)
+    return Critical(place, (there.g - vanishes(place)) / step)
+
+
+class _Guess(NamedTuple):
+    """A guess of Newton's method."""
+
+    place: Place
+    """The motion, which need not close."""
+    g: float
+    """What is to vanish."""
+    back: FloatArray
+    """The shortest way to the curve (u, w), scaled, shape ``(n + 1,)``."""
+    closes: bool
+    """Whether the motion closes."""
+
+    @property
+    def off(self) -> float:
+        """Distance from the curve."""
+        return float(np.linalg.norm(self.back))
 
 
 class _Search:
@@ -128,54 +154,62 @@ class _Search:
     def __init__(self, family: Family, count: int, vanishes: Callable[[Place], float], tried: float) -> None:
         self._family, self._count, self._vanishes, self._tried = family, count, vanishes, tried
         self._column = np.zeros(0)
+        self._rate: float | None = None
+        self._longest = _REACH
 
     def run(self, value: float, point: SectionPoint, like: Critical | None) -> Critical | None:
         """Find it from a guess, and what is known of a motion near it."""
-        rate, longest, allowed, way = (None, _REACH, _FAR, 0.0) if like is None else (like.rate, _REACH, _FAR, 0.0)
-        before: tuple[Place, float, float] | None = None  # the last guess, g there, and the step along the curve
-        was_off = np.inf
+        self._rate = None if like is None else like.rate
+        before: _Guess | None = None
+        came = gone = 0.0  # steps along the curve: the last one, and all together
         for _ in range(_STEPS):
-            seen = self.seen(value, point, allowed)
-            if seen is None:
+            now = self.seen(value, point, before.place if before else None if like is None else like.place)
+            if now is None:
                 return None
-            here, back, left = seen
             if before is not None:
-                here = _going_on(here, before[0])
-            elif like is not None and rate is not None:
-                here = here.going_on_from(like.place)
-            g = self._vanishes(here)
-            off = float(np.linalg.norm(back))
-            if before is not None and max(off, was_off) <= _OFF * abs(before[2]):
-                rate, longest = (g - before[1]) / before[2], _GROWS * abs(before[2])
-            closes = here.orbit.residual <= RESIDUAL and settled(back, left)
-            if closes and abs(g) <= LOCATED and (g == 0.0 or (before is not None and abs(before[1]) <= LOCATED)):
-                return Critical(here, rate)
-            along = self._along(g, rate, longest, off)
-            if along is None or abs(way := way + along) > _REACH:
+                if now.off > max(_SLOWEST * before.off, _ASIDE * math.hypot(before.off, came), LOCATED):
+                    return None
+                self._learn(before, now, came)
+            along = self._along(now)
+            if along is None:
                 return None
-            if closes and rate is not None and abs(along) <= LOCATED:
-                return Critical(here, rate)
-            step = back + along * here.tangent
-            value, point = here.moved(self._family, step)
-            if not self._family.covers(value):
+            if now.closes and self._rate is not None and abs(along) <= LOCATED:
+                return Critical(now.place, self._rate)
+            if before is not None and self._stays(before, now, came, along):
+                return Critical(now.place, self._rate, abs(along))
+            if before is not None and now.off > max(_BESIDE * abs(along), LOCATED):
+                along = 0.0
+            gone += along
+            value, point = now.place.moved(self._family, now.back + along * now.place.tangent)
+            if abs(gone) > _REACH or not self._family.covers(value):
                 return None
-            allowed = max(_SLOWEST * here.orbit.residual, _ASIDE * float(np.linalg.norm(step)), 10 * RESIDUAL)
-            before, was_off = (here, g, along), off
+            before, came = now, along
         return None
 
-    def _along(self, g: float, rate: float | None, longest: float, off: float) -> float | None:
-        """The next step along the curve from so far beside it; None if g does not change there."""
-        if rate is None:
-            return self._tried if off <= _OFF * self._tried else 0.0
-        return float(np.clip(-g / rate, -longest, longest)) if rate and np.isfinite(rate) else None
+    def _stays(self, before: _Guess, now: _Guess, came: float, along: float) -> bool:
+        """Whether a guess is as near as rounding lets it come: the last step did not bring g nearer to zero."""
+        short = 0 < abs(came) <= _ROUNDED and abs(along) <= _ROUNDED
+        return now.closes and short and abs(now.g) >= _SLOWEST * abs(before.g)
 
-    def seen(self, value: float, point: SectionPoint, allowed: float) -> tuple[Place, FloatArray, FloatArray] | None:
-        """The place of a guess, the shortest way from it to the curve, and what it misses, both scaled."""
+    def _learn(self, before: _Guess, now: _Guess, came: float) -> None:
+        """Learn how fast g changes from the step that led from one guess to the next, if both are on the curve."""
+        if abs(came) >= _TOLD and max(before.off, now.off) <= _OFF * abs(came):
+            self._rate, self._longest = (now.g - before.g) / came, _GROWS * abs(came)
+
+    def _along(self, now: _Guess) -> float | None:
+        """The next step along the curve; None if g does not change there."""
+        rate, longest = self._rate, self._longest
+        if rate is None:
+            return self._tried if now.off <= _OFF * self._tried else 0.0
+        return float(np.clip(-now.g / rate, -longest, longest)) if rate and np.isfinite(rate) else None
+
+    def seen(self, value: float, point: SectionPoint, near: Place | None) -> _Guess | None:
+        """A guess, with its tangent in the direction of a place near it; None if it is far from closing."""
         found = self._family.linearised(value, point, self._count)
         half = found.half_periods
         r = half.map.difference(found.end, point)
         residual = half.relative(r, point)
-        if not residual <= allowed:
+        if not residual <= _FAR:
             return None
         weights = scaling(half, point, r.size)
         if found.by_number is not None or self._column.size != r.size or residual <= RESIDUAL:
@@ -183,10 +217,13 @@ class _Search:
         J = jacobian(found.matrix, self._column * self._family.scale(value), weights)
         tangent, step = tangent_and_step(J, -weights * r)
         here = Place(value, Orbit(self._count, point, residual, found), weights, tangent, half)
-        return here, shortest(step, tangent), weights * r
+        if near is not None:
+            here = _going_on(here, near)
+        back = shortest(step, tangent)
+        return _Guess(here, self._vanishes(here), back, residual <= RESIDUAL and settled(back, weights * r))
 
 
-def _going_on(here: Place, before: Place) -> Place:
-    """A place with its tangent in the direction of one just beside it."""
-    same = here.point.state == before.point.state and here.weights.shape == before.weights.shape
-    return here.along(before.tangent) if same else here.going_on_from(before)
+def _going_on(here: Place, near: Place) -> Place:
+    """A place with its tangent in the direction of one near it."""
+    same = here.point.state == near.point.state and here.weights.shape == near.weights.shape
+    return here.along(near.tangent) if same else here.going_on_from(near)

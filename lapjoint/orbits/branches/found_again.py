@@ -192,7 +192,7 @@ def smooth_finder(kind: Kind, like: Place | None = None, own: Family | None = No
             root = critical_motion(family, near.value, near.point, near.count, vanishes)
         if root is not None and is_same(kind, root.place, like or place):
             last = root
-            return Again(root.place, root.place.value, by_one_motion=_shift(root, vanishes))
+            return _again(family, root, vanishes)
         found = _between_ends(family, near, kind)
         return Again(found, found.value) if found is not None and is_same(kind, found, like or place) else None
 
@@ -274,9 +274,16 @@ def is_same(kind: Kind, found: Place, place: Place) -> bool:
     return abs(mu - other) <= _SAME_MULTIPLIER
 
 
+def _again(family: Family, found: Critical, vanishes: Callable[[Place], float]) -> Again:
+    """A bifurcation from the motion at which something vanishes."""
+    place = found.place
+    left = found.left * abs(float(place.tangent[-1])) * family.scale(place.value)
+    return Again(place, place.value, left, _shift(found, vanishes))
+
+
 def _shift(found: Critical, vanishes: Callable[[Place], float]) -> Shift | None:
     """How far off other solvers have what vanishes at a place, from its change with the arc length there."""
-    place, rate = found
+    place, rate, _ = found
     if rate is None:
         return None
 
