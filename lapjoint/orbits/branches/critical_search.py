@@ -161,7 +161,7 @@ class _Search:
         """Find it from a guess, and what is known of a motion near it."""
         self._rate = None if like is None else like.rate
         before: _Guess | None = None
-        came = gone = 0.0  # steps along the curve: the last one, and all together
+        came = gone = aimed = 0.0  # steps along the curve: the last one, all together, and the last one by a rate
         for _ in range(_STEPS):
             now = self.seen(value, point, before.place if before else None if like is None else like.place)
             if now is None:
@@ -170,12 +170,13 @@ class _Search:
                 if now.off > max(_SLOWEST * before.off, _ASIDE * math.hypot(before.off, came), LOCATED):
                     return None
                 self._learn(before, now, came)
+            known = self._rate is not None
             along = self._along(now)
             if along is None:
                 return None
-            if now.closes and self._rate is not None and abs(along) <= LOCATED:
+            if now.closes and known and abs(along) <= LOCATED:
                 return Critical(now.place, self._rate)
-            if before is not None and self._stays(before, now, came, along):
+            if before is not None and self._stays(before, now, aimed, along):
                 return Critical(now.place, self._rate, abs(along))
             if before is not None and now.off > max(_BESIDE * abs(along), LOCATED):
                 along = 0.0
@@ -183,12 +184,12 @@ class _Search:
             value, point = now.place.moved(self._family, now.back + along * now.place.tangent)
             if abs(gone) > _REACH or not self._family.covers(value):
                 return None
-            before, came = now, along
+            before, came, aimed = now, along, along if known else 0.0
         return None
 
-    def _stays(self, before: _Guess, now: _Guess, came: float, along: float) -> bool:
+    def _stays(self, before: _Guess, now: _Guess, aimed: float, along: float) -> bool:
         """Whether a guess is as near as rounding lets it come: the last step did not bring g nearer to zero."""
-        short = 0 < abs(came) <= _ROUNDED and abs(along) <= _ROUNDED
+        short = 0 < abs(aimed) <= _ROUNDED and abs(along) <= _ROUNDED
         return now.closes and short and abs(now.g) >= _SLOWEST * abs(before.g)
 
     def _learn(self, before: _Guess, now: _Guess, came: float) -> None:

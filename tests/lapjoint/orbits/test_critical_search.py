@@ -140,3 +140,35 @@ def test_none_is_found_out_of_reach(seed: int) -> None:
     there = motion(curve, family, at + 0.03)
     found = critical_motion(family, there.value, there.point, 2, critical("flip", there))
     assert found is None or float(np.linalg.norm(found.place.chord(family, there))) <= 0.011
+
+
+@pytest.mark.parametrize("told", [False, True])
+@pytest.mark.parametrize("seed", range(25))
+def test_from_where_it_vanishes_no_step_leads_away(seed: int, told: bool) -> None:
+    """To find out how fast something changes takes a step, which must not be what is found."""
+    curve, family, at = drawn(seed, fold=False)
+    there = motion(curve, family, at * (1 + 1e-9))
+    vanishes = critical("flip", there)
+    like = change_beside(family, there, vanishes) if told else None
+    found = critical_motion(family, there.value, there.point, 2, vanishes, like)
+    assert found is not None
+    assert found.place.point.coordinates[0, 0] - 1 == pytest.approx(at, abs=2 * LOCATED)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_where_rounding_hides_it_the_rest_is_told(seed: int) -> None:
+    """Beside a fold a tangent is known to 1e-8: no step comes nearer than that over the rate."""
+    curve, family, at = drawn(seed, fold=False)
+    there, rounding = motion(curve, family, at + OFF), 10 ** np.random.default_rng((98, seed)).uniform(-9, -7.5)
+    vanishes = critical("flip", there)
+
+    def rounded(place: Place) -> float:
+        return vanishes(place) + rounding * float(np.sin(1e14 * place.value))
+
+    found = critical_motion(family, there.value, there.point, 2, rounded, change_beside(family, there, vanishes))
+    apart = rounding / abs(curve.rate) / 0.3  # arc length over y is 0.3 at least
+    if found is None:
+        assert apart > LOCATED
+        return
+    assert abs(found.place.point.coordinates[0, 0] - 1 - at) <= 3 * (apart + LOCATED)
+    assert found.left <= 3 * apart
