@@ -19,6 +19,7 @@ from lapjoint.answers import SectionPoint
 from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.campaigns.branch_parts import plain_seed, seed_of
+from lapjoint.errors import SolverError
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.by_another_solver import _Search
 from lapjoint.orbits.branches.corrector import corrected
@@ -33,6 +34,7 @@ from lapjoint.orbits.refinement import Refinement
 
 LOW, HIGH, FIRST, LAST = 1.0, 2.0, 1.3, 1.7
 AMPLITUDE = "base_motion.amplitude"
+BLIND = 1e-7
 SIDE, DEPTH = 1e-5, 1e-3
 """Distances of y from zero from which on the matrix is that of its side, and T is as deep as it gets."""
 
@@ -43,10 +45,13 @@ class DoublingMap(MadeMap):
 
     s: float = 0.0
     total: float = 0.0
+    blind: bool = False
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """See `MadeMap`."""
         x, matrix = start.coordinates[0] - 1, np.eye(3)
+        if self.blind and abs(x[0]) > BLIND:
+            raise SolverError("no march from there")
         for _ in range(half_periods // 2):
             here, y, rest = np.zeros((3, 3)), x[0], x[1:]
             here[0, 0] = -(1 + self.s) + 3 * y**2
@@ -74,6 +79,8 @@ class Doubling:
     """Share of that which the solver adds."""
     less: float = 0.0
     """By how much a coarse solver has s smaller."""
+    sees: float = 1.0
+    """Largest share of a solver that can march from beside the motion that stands still."""
 
     @property
     def name(self) -> str:
@@ -86,7 +93,7 @@ class Doubling:
         p = problem.base_motion.amplitude
         s = self.most * 4 * (p - FIRST) * (LAST - p) / (LAST - FIRST) ** 2 - self.share * self.less
         total = -1.4 - (self.true + self.share * self.deep) * np.tanh(max(s, 0.0) / DEPTH**2)
-        return DoublingMap(problem, np.eye(3), s=s, total=float(total))
+        return DoublingMap(problem, np.eye(3), s=s, total=float(total), blind=self.share > self.sees)
 
     def finer(self, problem: Problem) -> tuple[Refinement, Doubling]:
         """The next one, of second order."""
@@ -108,6 +115,23 @@ def doubled(solver: Doubling) -> list[Traced]:
     found = [trace(family, seed, most_multiple=2) for seed in mother.seeds]
     assert len(found) == 2
     return [one for one in found if one is not None]
+
+
+@pytest.mark.parametrize(("sees", "level"), [(1.0, 0), (0.25, 1), (0.0625, 2)])
+def test_where_a_solver_has_no_motion_of_the_branch_finer_ones_are_asked(sees: float, level: int) -> None:
+    """By one of them it springs, and that one follows it; without finer ones it is told that none was found."""
+    family, stands_still = family_of(Doubling(0.1, sees=sees)), Seed(LOW, SectionPoint(FREE, np.ones((1, 3))), 2)
+    mother = trace(family, stands_still, most_multiple=2)
+    assert mother is not None
+    assert [seed.level for seed in mother.seeds] == [level, level]
+    assert mother.unsprung == ()
+    for seed in mother.seeds:
+        found = trace(family, seed, most_multiple=2)
+        assert found is not None
+        assert found.branch.ends == ("bifurcation", "bifurcation")
+    alone = trace(family, stands_still, most_multiple=2, errors=False)
+    assert alone is not None
+    assert [round(one.value, 9) for one in alone.unsprung] == ([] if level == 0 else [FIRST, LAST])
 
 
 def flips(found: Traced) -> list[Bifurcation]:
