@@ -124,7 +124,7 @@ def _within(
     told = change == _NONE or (bool(found) and _accounts(found, first, last))
     if halvings < _HALVINGS and (not told or _two_more_may_lie(family, first, last, around, found)):
         middle = _middle(family, first, last)
-        if middle is not None:
+        if middle is not None and not _is_undecided(middle):
             known = found[0] if found else None
             yield from _within(family, first, middle, (around[0], last), halvings + 1, known)
             yield from _within(family, middle, last, (first, around[1]), halvings + 1, known)
@@ -213,6 +213,12 @@ def signature(place: Place) -> tuple[int, int, int]:
         Signs of w and of det(1 + M), 0 or 1, and the number of mu outside the circle.
     """
     return _goes_up(place), _above_minus_one(place), _outside(place, _ROUNDING)
+
+
+def _is_undecided(place: Place) -> bool:
+    """Whether a real multiplier is outside the circle by less than rounding: det(1 + M) counts it, `_outside` not."""
+    real = np.abs(place.orbit.real)
+    return bool(((real > 1) & (real <= 1 + _ROUNDING)).any())
 
 
 def _two_more_may_lie(family: Family, first: Place, last: Place, around: Around, found: list[Located]) -> bool:
