@@ -55,6 +55,9 @@ of the number by `_LOCATED` is too much for them."""
 _LOCATED = 1e-9
 """Change of the number over its scale, and of the motion over its size, at which a bifurcation is located; and the
 value of a test function there."""
+_ALONE = 1e-8
+"""Distance of the multiplier from where it must be up to which a small value of a test function tells that it is there:
+det(1 + M) is small, too, where two multipliers are near -1, and had a flip 3e-5 of the number off so."""
 _SURE = 0.01
 """Share of that at which it is located, too, if a straight line between the ends has it so near to one of them."""
 _STUCK = 3
@@ -424,7 +427,9 @@ def located(family: Family, first: Place, last: Place, criterion: Criterion) -> 
     for _ in range(_STEPS):
         length = float(np.linalg.norm(b.chord(family, a)))
         if length * min(at_a, at_b) <= _SURE * _LOCATED * (at_a + at_b):
-            return a if at_a <= at_b else b
+            nearer = a if at_a <= at_b else b
+            if criterion.left(nearer) <= _ALONE:
+                return nearer
         if length <= _LOCATED:
             return a if at_a <= at_b else b
         slow, before, least = slow + 1 if length > _MOST * before else 0, length, 0.5 * _LOCATED / length
@@ -433,7 +438,7 @@ def located(family: Family, first: Place, last: Place, criterion: Criterion) -> 
         if here is None:
             return None
         value = criterion.distance(here)
-        if value <= _LOCATED:
+        if value <= _LOCATED and criterion.left(here) <= _ALONE:
             return here
         if criterion.count(here) == criterion.count(first):
             fb = fb * _anderson(value, at_a) if kept == "b" else at_b
