@@ -76,7 +76,7 @@ def carried_along(
     rows, most = 2 * int(tables.modes[log.slot[0]]), 2 * tables.kind.shape[1]
     n = rows if deviations is None else deviations.shape[1]
     columns = n if change is None else n + 1
-    now = np.zeros((2, most, columns))
+    now = np.empty((2, most, columns))
     now[0, :rows] = np.eye(rows, columns) if deviations is None else 0.0
     if deviations is not None:
         now[0, :rows, :n] = deviations
@@ -147,9 +147,15 @@ def _left_of(now: FloatArray, units: int, since: FloatArray, n: int, live: int) 
     for j in range(live):
         put(left[j], now[j, :units])
         put(left[live + j], now[n + j, :units])
+    return _times(left, since)
+
+
+@njit_inner()
+def _times(left: FloatArray, since: FloatArray) -> FloatArray:
+    """Deviations of units times what there was of these, if they are not those from the start."""
     if since.shape[0] == 0:
         return left
-    whole = zeros((2 * live, since.shape[1]))
+    whole = zeros((left.shape[0], since.shape[1]))
     np.dot(left, since, whole)
     return whole
 
@@ -168,17 +174,11 @@ def _units(now: FloatArray, units: int, n: int, live: int) -> FloatArray:
 @njit_inner()
 def _write(now: FloatArray, units: int, since: FloatArray, whole: FloatArray) -> None:
     """Write deviations, ``(2 N, m)``: the first `units` times what there was of them, and the others."""
-    behind = units
-    if since.shape[0] > 0:
-        behind = since.shape[1]
-        left, product = zeros((now.shape[0], units)), zeros((now.shape[0], behind))
-        for j in range(now.shape[0]):
-            put(left[j], now[j, :units])
-        np.dot(left, since, product)
-        for j in range(now.shape[0]):
-            put(whole[j, :behind], product[j])
-    else:
-        for j in range(now.shape[0]):
-            put(whole[j, :behind], now[j, :behind])
+    first = zeros((now.shape[0], units))
     for j in range(now.shape[0]):
+        put(first[j], now[j, :units])
+    first = _times(first, since)
+    behind = first.shape[1]
+    for j in range(now.shape[0]):
+        put(whole[j, :behind], first[j])
         put(whole[j, behind:], now[j, units:])

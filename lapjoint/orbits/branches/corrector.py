@@ -73,7 +73,7 @@ class Place:
         """How near it comes to every stop, and how far beyond."""
         return extrema_of(self.orbit.last)
 
-    @property
+    @cached_property
     def closings(self) -> tuple[int, ...]:
         """How often each stop closes, as `Extrema.closings` has it."""
         return self.extrema.closings if "extrema" in self.__dict__ else closings_of(self.orbit.last)
@@ -148,7 +148,7 @@ class Place:
             The place.
         """
         same = replace(self, tangent=-self.tangent)
-        for name in ("extrema", "missed"):  # they do not depend on the tangent
+        for name in ("extrema", "closings", "missed"):  # they do not depend on the tangent
             if name in self.__dict__:
                 same.__dict__[name] = self.__dict__[name]
         return same

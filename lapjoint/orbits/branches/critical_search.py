@@ -24,9 +24,8 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.newton import RESIDUAL, Orbit
 from lapjoint.problem import FloatArray
 
-LOCATED = 1e-9
-"""Length of a step along the curve at which the motion is found; or value of what vanishes, twice in turn, where that
-hardly changes."""
+_LOCATED = 1e-9
+"""Length of a step along the curve at which the motion is found."""
 _STEPS = 15
 """Most steps: five are enough where a multiplier is smooth; beside a graze it changes as a square root."""
 _FAR = 0.5
@@ -167,18 +166,18 @@ class _Search:
             if now is None:
                 return None
             if before is not None:
-                if now.off > max(_SLOWEST * before.off, _ASIDE * math.hypot(before.off, came), LOCATED):
+                if now.off > max(_SLOWEST * before.off, _ASIDE * math.hypot(before.off, came), _LOCATED):
                     return None
                 self._learn(before, now, came)
             known = self._rate is not None
             along = self._along(now)
             if along is None:
                 return None
-            if now.closes and known and abs(along) <= LOCATED:
+            if now.closes and known and abs(along) <= _LOCATED:
                 return Critical(now.place, self._rate)
             if before is not None and self._stays(before, now, aimed, along):
                 return Critical(now.place, self._rate, abs(along))
-            if before is not None and now.off > max(_BESIDE * abs(along), LOCATED):
+            if before is not None and now.off > max(_BESIDE * abs(along), _LOCATED):
                 along = 0.0
             gone += along
             value, point = now.place.moved(self._family, now.back + along * now.place.tangent)

@@ -23,7 +23,7 @@ NEAR = 3e-3
 """Arc length between a bifurcation as two solvers have it: another of its kind may lie not far off.  Of 240, three lay
 farther apart, and none by 0.01."""
 SHARE_BACK = 0.1
-"""Most by which the way back misses where it began, over that way: it leads there to `_LOCATED`, or elsewhere."""
+"""Most by which the way back misses where it began, over that way: it leads there to 1e-9, or elsewhere."""
 _MINUS_ONE = 1e-3
 """Distance of a flip's multiplier from -1, at most: it changes by less than 1e5 over the arc length."""
 _SAME_MULTIPLIER = 0.05

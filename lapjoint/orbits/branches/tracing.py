@@ -11,7 +11,7 @@ import numpy as np
 from lapjoint.answers.branches import Bifurcation, Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.collecting import seldom_collected
-from lapjoint.errors import SolverError
+from lapjoint.errors import InputError, SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import flip_of
 from lapjoint.orbits.branches.bridging import followed
@@ -150,8 +150,10 @@ def _sprung(family: Family, own: Family, place: Place, finer: int) -> Seed | Non
     new = switched(own, place)
     if new is not None:
         return _seed(family, own, place, new)
-    known = own.finer(place.value) if finer else None
-    again = None if known is None else smooth_finder(flip_of(place))(known[1], place)
+    known, again = own.finer(place.value) if finer else None, None
+    if known is not None:
+        with suppress(SolverError, InputError):
+            again = smooth_finder(flip_of(place))(known[1], place)
     return None if known is None or again is None else _sprung(family, known[1], again.place, finer - 1)
 
 

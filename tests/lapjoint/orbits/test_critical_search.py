@@ -16,11 +16,12 @@ from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.corrector import Place, corrected
-from lapjoint.orbits.branches.critical_search import LOCATED, Critical, change_beside, critical_motion
+from lapjoint.orbits.branches.critical_search import Critical, change_beside, critical_motion
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import critical
 from lapjoint.orbits.period_map import Derivative, Linearised
 
+LOCATED = 1e-9  # length of a step along the curve at which it is found
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.5, 1.5
 OFF = 1e-3
 """How far the guess is from the curve, and from where something vanishes along it, relative, at most."""

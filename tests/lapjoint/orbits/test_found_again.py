@@ -24,7 +24,7 @@ from lapjoint.orbits.period_map import Derivative, Linearised
 from lapjoint.orbits.refinement import Refinement
 
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.9, 1.1
-SHORT = 5e-6  # below the first step of a search by secants
+SHORT = 5e-6  # below the first step by which it is found out how fast the tangent turns
 
 
 @dataclass(frozen=True)
