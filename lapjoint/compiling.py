@@ -7,9 +7,13 @@ What is kept is valid for one content of all that was compiled in: see `lapjoint
 numba writes two more functions for each, by which Python and C call it.  What only other compiled functions call does
 without them, and is spared more, see `lapjoint.machine_code`: it is `njit_inner`.
 
-Loops are vectorised only where that is asked for.  It would take a sixth of the time to compile, has not been found to
-make a march faster, and has sums formed in another order on a processor with wider registers.  What carries many
-deviations at once takes two thirds of the time with it.
+Arithmetic is done as it is written, without numba's `fastmath`.  LLVM would else order and join operations as suits the
+processor, and what was compiled before in the same process: two processes that compiled the same function each had
+other last bits.  As it is, all of them have the same, however LLVM optimises, and on every processor; to let it reorder
+sums was a hundredth faster at most.
+
+Loops are vectorised only where that is asked for.  It would take a sixth of the time to compile, and has not been found
+to make a march faster.  What carries many deviations at once takes two thirds of the time with it.
 
 `LOGGER` says when compiling begins; nobody listens but the command line.
 """
@@ -50,7 +54,7 @@ def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]
     vectorised : bool
         Whether to vectorise its loops, and those of all compiled functions that it calls.
     **options : Any
-        Further options of `numba.njit`.
+        Further options of `numba.njit`, but for `fastmath`.
 
     Returns
     -------
@@ -59,6 +63,7 @@ def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]
     """
 
     compiler: Any = njit
+    assert "fastmath" not in options
 
     def compiled(function: F) -> F:
         made = compiler(no_cfunc_wrapper=True, **options)(function)

@@ -5,7 +5,7 @@ it: they have it in their own, and optimise it there once more.  Here such a fun
 machine code of by itself; it is kept as LLVM's bitcode, for those that call it.  That halves LLVM's time.
 
 What a function has of those that it calls is its own: numba lets all of a process share the copy that is loaded first,
-and what that was compiled for, with loops vectorised or not, then decides the last bits of the others.
+and what that was compiled for, with loops vectorised or not, then decides how fast the others are.
 
 This stands on how the releases `KNOWN` of numba are built inside.  With any other, `spare_llvm` leaves all as it is.
 """

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, SupportsIndex
 
-from analytic.march.switching import SUM
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -88,7 +87,7 @@ def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
         out[u, 3] += abs(rigid.jerk[u]) * e0
 
 
-@njit_called(fastmath=SUM)
+@njit_called()
 def add_terms(
     weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: SupportsIndex, hi: int
 ) -> tuple[float, float, float, float]:

@@ -34,7 +34,6 @@ import numpy as np
 from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions, fading_powers
 from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
-from analytic.march.switching import SUM
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
@@ -246,7 +245,7 @@ def search(
     return s, which, rate
 
 
-@njit_inner(fastmath=SUM)
+@njit_inner()
 def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatArray) -> None:
     """Write what the terms from each on may sum to at each position.
 

@@ -19,9 +19,6 @@ from lapjoint.by_reference import by_reference
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
-SUM = {"reassoc", "contract", "nsz"}
-"""What the compiler may do to a long sum: reorder it, so that it is vectorised."""
-
 
 @by_reference
 class Frozen(NamedTuple):
@@ -35,7 +32,7 @@ class Frozen(NamedTuple):
     """The slots in the order in which to sum over states, shape ``(states met,)``."""
 
 
-@njit_inner(fastmath=SUM)
+@njit_inner()
 def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> None:
     """Carry displacement (36) and velocity (41) over to the state after a stop has switched, in place.
 

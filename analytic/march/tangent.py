@@ -16,7 +16,6 @@ import math
 import numpy as np
 
 from analytic.march.oscillator import OSCILLATING, SPLIT
-from analytic.march.switching import SUM
 from analytic.march.tables import Tables
 from analytic.march.terms import set_phases
 from analytic.modes.beam_functions import ComplexArray
@@ -146,7 +145,7 @@ def motion_rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, 
     return rates
 
 
-@njit_inner(fastmath=SUM)
+@njit_inner()
 def saltation(
     tables: Tables,
     old: int,
@@ -229,7 +228,7 @@ def saltation(
     return jump
 
 
-@njit_inner(fastmath=SUM)
+@njit_inner()
 def _project(S: FloatArray, now: FloatArray, then: FloatArray) -> None:
     """Write S times deviations `now`, ``(N_old, m)``, to `then`, ``(N_new, m)``.
 

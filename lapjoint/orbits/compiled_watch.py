@@ -12,8 +12,6 @@ from lapjoint.compiling import njit_called
 from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
 
-_SUM = {"reassoc", "contract", "nsz"}  # lets sums be vectorised; the order of a sum changes its rounding only
-
 
 @njit_called()
 def terms_at_points(
@@ -57,7 +55,7 @@ def terms_at_points(
     return terms, misses
 
 
-@njit_called(fastmath=_SUM)
+@njit_called()
 def largest_motion(
     segment: IndexArray,
     tau: FloatArray,

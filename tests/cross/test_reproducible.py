@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -66,14 +67,22 @@ for solver in (analytic.Solver(n_modes=60), fe_lapjoint.Solver()):
 """
 
 
+def bits(**settings: str) -> str:
+    """Digests of the answers of another process."""
+    command, environment = [sys.executable, "-c", IN_ANOTHER_PROCESS], os.environ | settings
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+
+
 @pytest.mark.thorough
 def test_the_number_of_threads_of_the_linear_algebra_changes_no_bit() -> None:
-    def bits(threads: int) -> str:
-        environment = {**os.environ, "OPENBLAS_NUM_THREADS": str(threads)}
-        command = [sys.executable, "-c", IN_ANOTHER_PROCESS]
-        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+    assert bits(OPENBLAS_NUM_THREADS="1") == bits(OPENBLAS_NUM_THREADS="4")
 
-    assert bits(1) == bits(4)
+
+@pytest.mark.thorough
+def test_what_the_compiler_makes_of_a_function_changes_no_bit(tmp_path: Path) -> None:
+    """All that this processor can do faster, or nothing, as for any processor; the linear algebra is the same."""
+    as_written = bits(NUMBA_OPT="0", NUMBA_CPU_NAME="generic", NUMBA_CACHE_DIR=str(tmp_path), PYTHONWARNINGS="ignore")
+    assert as_written == bits()
 
 
 @pytest.mark.parametrize("solver", ["analytic", "fe"])
