@@ -120,9 +120,13 @@ class Place:
         FloatArray, shape (n + 1,)
             (u, w).
         """
-        map_ = self.half_periods.map
-        u = -map_.difference(map_.adopted(origin.point), self.point) * self.weights
-        return np.append(u, (self.value - origin.value) / family.scale(self.value))
+        map_, there = self.half_periods.map, origin.point
+        if not _has_same_coordinates(there, self.point):
+            there = map_.adopted(there)
+        chord = np.empty(self.weights.size + 1)
+        np.multiply(map_.difference(there, self.point), -self.weights, out=chord[:-1])
+        chord[-1] = (self.value - origin.value) / family.scale(self.value)
+        return chord
 
     def along(self, direction: FloatArray) -> Place:
         """The same with its tangent turned so that it goes along a direction.
@@ -225,6 +229,15 @@ class Place:
         """
         value = self.value + float(step[-1]) * family.scale(self.value)
         return value, family.adopted(value, self.half_periods.map.moved(self.point, step[:-1] / self.weights))
+
+
+def _has_same_coordinates(point: SectionPoint, other: SectionPoint) -> bool:
+    """Whether the coordinates of two section points can be compared number by number."""
+    if point.state != other.state or point.coordinates.shape != other.coordinates.shape:
+        return False
+    if point.nodes is None or other.nodes is None:
+        return point.nodes is other.nodes
+    return bool(np.array_equal(point.nodes, other.nodes))
 
 
 def corrected(family: Family, value: float, guess: SectionPoint, count: int, *, fixed: bool = False) -> Place | None:

@@ -129,6 +129,45 @@ def change_beside(family: Family, place: Place, vanishes: Callable[[Place], floa
     return Critical(place, (there.g - vanishes(place)) / step)
 
 
+class Ahead(NamedTuple):
+    """Where a step leads."""
+
+    value: float
+    """The number, in its SI unit."""
+    point: SectionPoint
+    """The section point, on the map there."""
+
+
+def one_step(family: Family, at: Critical, vanishes: Callable[[Place], float]) -> Ahead | None:
+    """Where a solver has a motion that another one has, to first order: by one march, and one step of Newton's method.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps of the solver, which can adopt motions of the other.
+    at : Critical
+        The motion by the other, and how fast what vanishes there changes.
+    vanishes : callable
+        As `critical_motion` has it.
+
+    Returns
+    -------
+    Ahead, or None
+        None if the motion from there has other contacts, or cannot be marched, or the rate is not known.
+    """
+    place = at.place
+    if not at.rate:
+        return None
+    try:
+        guess = family.adopted(place.value, place.point)
+        here = _Search(family, place.count, vanishes, 0.0).seen(place.value, guess, place)
+        if here is None or here.place.closings != place.closings:
+            return None
+        return Ahead(*here.place.moved(family, here.back - here.g / at.rate * here.place.tangent))
+    except (SolverError, InputError, np.linalg.LinAlgError):  # the step leads out of what can be marched
+        return None
+
+
 class _Guess(NamedTuple):
     """A guess of Newton's method."""
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, signature
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
-from lapjoint.orbits.branches.critical_search import Critical, change_beside, critical_motion
+from lapjoint.orbits.branches.critical_search import Ahead, Critical, change_beside, critical_motion, one_step
 from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import beyond_graze, just_beyond, located_graze, nearer_to_graze, sharper
@@ -41,8 +41,12 @@ class Again(NamedTuple):
     """What the motion's distance from it may leave of the number, in the same unit."""
     by_one_motion: Shift | None = None
     """How far off other solvers have it, by one motion of theirs; None if how fast something vanishes is not known."""
+    first_step: FirstStep | None = None
+    """Where the first step of a search by another solver leads; None if more than one march is needed for it."""
 
 
+FirstStep = Callable[[Family], Ahead | None]
+"""Where a step leads; None if the motion from which it would be made has other contacts."""
 Shift = Callable[[Family], float | None]
 """By how much a number is larger by another solver, to first order, in its SI unit; None if its motion has other
 contacts."""
@@ -278,23 +282,17 @@ def _again(family: Family, found: Critical, vanishes: Callable[[Place], float]) 
     """A bifurcation from the motion at which something vanishes."""
     place = found.place
     left = found.left * abs(float(place.tangent[-1])) * family.scale(place.value)
-    return Again(place, place.value, left, _shift(found, vanishes))
+    if found.rate is None:
+        return Again(place, place.value, left)
 
+    def first_step(other: Family) -> Ahead | None:
+        return one_step(other, found, vanishes)
 
-def _shift(found: Critical, vanishes: Callable[[Place], float]) -> Shift | None:
-    """How far off other solvers have what vanishes at a place, from its change with the arc length there."""
-    place, rate, _ = found
-    if rate is None:
-        return None
+    def shift(other: Family) -> float | None:
+        ahead = first_step(other)
+        return None if ahead is None else ahead.value - place.value
 
-    def shift(family: Family) -> float | None:
-        near = with_same_contacts(family, place)
-        if near is None:
-            return None
-        step = (vanishes(place) - vanishes(near)) / rate
-        return near.moved(family, step * near.tangent)[0] - place.value
-
-    return shift
+    return Again(place, place.value, left, shift, first_step)
 
 
 def _beside(family: Family, here: Place, step: float) -> Place | None:

@@ -31,6 +31,9 @@ _FAR = 0.1
 """Largest residual over the size of the motion from which a step is made."""
 _WORSE = 10.0
 """Most by which a step may make the least residual so far worse: at first, motions on either side of a graze do."""
+_STALLED = 0.7
+"""Share of the residual that two steps leave, at most, but for once: where a graze lies between two solvers' motions,
+steps lead to and fro across it.  Of 23 that led to a motion, the slowest left half."""
 _CLOSED, _ROUNDED = 1e-11, 1e-8
 """Residual over the size of the motion at which it is found, and below which it is where steps leave half of it."""
 
@@ -104,7 +107,7 @@ def taken_over(
 def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int, fixed: bool) -> Place | None:
     """The motion near some stretches; None if steps do not lead to one."""
     points, lengths = [one.point for one in stretches], [one.half_periods for one in stretches]
-    least = last = np.inf
+    residuals = list[float]()
     for _ in range(_STEPS):
         if len({point.state for point in points}) > 1:
             return None
@@ -113,11 +116,12 @@ def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int
         after = [*points[1:], points[0]]
         misses = [half.map.difference(one.end, point) for one, point in zip(found, after, strict=True)]
         residual = max(half.relative(miss, point) for miss, point in zip(misses, after, strict=True))
+        least, last = min(residuals, default=np.inf), residuals[-1] if residuals else np.inf
         if residual <= _CLOSED or (residual <= _ROUNDED and residual > 0.5 * last):
             return corrected(family, value, points[0], count, fixed=fixed)
-        if not residual <= min(_FAR, _WORSE * least):
+        residuals.append(residual)
+        if not residual <= min(_FAR, _WORSE * least) or _stalls(residuals):
             return None
-        least, last = min(least, residual), residual
         columns = [family.column(value, one) for one in found]
         n = misses[0].size
         whole, by_number, missed = np.eye(n), np.zeros(n), np.zeros(n)
@@ -133,3 +137,8 @@ def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int
         value += change
         points = [family.adopted(value, point) for point in moved]
     return None
+
+
+def _stalls(residuals: Sequence[float]) -> bool:
+    """Whether steps lead to and fro."""
+    return len(residuals) > 3 and all(residuals[-i] > _STALLED * residuals[-i - 2] for i in (1, 2))

@@ -6,7 +6,7 @@ motion of the next finer one says to first order how far off that has it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,10 @@ than is aimed at, and the fourth none."""
 _SURE = 1e-5
 """Arc length between a bifurcation as two solvers have it within which it is not asked whether the way leads back: two
 grazes of a stop may lie nearer than `found_again.NEAR`, and then solvers that agree may have the other one."""
+_ALONG = 3e-6
+"""The same for its part along the curve: most of the way between two solvers' motions leads off it, by the modes that
+one of them has more.  Of 552 bifurcations of the lightly damped joint 146 lie nearer, and all of these lead back; of
+another 135 up to 1e-5 two do not."""
 
 
 @dataclass(frozen=True)
@@ -101,14 +105,21 @@ def _same(family: Family, place: Place, value: float, finer: Family, finder: Fin
     """A bifurcation as a finer solver has it, from the motion at it; None if what that finds is another one.
 
     From there the way leads back to the motion, or to the number: just before a graze, a motion is at some distance.
-    Near by, it is enough that the way does not lead to another one: motions beyond a graze are not carried back.
+    Mostly its first step tells so, for one march instead of a search.  Near by, it is enough that the way does not lead
+    to another one: motions beyond a graze are not carried back.
     """
     found = finder(finer, place)
     if found is None:
         return None
-    way, apart = float(np.linalg.norm(found.place.chord(finer, place))), abs(found.value - value)
-    if max(way, apart / family.scale(value)) <= _SURE:
+    chord, apart = found.place.chord(finer, place), abs(found.value - value)
+    way, along = float(np.linalg.norm(chord)), abs(float(chord @ found.place.tangent))
+    if apart <= _SURE * family.scale(value) and (way <= _SURE or along <= _ALONG):
         return found
+    ahead = None if found.first_step is None else found.first_step(family)
+    if ahead is not None:
+        there = replace(place.beginning_at(ahead.point), value=ahead.value)
+        if float(np.linalg.norm(place.chord(family, there))) <= SHARE_BACK * way:
+            return found
     back = finder(family, found.place)
     if back is None:
         return found if way <= NEAR else None
