@@ -19,11 +19,15 @@ from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.problem import FloatArray
 
 SAME = 1e-5
 """Distance of two motions over their size, up to which they are one."""
 _BESIDE = 0.3
 """Distance from a chord over its length within which the curve may pass: it turns by half of this between places."""
+_ABOUT = 0.01
+"""Distance of a section point over the motion's size up to which it may be off before Newton's method is asked for it:
+multipliers of 1e4 make that of what the first one is off, and 1e-9 is allowed."""
 _SLIDES = 4
 """Most steps along the curve to where it is nearest: each leaves the square of the way."""
 _CLOSER = 0.01
@@ -68,17 +72,24 @@ class Start:
     """Whether only this section point of the motion counts."""
 
     @cached_property
-    def images(self) -> tuple[Place, ...]:
-        """The place at each of the motion's section points; its tangent is that of the first."""
-        family, first = self.family, self.place
-        found = [first]
-        if self.itself:
-            return (first,)
-        for point in images_of(first.half_periods, first.point, first.count)[1:]:
-            exact = corrected(family, first.value, point, first.count, fixed=True)  # an unstable motion is left soon
-            point = point if exact is None else exact.point
-            found.append(first.beginning_at(point))
-        return tuple(found)
+    def _about(self) -> tuple[Place, ...]:
+        """About the place at each of the motion's section points, as an unstable motion is left soon."""
+        first = self.place
+        points = images_of(first.half_periods, first.point, first.count)[1:] if not self.itself else []
+        return first, *(first.beginning_at(point) for point in points)
+
+    @cached_property
+    def _exact(self) -> dict[int, Place]:
+        """The place at some of them, by their numbers; its tangent is that of the first."""
+        return {0: self.place}
+
+    def _image(self, k: int) -> Place:
+        """The place at one of the section points."""
+        if k not in self._exact:
+            about, first = self._about[k], self.place
+            exact = corrected(self.family, first.value, about.point, first.count, fixed=True)
+            self._exact[k] = about if exact is None else first.beginning_at(exact.point)
+        return self._exact[k]
 
     @cached_property
     def _closings(self) -> list[int]:
@@ -106,14 +117,23 @@ class Start:
         length = float(np.linalg.norm(chord))
         if not length or abs(b.value - self.place.value) > (1 + _BESIDE) * length * self.family.scale(b.value):
             return None
-        for image in self.images:
-            left = b.chord(self.family, image)
-            share, beyond = 1 - float(left @ chord) / length**2, same / length
-            if -beyond <= share <= 1 + beyond and float(np.linalg.norm(left - (1 - share) * chord)) <= _BESIDE * length:
-                found = self._on_curve(between_two(self.family, a, b, share, length), a, image, same)
-                if found is not None:
-                    return found
+        for k, about in enumerate(self._about):
+            if self._share(about, b, chord, same, _ABOUT) is None:
+                continue
+            image = self._image(k)
+            share = self._share(image, b, chord, same)
+            found = None if share is None else between_two(self.family, a, b, share, length)
+            there = self._on_curve(found, a, image, same)
+            if there is not None:
+                return there
         return None
+
+    def _share(self, image: Place, b: Place, chord: FloatArray, same: float, off: float = 0.0) -> float | None:
+        """How far along a chord that ends at `b` an image is, which may be `off`; None if it is not beside that."""
+        length, left = float(np.linalg.norm(chord)), b.chord(self.family, image)
+        share, beyond = 1 - float(left @ chord) / length**2, (same + off) / length
+        aside = float(np.linalg.norm(left - (1 - share) * chord))
+        return share if -beyond <= share <= 1 + beyond and aside <= _BESIDE * length + off else None
 
     def _on_curve(self, here: Place | None, like: Place, image: Place, same: float) -> Place | None:
         """The place of the curve that is nearest to an image, if it is the image, and not beyond a graze."""

@@ -139,7 +139,9 @@ class Ahead(NamedTuple):
 
 
 def one_step(family: Family, at: Critical, vanishes: Callable[[Place], float]) -> Ahead | None:
-    """Where a solver has a motion that another one has, to first order: by one march, and one step of Newton's method.
+    """About where a solver has a motion that another one has: by one march, and one step of Newton's method.
+
+    It misses by some share of the way between both motions, be it along the curve or off it.
 
     Parameters
     ----------

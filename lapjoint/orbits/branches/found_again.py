@@ -288,11 +288,20 @@ def _again(family: Family, found: Critical, vanishes: Callable[[Place], float]) 
     def first_step(other: Family) -> Ahead | None:
         return one_step(other, found, vanishes)
 
-    def shift(other: Family) -> float | None:
-        ahead = first_step(other)
-        return None if ahead is None else ahead.value - place.value
+    return Again(place, place.value, left, _shift(place, found.rate, vanishes), first_step)
 
-    return Again(place, place.value, left, shift, first_step)
+
+def _shift(place: Place, rate: float, vanishes: Callable[[Place], float]) -> Shift:
+    """How far off other solvers have what vanishes at a place, from its change with the arc length there."""
+
+    def shift(family: Family) -> float | None:
+        near = with_same_contacts(family, place)
+        if near is None:
+            return None
+        step = (vanishes(place) - vanishes(near)) / rate
+        return near.moved(family, step * near.tangent)[0] - place.value
+
+    return shift
 
 
 def _beside(family: Family, here: Place, step: float) -> Place | None:

@@ -6,7 +6,7 @@ vanishes is a multiplier plus 1, or the number's part of the tangent.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.corrector import Place, corrected
-from lapjoint.orbits.branches.critical_search import Critical, change_beside, critical_motion
+from lapjoint.orbits.branches.critical_search import Critical, change_beside, critical_motion, one_step
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import critical
 from lapjoint.orbits.period_map import Derivative, Linearised
@@ -119,6 +119,29 @@ def test_it_is_found_from_beside_the_curve(seed: int, fold: bool, told: bool) ->
     exact = change_beside(family, found.place, vanishes)
     assert exact is not None
     assert found.rate == pytest.approx(exact.rate, rel=0.3)
+
+
+@pytest.mark.parametrize("fold", [False, True])
+@pytest.mark.parametrize("seed", range(25))
+def test_one_step_leads_to_where_another_solver_has_it(seed: int, fold: bool) -> None:
+    """From that of a curve beside it, to a fifth of the way between both."""
+    curve, family, at = drawn(seed, fold)
+    rng = np.random.default_rng((98, seed))
+    way = rng.choice([-1, 1]) * 10 ** rng.uniform(-6, -5)
+    b = -2 * curve.c * (at + way) if fold else curve.b
+    other = replace(curve, b=b, s=curve.s * (1 + rng.uniform(-OFF, OFF)), at=at + way)
+    theirs = Family(other, family.problem_at, AMPLITUDE, LOW, HIGH)
+    there = motion(other, theirs, at + way)
+    vanishes = critical("fold" if fold else "flip", there)
+    known = change_beside(theirs, there if seed % 2 else there.turned(), vanishes)
+    assert known is not None
+    ahead = one_step(family, known, vanishes)
+    assert ahead is not None
+    assert family.marches <= 2  # one, and that of the derivative by the number, which this solver does not know
+    truth = np.array([1 + at, 1 + curve.s * at**2, 1.0, 1 + curve.b * at + curve.c * at**2])
+    between = np.append(there.point.coordinates[0], there.value) - truth
+    missed = np.append(ahead.point.coordinates[0], ahead.value) - truth
+    assert np.linalg.norm(missed) <= 0.2 * np.linalg.norm(between)
 
 
 @pytest.mark.parametrize("seed", range(25))

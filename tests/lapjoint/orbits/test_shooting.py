@@ -8,22 +8,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 from finer_curve import family as lightly_damped
+from made_map import MadeMap, made_problem
 
 import analytic
 import fe_lapjoint
-from lapjoint import Axis, paper_joint
+from lapjoint import FREE, Axis, Problem, paper_joint
+from lapjoint.answers import SectionPoint
 from lapjoint.campaigns import Grid
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family, HasPeriodMap
-from lapjoint.orbits.branches.shooting import stretches_of, taken_over
+from lapjoint.orbits.branches.shooting import Stretch, _shot, stretches_of, taken_over
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL
+from lapjoint.orbits.period_map import Derivative, Linearised
 
 MOTIONS = json.loads((Path(__file__).parent / "strongly_unstable.json").read_text(encoding="utf-8"))
 RATIO = 0.02
@@ -114,6 +118,37 @@ def test_a_motion_that_is_elsewhere_is_not_found(family: Family) -> None:
     n = half.map.adopted(place.point).coordinates.size
     step = 0.3 * half.size(place.point) * np.ones(n) / half.unit_norms(n)
     assert taken_over(finer, place, lambda point: half.map.moved(half.map.adopted(point), step)) is None
+
+
+@dataclass(frozen=True)
+class RootMap(MadeMap):
+    """P(x) = x + sqrt(x - 1), with the sign of x - 1: Newton's method goes to and fro about 1 for ever."""
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        """See `MadeMap`."""
+        x = start.coordinates[0] - 1
+        end = SectionPoint(FREE, start.coordinates + np.copysign(np.sqrt(np.abs(x)), x))
+        return Linearised(end, lambda: Derivative(np.diag(1 + 0.5 / np.sqrt(np.abs(x)))), tuple)
+
+
+@dataclass(frozen=True)
+class Root:
+    """A solver with such a map."""
+
+    name = "root"
+
+    def period_map(self, problem: Problem) -> RootMap:
+        """The map."""
+        return RootMap(problem, np.eye(1))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_steps_that_go_to_and_fro_end(count: int) -> None:
+    grid = Grid(made_problem(1.0), (Axis("base_motion.amplitude", (0.5, 1.5)),))
+    family = Family(Root(), lambda value: grid.with_values((value,)), "base_motion.amplitude", 0.5, 1.5)
+    aside = [Stretch(SectionPoint(FREE, np.array([[1 + 1e-6]])), 2)] * count
+    assert _shot(family, 1.0, aside, 2 * count, fixed=True) is None
+    assert family.marches <= 7 * count  # four rounds, and derivatives by the number, which this solver does not know
 
 
 @pytest.mark.parametrize("half_periods", [1, 2])
