@@ -16,6 +16,7 @@ import numpy as np
 
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.extremum_search import OnExtremum, by_difference, on_extremum
+from lapjoint.orbits.branches.extremum_shooting import by_stretches
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum, derivatives_of, turning_points
 from lapjoint.orbits.branches.passings import Coming, coming, rates_of
@@ -149,9 +150,12 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
         None if Newton's method finds none: the branch ends at the graze.
     """
 
-    def found(share: float, patiently: bool) -> OnExtremum | None:
+    def found(share: float, patiently: bool, stretches: bool = False) -> OnExtremum | None:
         target = -float(np.copysign(share * abs(rate), graze.extremum.value))
-        there = on_extremum(family, graze.place, graze.extremum, target, abs(rate), patiently=patiently)
+        if stretches:
+            there = by_stretches(family, graze.place, graze.extremum, target, abs(rate))
+        else:
+            there = on_extremum(family, graze.place, graze.extremum, target, abs(rate), patiently=patiently)
         if there is None or float(np.linalg.norm(there.place.chord(family, graze.place))) > _NEAR:
             return None
         changed = np.subtract(there.place.closings, graze.place.closings)
@@ -163,6 +167,8 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
     if graze.extremum.segment is not None and leaves_at(family, graze, rate):
         return None
     there = next((one for share in _BEYOND if (one := found(share, False))), None)
+    if there is None and graze.close:
+        there = next((one for share in _BEYOND if (one := found(share, True, stretches=True))), None)
     if there is None and graze.close:
         there = next((one for share in _BEYOND_ROOT if (one := found(share, True))), None)
     return there

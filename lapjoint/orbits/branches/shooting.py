@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -24,6 +25,8 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, newton_step, scaling
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.problem import FloatArray
 
 _STEPS = 10
 """Most steps: seven motions that Newton's method missed from one point, each taken to three solvers, took six."""
@@ -104,38 +107,114 @@ def taken_over(
         return None
 
 
+@dataclass(frozen=True)
+class Round:
+    """Marches from some section points of a motion, each to the next one."""
+
+    family: Family
+    """The period maps."""
+    value: float
+    """The number, in its SI unit."""
+    points: Sequence[SectionPoint]
+    """Where they begin, ``m`` points of one contact state."""
+    lengths: Sequence[int]
+    """Half periods of each."""
+
+    @cached_property
+    def found(self) -> list[Return]:
+        """The marches."""
+        both = zip(self.points, self.lengths, strict=True)
+        return [self.family.linearised(self.value, point, length) for point, length in both]
+
+    @property
+    def half(self) -> HalfPeriods:
+        """The map."""
+        return self.found[0].half_periods
+
+    @property
+    def _after(self) -> list[SectionPoint]:
+        return [*self.points[1:], self.points[0]]
+
+    @cached_property
+    def misses(self) -> list[FloatArray]:
+        """By how much each misses the next point, each of shape ``(n,)``."""
+        return [self.half.map.difference(one.end, point) for one, point in zip(self.found, self._after, strict=True)]
+
+    @property
+    def residual(self) -> float:
+        """The largest of these over the size of the motion."""
+        return max(self.half.relative(miss, point) for miss, point in zip(self.misses, self._after, strict=True))
+
+    @cached_property
+    def _columns(self) -> list[FloatArray]:
+        """Derivative of the end of each by the number."""
+        return [self.family.column(self.value, one) for one in self.found]
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """`scaling` at the first point, shape ``(n,)``."""
+        return scaling(self.half, self.points[0], self.misses[0].size)
+
+    def carried(self, stretches: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What becomes of a deviation from the first point, of the number's change, and of the misses.
+
+        Parameters
+        ----------
+        stretches : int
+            Over how many of the marches.
+
+        Returns
+        -------
+        tuple of FloatArray, of shapes (n, n), (n,) and (n,)
+            Factors of the two, and the rest.
+        """
+        n = self.misses[0].size
+        whole, by_number, missed = np.eye(n), np.zeros(n), np.zeros(n)
+        for one, column, miss in zip(self.found[:stretches], self._columns, self.misses, strict=False):
+            whole, by_number, missed = one.carried(whole), one.carried(by_number) + column, one.carried(missed) + miss
+        return whole, by_number, missed
+
+    def system(self) -> tuple[FloatArray, FloatArray]:
+        """`jacobian` over all marches, and what they miss, scaled: that of Newton's method from the first point."""
+        whole, by_number, missed = self.carried(len(self.points))
+        return jacobian(whole, by_number * self.family.scale(self.value), self.weights), self.weights * missed
+
+    def stepped(self, step: FloatArray) -> Round:
+        """The round after a step.
+
+        Parameters
+        ----------
+        step : FloatArray, shape (n + 1,)
+            (u, w) at the first point; the others follow it.
+
+        Returns
+        -------
+        Round
+            The round.
+        """
+        deviation, change = step[:-1] / self.weights, float(step[-1]) * self.family.scale(self.value)
+        value, moved = self.value + change, list[SectionPoint]()
+        for one, point, column, miss in zip(self.found, self.points, self._columns, self.misses, strict=True):
+            moved.append(self.family.adopted(value, self.half.map.moved(point, deviation)))
+            deviation = one.carried(deviation) + column * change + miss
+        return Round(self.family, value, moved, self.lengths)
+
+
 def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int, fixed: bool) -> Place | None:
     """The motion near some stretches; None if steps do not lead to one."""
-    points, lengths = [one.point for one in stretches], [one.half_periods for one in stretches]
+    now = Round(family, value, [one.point for one in stretches], [one.half_periods for one in stretches])
     residuals = list[float]()
     for _ in range(_STEPS):
-        if len({point.state for point in points}) > 1:
+        if len({point.state for point in now.points}) > 1:
             return None
-        half = family.at(value)
-        found = [family.linearised(value, point, length) for point, length in zip(points, lengths, strict=True)]
-        after = [*points[1:], points[0]]
-        misses = [half.map.difference(one.end, point) for one, point in zip(found, after, strict=True)]
-        residual = max(half.relative(miss, point) for miss, point in zip(misses, after, strict=True))
+        residual = now.residual
         least, last = min(residuals, default=np.inf), residuals[-1] if residuals else np.inf
         if residual <= _CLOSED or (residual <= _ROUNDED and residual > 0.5 * last):
-            return corrected(family, value, points[0], count, fixed=fixed)
+            return corrected(family, now.value, now.points[0], count, fixed=fixed)
         residuals.append(residual)
         if not residual <= min(_FAR, _WORSE * least) or _stalls(residuals):
             return None
-        columns = [family.column(value, one) for one in found]
-        n = misses[0].size
-        whole, by_number, missed = np.eye(n), np.zeros(n), np.zeros(n)
-        for one, column, miss in zip(found, columns, misses, strict=True):
-            whole, by_number, missed = one.carried(whole), one.carried(by_number) + column, one.carried(missed) + miss
-        weights, scale = scaling(half, points[0], n), family.scale(value)
-        step = newton_step(jacobian(whole, by_number * scale, weights), weights * missed, fixed)
-        deviation, change = step[:-1] / weights, float(step[-1]) * scale
-        moved = list[SectionPoint]()
-        for one, point, column, miss in zip(found, points, columns, misses, strict=True):
-            moved.append(half.map.moved(point, deviation))
-            deviation = one.carried(deviation) + column * change + miss
-        value += change
-        points = [family.adopted(value, point) for point in moved]
+        now = now.stepped(newton_step(*now.system(), fixed))
     return None
 
 
