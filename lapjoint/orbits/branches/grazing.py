@@ -162,6 +162,8 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
         count = int(np.abs(changed).sum())
         if count != abs(int(changed.sum())):  # one contact has come, and another gone: two grazes lie between
             return None
+        if stretches and not _comes_from(family, graze, there, rate):
+            return None
         return there if count == 1 or (count and not patiently) else None
 
     if graze.extremum.segment is not None and leaves_at(family, graze, rate):
@@ -172,6 +174,14 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
     if there is None and graze.close:
         there = next((one for share in _BEYOND_ROOT if (one := found(share, True))), None)
     return there
+
+
+def _comes_from(family: Family, graze: OnExtremum, beyond: OnExtremum, rate: float) -> bool:
+    """Whether the way back across a graze leads to where it was come from: several section points reach far, to the
+    motions of another branch, too, which has a graze of its own."""
+    back = by_stretches(family, beyond.place, beyond.extremum, graze.extremum.value, abs(rate))
+    way = float(np.linalg.norm(beyond.place.chord(family, graze.place)))
+    return back is not None and float(np.linalg.norm(back.place.chord(family, graze.place))) <= _SHARE_BACK * way
 
 
 def slow_switch(family: Family, place: Place) -> Coming | None:
