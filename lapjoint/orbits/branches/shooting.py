@@ -165,8 +165,12 @@ class Round:
 
         Returns
         -------
-        tuple of FloatArray, of shapes (n, n), (n,) and (n,)
-            Factors of the two, and the rest.
+        whole : FloatArray, shape (n, n)
+            By the deviation.
+        by_number : FloatArray, shape (n,)
+            By the number.
+        missed : FloatArray, shape (n,)
+            What the misses come to.
         """
         n = self.misses[0].size
         whole, by_number, missed = np.eye(n), np.zeros(n), np.zeros(n)
@@ -175,7 +179,15 @@ class Round:
         return whole, by_number, missed
 
     def system(self) -> tuple[FloatArray, FloatArray]:
-        """`jacobian` over all marches, and what they miss, scaled: that of Newton's method from the first point."""
+        """The system of Newton's method from the first point.
+
+        Returns
+        -------
+        J : FloatArray, shape (n, n + 1)
+            `jacobian` over all marches.
+        missed : FloatArray, shape (n,)
+            What they miss, scaled.
+        """
         whole, by_number, missed = self.carried(len(self.points))
         return jacobian(whole, by_number * self.family.scale(self.value), self.weights), self.weights * missed
 
