@@ -9,8 +9,9 @@ without them, and is spared more, see `lapjoint.machine_code`: it is `njit_inner
 
 Arithmetic is done as it is written, without numba's `fastmath`.  LLVM would else order and join operations as suits the
 processor, and what was compiled before in the same process: two processes that compiled the same function each had
-other last bits.  As it is, all of them have the same, however LLVM optimises, and on every processor; to let it reorder
-sums was a hundredth faster at most.
+other last bits.  As it is, all of them have the same, however LLVM optimises, and for whichever processor, but for what
+they call: the linear algebra, and the exponential and the sines of the C library, which choose their own code.  To let
+it reorder sums was a hundredth faster at most.
 
 Loops are vectorised only where that is asked for.  It would take a sixth of the time to compile, and has not been found
 to make a march faster.  What carries many deviations at once takes two thirds of the time with it.

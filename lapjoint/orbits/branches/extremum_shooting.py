@@ -8,6 +8,7 @@ the multiplier between two.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate
 
@@ -62,10 +63,10 @@ def _found(family: Family, place: Place, extremum: Extremum, target: float, scal
     stretches = stretches_of(place)
     if len(stretches) == 1:
         return None
-    its, like, duration = _within(place, [one.half_periods for one in stretches], extremum)
-    now = Round(family, place.value, [one.point for one in stretches], [one.half_periods for one in stretches])
+    now = Round.along(family, place.value, stretches)
+    its, like, duration = _within(place, now.lengths, extremum)
     for _ in range(_STEPS):
-        here = same_extremum(now.found[its], like, duration) if len({one.state for one in now.points}) == 1 else None
+        here = same_extremum(now.found[its], like, duration) if now.in_one_state else None
         if here is None or not (now.residual <= _FAR and abs(target - here.value) <= _LONG * scale):
             return None
         if now.residual <= _CLOSED and abs(target - here.value) <= _ON_TARGET * abs(target):
@@ -83,7 +84,7 @@ def _found(family: Family, place: Place, extremum: Extremum, target: float, scal
     return None
 
 
-def _within(place: Place, lengths: list[int], extremum: Extremum) -> tuple[int, Extremum, float]:
+def _within(place: Place, lengths: Sequence[int], extremum: Extremum) -> tuple[int, Extremum, float]:
     """The stretch of a motion that has an extremum, the extremum as it has it, and its length, s.
 
     From an odd number of half periods on it goes on mirrored, and the stop is its twin.

@@ -101,8 +101,13 @@ def _is_same(family: Family, graze: OnExtremum, other: OnExtremum, rate: float) 
     for patiently in (False, True):
         back = on_extremum(family, other.place, other.extremum, target, scale, patiently=patiently)
         if back is not None:
-            return float(np.linalg.norm(back.place.chord(family, graze.place))) <= _SHARE_BACK * way
+            return _is_back(family, back, graze, way)
     return way <= _SAME
+
+
+def _is_back(family: Family, back: OnExtremum, graze: OnExtremum, way: float) -> bool:
+    """Whether the way back across a graze misses where it began by a small share of the way between both."""
+    return float(np.linalg.norm(back.place.chord(family, graze.place))) <= _SHARE_BACK * way
 
 
 def located_graze(family: Family, place: Place, extremum: Extremum, rate: float) -> OnExtremum | None:
@@ -177,11 +182,13 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
 
 
 def _comes_from(family: Family, graze: OnExtremum, beyond: OnExtremum, rate: float) -> bool:
-    """Whether the way back across a graze leads to where it was come from: several section points reach far, to the
-    motions of another branch, too, which has a graze of its own."""
+    """Whether the way back across a graze leads to where it was come from.
+
+    Several section points reach far, to the motions of another branch, too, which has a graze of its own.
+    """
     back = by_stretches(family, beyond.place, beyond.extremum, graze.extremum.value, abs(rate))
     way = float(np.linalg.norm(beyond.place.chord(family, graze.place)))
-    return back is not None and float(np.linalg.norm(back.place.chord(family, graze.place))) <= _SHARE_BACK * way
+    return back is not None and _is_back(family, back, graze, way)
 
 
 def slow_switch(family: Family, place: Place) -> Coming | None:

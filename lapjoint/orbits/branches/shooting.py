@@ -120,6 +120,31 @@ class Round:
     lengths: Sequence[int]
     """Half periods of each."""
 
+    @classmethod
+    def along(cls, family: Family, value: float, stretches: Sequence[Stretch]) -> Round:
+        """The marches over some stretches of a motion.
+
+        Parameters
+        ----------
+        family : Family
+            The period maps.
+        value : float
+            The number, in its SI unit.
+        stretches : sequence of Stretch
+            On the map there.
+
+        Returns
+        -------
+        Round
+            The round.
+        """
+        return cls(family, value, [one.point for one in stretches], [one.half_periods for one in stretches])
+
+    @property
+    def in_one_state(self) -> bool:
+        """Whether all points still have the contact state of the first: else they cannot be compared."""
+        return len({point.state for point in self.points}) == 1
+
     @cached_property
     def found(self) -> list[Return]:
         """The marches."""
@@ -214,10 +239,10 @@ class Round:
 
 def _shot(family: Family, value: float, stretches: Sequence[Stretch], count: int, fixed: bool) -> Place | None:
     """The motion near some stretches; None if steps do not lead to one."""
-    now = Round(family, value, [one.point for one in stretches], [one.half_periods for one in stretches])
+    now = Round.along(family, value, stretches)
     residuals = list[float]()
     for _ in range(_STEPS):
-        if len({point.state for point in now.points}) > 1:
+        if not now.in_one_state:
             return None
         residual = now.residual
         least, last = min(residuals, default=np.inf), residuals[-1] if residuals else np.inf
