@@ -18,8 +18,10 @@ from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.critical_search import Critical, change_beside, critical_motion, one_step
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import critical
+from lapjoint.orbits.branches.found_again import critical, smooth_finder
+from lapjoint.orbits.branches.value_errors import stated
 from lapjoint.orbits.period_map import Derivative, Linearised
+from lapjoint.orbits.refinement import Refinement
 
 LOCATED = 1e-9  # length of a step along the curve at which it is found
 AMPLITUDE, LOW, HIGH = "base_motion.amplitude", 0.5, 1.5
@@ -194,3 +196,32 @@ def test_where_rounding_hides_it_the_rest_is_told(seed: int) -> None:
     assert found is not None
     assert abs(found.place.point.coordinates[0, 0] - 1 - at) <= 3 * (apart + LOCATED)
     assert found.left <= 3 * apart
+
+
+@dataclass(frozen=True)
+class Lacking(Curve):
+    """A solver whose finer selves have another curve."""
+
+    other: Curve | None = None
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Lacking]:
+        """One finer solver."""
+        it = self if self.other is None else self.other
+        return Refinement("made", 1.5, 3.0), Lacking(it.b, it.c, it.s, it.at, it.rate, it.bend)
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_a_neighbour_along_the_curve_is_not_stated_however_near_its_number_is(seed: int) -> None:
+    """Finer solvers lack the flip that is meant, and have its neighbour, where the number hardly changes."""
+    rng = np.random.default_rng((99, seed))
+    at, c, rate = rng.uniform(0.01, 0.05), rng.uniform(0.3, 3.0), rng.choice([-1, 1]) * rng.uniform(1, 50)
+    beside = rng.choice([-1, 1]) * 10 ** rng.uniform(-4.5, -3.3)
+    b, s = -2 * c * (at + beside / 2) + rng.choice([-1, 1]) * 3e-3, rng.uniform(-3, 3)
+    curve = Lacking(b, c, s, at, rate, -rate / beside, Curve(b, c, s, at + beside, -rate, 0.0))
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    family = Family(curve, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
+    here = motion(curve, family, at)
+    neighbour = 1 + b * (at + beside) + c * (at + beside) ** 2
+    assert abs(neighbour - here.value) <= 1e-5
+    found = stated(family, here, here.value, smooth_finder("flip", own=family))
+    assert found.error == np.inf
