@@ -17,7 +17,8 @@ import analytic
 from lapjoint import BaseMotion, Problem, SolverError, paper_joint
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
-from lapjoint.orbits.branches.closing import Marks, Start
+from lapjoint.orbits.branches import continuation
+from lapjoint.orbits.branches.closing import Marks, Start, is_back_where_it_was
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
@@ -242,6 +243,42 @@ def test_a_curve_that_turns_where_it_cannot_be_followed_is_found_again_beyond() 
     assert jump.first == pytest.approx(1.0, abs=1e-4)
     assert 1.002 <= jump.last < 1.005
     assert all(place.point.coordinates[0, 0] == pytest.approx(place.value) for place in run.places[jump.index :])
+
+
+def line_to_an_end(x: float, p: float) -> tuple[float, float]:
+    """The motions x < 1 at p = 1, with the derivative by x; beyond there is none."""
+    return (p - 1, 0.0) if x < 1 else (1.0, 0.0)
+
+
+@pytest.mark.parametrize("back", [3e-6, 1e-5, 1e-4, 1e-2])
+def test_a_part_that_leads_back_to_before_it_is_left_out_once(back: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ring of 6e-6 was gone round 600 times: it is smaller than what tells two motions apart."""
+    family = family_of(Curve(line_to_an_end), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+
+    def led_back(family: Family, places: list[Place], _: int) -> tuple[Place, int]:
+        return beside(family, places[-1], -back), 0
+
+    monkeypatch.setattr(continuation, "jumped", led_back)
+    start = corrected(family, 1.0, SectionPoint(FREE, np.array([[0.98]])), 2)
+    assert start is not None
+    run = follow(family, start.along(np.array([1.0, 0.0])), Limits(1000))
+    assert run.end == "lost"
+    assert not run.jumps
+    assert run.places[-1].point.coordinates[0, 0] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("way", [3e-8, 1e-6, 1e-5, 1e-3])
+def test_a_curve_that_has_gone_a_little_on_is_not_back(way: float) -> None:
+    family = family_of(Curve(lambda x, p: (x - p, 1.0)), made_problem(1.0), AMPLITUDE, LOW, HIGH)
+
+    def at(value: float) -> Place:
+        place = corrected(family, value, SectionPoint(FREE, np.array([[value]])), 2, fixed=True)
+        assert place is not None
+        return place.along(np.array([0.0, 1.0]))
+
+    places = [at(1 + by) for by in (-1e-2, -1e-5, -1e-7, 0.3 * way, 0.8 * way, way)]
+    assert not is_back_where_it_was(family, places, 3)
+    assert is_back_where_it_was(family, [*places, at(1 - 2e-7)], 3)
 
 
 @pytest.fixture(scope="module")

@@ -149,7 +149,7 @@ class Start:
         return None
 
 
-def has_been_at(family: Family, places: Sequence[Place], place: Place) -> bool:
+def has_been_at(family: Family, places: Sequence[Place], place: Place, same: float = SAME) -> bool:
     """Whether a curve has been at a place before.
 
     Parameters
@@ -160,6 +160,8 @@ def has_been_at(family: Family, places: Sequence[Place], place: Place) -> bool:
         The curve so far.
     place : Place
         The place, or an image of it.
+    same : float
+        Distance of two motions over their size, up to which they are one.
 
     Returns
     -------
@@ -167,7 +169,29 @@ def has_been_at(family: Family, places: Sequence[Place], place: Place) -> bool:
         Whether it has: what leads there leads round in a ring for ever.
     """
     there = Start(family, place)
-    return any(there.between(a, b) is not None for a, b in pairwise(places))
+    return any(there.between(a, b, same) is not None for a, b in pairwise(places))
+
+
+def is_back_where_it_was(family: Family, places: Sequence[Place], before: int) -> bool:
+    """Whether the last of some places lies where a curve had been up to one of them, however little way is between.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    places : sequence of Place
+        The curve so far.
+    before : int
+        Number of the places up to there.
+
+    Returns
+    -------
+    bool
+        Whether it lies far nearer to these than those between lead away.
+    """
+    here = places[-1]
+    away = max((float(np.linalg.norm(place.chord(family, here))) for place in places[before:]), default=0.0)
+    return has_been_at(family, places[:before], here, min(SAME, _CLOSER * away))
 
 
 @dataclass

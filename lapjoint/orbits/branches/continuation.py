@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from lapjoint.orbits.branches.bifurcations import between_two
-from lapjoint.orbits.branches.closing import Marks, Start, has_been_at
+from lapjoint.orbits.branches.closing import Marks, Start, has_been_at, is_back_where_it_was
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import AT_GRAZE, across, leaves_at, slow_switch
@@ -46,7 +46,7 @@ _LATELY = 1.0
 _WHOLE = 2
 """Number of places that are added at most in a step: only the last one is kept as a whole."""
 _FEW = 40
-"""Number of places after such a part within which a curve that comes back to it folds there."""
+"""Number of places after such a part within which a curve that comes back to it folds there, or is led round."""
 _DISTINCT = 1e-4
 """Length of a step up to which grazes of several stops are taken as they come."""
 _TOWARDS = 0.8
@@ -173,6 +173,10 @@ class _Follower:
                 else:
                     self._end_at(jumped_back - 1, None, "lost")
                 break
+            led_back = None if connected or self._limits.enough is not None else self._led_back(i)
+            if led_back is not None:
+                self._end_at(led_back - 1, None, "lost")
+                break
             if missed <= self._told < self._missed:
                 self._end_at(i, None, "bifurcation")
                 break
@@ -186,6 +190,18 @@ class _Follower:
         """
         for jump in self._jumps:
             if has_been_at(self._family, self._places[: jump.index], self._places[jump.index]):
+                return jump.index
+        return None
+
+    def _led_back(self, i: int) -> int | None:
+        """The index of the first place beyond a part left out from where the curve came back to before it, if it did.
+
+        It would be left out again, and again.  Such a ring may be smaller than what tells two motions apart.
+        """
+        for jump in self._jumps:
+            if i + 1 - _FEW <= jump.index <= i and is_back_where_it_was(
+                self._family, self._places[: i + 1], jump.index
+            ):
                 return jump.index
         return None
 
