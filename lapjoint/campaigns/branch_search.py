@@ -5,13 +5,14 @@ known are left out, by the sequence of the motions and not of the work; so neith
 interruption changes what is found, or in what sequence.
 
 Branches that spring from one branch often come together, or are one that springs there twice: a fifth of the work on
-the diagram of a lightly damped joint was done twice.  So each waits for those before it while there is other work, and
-is left to them where it goes on as one of them.  One that was followed before they were known, and is in part one of
-them, is followed once more; so is one that was left in part to another which is left out itself.
+the diagram of a lightly damped joint was done twice.  So each waits for those before it while there is other work, the
+likeliest longest, and is left to them where it goes on as one of them.  One that was followed before they were known,
+and is in part one of them, is followed once more; so is one that was left in part to another which is left out itself.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -25,6 +26,9 @@ from lapjoint.solver import Progress
 
 _BESIDE = ("joins", "asked", "probes")
 """What of a branch depends on which others were known when it was followed."""
+_FAR = 4
+"""Difference of numbers from which on two motions of those that spring from one branch hardly are of one: of 110 that
+were, 60 were neighbours, 22 the next but one, and nine the one after that."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,14 @@ class _Motion:
     def may_share_its_branch_with(self, other: _Motion) -> bool:
         """Whether one branch may have both: most starts lead to the same few, and many spring at two bifurcations."""
         return self.parent == other.parent and self.seed["count"] == other.seed["count"]
+
+    def faces(self, other: _Motion) -> bool:
+        """Whether both lead from where they spring towards where the other does: a third of such neighbours are one."""
+        if "away" not in self.seed or "away" not in other.seed:
+            return False
+        mine, its = float(self.seed["away"][0]), float(other.seed["away"][0])
+        here, there = float(self.seed["value"]), float(other.seed["value"])
+        return (here - mine) * (its - mine) > 0 and (there - its) * (mine - its) > 0
 
 
 class Search:
@@ -207,13 +219,28 @@ class Search:
         return free
 
     def _so_as_not_to_idle(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
-        """An open part that is held, if too few are under way."""
-        idle = sum(part.name not in found and part.name not in self._held for part in self._open) < self._at_once
-        for part in self._open if idle and not self._spent else ():
-            if part.name in self._held and part.name not in self._dropped:
-                self._held.remove(part.name)
-                return [part]
-        return []
+        """An open part that is held, if too few are under way: one that is hardly on the branch of an earlier one."""
+        under_way = [part for part in self._open if part.name not in found and part.name not in self._held]
+        held = [part for part in self._open if part.name in self._held and part.name not in self._dropped]
+        if self._spent or not held or len(under_way) >= self._at_once:
+            return []
+        likely = [part for part in held if not self._leads_to_the_one_before(part, found)] or held
+        far = (part for part in likely if self._apart(part, under_way) >= _FAR)
+        part = next(far, None) or max(likely, key=lambda one: self._apart(one, under_way))
+        self._held.remove(part.name)
+        return [part]
+
+    def _apart(self, part: Part, others: Iterable[Part]) -> float:
+        """Least difference of a part's number and those of others whose branches may be its own."""
+        mine, motions = self._motions[part.name], (self._motions[other.name] for other in others)
+        akin = (other for other in motions if mine.may_share_its_branch_with(other))
+        return min((abs(mine.number - other.number) for other in akin), default=math.inf)
+
+    def _leads_to_the_one_before(self, part: Part, found: Mapping[str, dict[str, Any]]) -> bool:
+        """Whether a part faces the last one before it of those that are not followed yet and may be on its branch."""
+        left = [one.name for one in self._open if one.name not in found and one.name not in self._dropped]
+        before = [name for name in self._akin(part) if name in left]
+        return bool(before) and self._motions[part.name].faces(self._motions[before[-1]])
 
     def _next(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Parts to be opened: all starts; or branches, as many as may be ahead, once all starts are taken."""

@@ -45,7 +45,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> None:
         curve = {"values": PLACES[own], "sections": "", "count": seed["count"], "bifurcations": []}
         assert lie is not None
         points = [{"period_multiple": 1 + own % 2}] * (own % 7 + 1)
-        sprung = [{"value": 3 * own + k, "count": counted(3 * own + k), "away": own} for k in range(own % 6)]
+        sprung = [{"value": 3 * own + k, "count": counted(3 * own + k), "away": (own, "")} for k in range(own % 6)]
         return curve | {"seeds": sprung, "unsprung": [], "points": points, "own": own} | lie(curve)
 
     def elsewhere(plan: BranchPlan, curve: dict[str, Any], others: dict[str, dict[str, Any]]) -> dict[str, Any]:
@@ -152,3 +152,36 @@ def test_a_search_that_resumes_does_nothing_again_and_finds_the_same() -> None:
         found |= {part.name: part.solved(own) for part in left}
         left = again.go_on(found)
     assert again.diagram == alone
+
+
+def test_few_branches_are_followed_twice_that_spring_at_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside one that was under way its other end was followed: a fifth of what was followed was thrown away."""
+    own, pairs = plan(1000), 30
+
+    def start(plan: BranchPlan, number: int) -> dict[str, Any]:
+        return {"seeds": [{"value": 0, "count": 1}] if number == 0 else []}
+
+    def branch(plan: BranchPlan, seed: dict[str, Any], progress: object, lie: Elsewhere | None) -> dict[str, Any]:
+        mine = (seed["value"] + 1) // 2
+        ends = range(1, 2 * pairs + 1) if mine == 0 else []
+        sprung = [{"value": k, "count": 2, "away": (k + (-0.1, 0.1)[k % 2 == 0], "")} for k in ends]
+        curve = {"values": chr(1000 + mine), "sections": "", "count": seed["count"], "bifurcations": []}
+        assert lie is not None
+        return curve | {"seeds": sprung, "unsprung": [], "points": [{"period_multiple": 1}], "own": mine} | lie(curve)
+
+    monkeypatch.setattr(branch_search, "solve_start", start)
+    monkeypatch.setattr(branch_search, "solve_branch", branch)
+    monkeypatch.setattr(
+        branch_search, "is_known", lambda plan, seed, one: one.get("own") == (seed["value"] + 1) // 2 and seed["value"]
+    )
+    for seed in range(20):
+        rng, found = np.random.default_rng((32, seed)), dict[str, dict[str, Any]]()
+        search = Search(own, 0, 32, 2)
+        under_way = search.go_on(found)
+        while under_way:
+            part = under_way.pop(int(rng.integers(min(2, len(under_way)))))
+            found[part.name] = part.solved(own)
+            under_way += search.go_on(found)
+        assert len(search.diagram.branches) == pairs + 1
+        followed = sum(name.startswith("branch") for name in found)
+        assert followed <= pairs + 1 + 2
