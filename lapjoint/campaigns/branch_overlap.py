@@ -28,6 +28,8 @@ _INWARD = 3
 not: two branches that end at one bifurcation end at some distance from it."""
 _JOINS = "joins"
 """Why a part ends where it comes to another branch."""
+_BREAKS_OFF = frozenset({"lost", "effort"})
+"""Why a branch ends beyond which another one along it may go on."""
 _LEAST = 1 / 16
 """Share of a branch that a part of it must have at least if none of its bifurcations is its own: of what one branch
 goes through step by step, another may leave a little out."""
@@ -63,38 +65,74 @@ def own_parts(plan: BranchPlan, branch: Mapping[str, Any], others: Sequence[Mapp
     return [whole.cut(part) for part in parts]
 
 
-@in_one_thread
-def elsewhere(plan: BranchPlan, curve: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The parts of a curve that lie on some other branches, before its bifurcations are known.
+class Known:
+    """Branches that are known, on which parts of a curve may lie.
 
     Parameters
     ----------
     plan : BranchPlan
         The plan.
-    curve : mapping
-        ``values``, ``sections`` and ``count`` of its motions, and its grazes as ``bifurcations``.
     others : mapping of str to mapping
-        ``values``, ``sections``, ``count`` and ``bifurcations`` of the others, by their names.
-
-    Returns
-    -------
-    dict of str to Any
-        ``elsewhere``, the index of the first and the last motion of each part, in sequence; ``joins``, the names of
-        those that have such a part; ``asked``, the names of all; and ``probes``, the motions that are asked first, by
-        which `may_lie_on` tells whether a further one would have a part.
+        ``values``, ``sections``, ``count``, ``bifurcations`` and ``ends`` of the branches, by their names.
     """
-    whole, last = _Whole(plan, curve), len(curve["values"]) - 1
-    every = _Part(0, last, "", "")
-    own, joins = [every], list[str]()
-    for name, other in others.items():
-        if other["count"] == curve["count"]:
-            left = [one for part in own for one in whole.without(part, other)]
-            joins += [name] if left != own else []
-            own = left
-    edges = [(-1, 0), *((one.first, one.last) for one in own), (last, last + 1)]
-    parts = [[max(a, 0), min(b, last)] for (_, a), (b, _) in pairwise(edges) if b > a]
-    probes = [[curve["values"][i], curve["sections"][i]] for i in _indices(every, _PROBES)]
-    return {"elsewhere": parts, "joins": joins, "asked": list(others), "probes": probes}
+
+    def __init__(self, plan: BranchPlan, others: Mapping[str, Mapping[str, Any]]) -> None:
+        self._plan, self._others = plan, others
+        self._asked = list[list[Any]]()
+
+    @in_one_thread
+    def on(self, value: float, section: dict[str, Any], count: int) -> frozenset[str]:
+        """On which of them a motion of a curve lies that is under way.
+
+        Parameters
+        ----------
+        value : float
+            The number, in its SI unit.
+        section : dict
+            Section point, as `lapjoint.campaigns.point.plain_section` gives it.
+        count : int
+            Half periods.
+
+        Returns
+        -------
+        frozenset of str
+            Their names; none that breaks off, as the curve may lead beyond.
+        """
+        self._asked.append([value, section])
+        there = _Whole(self._plan, {"values": [value], "sections": [section], "count": count})
+        whole = (name for name, other in self._others.items() if _BREAKS_OFF.isdisjoint(other["ends"]))
+        alike = (name for name in whole if self._others[name]["count"] == count)
+        return frozenset(name for name in alike if there.lies_on(0, self._others[name]))
+
+    @in_one_thread
+    def parts(self, curve: Mapping[str, Any]) -> dict[str, Any]:
+        """The parts of a curve that lie on some of them, before its bifurcations are known.
+
+        Parameters
+        ----------
+        curve : mapping
+            ``values``, ``sections``, ``count`` and ``ends`` of the curve, and its grazes as ``bifurcations``.
+
+        Returns
+        -------
+        dict of str to Any
+            ``elsewhere``, the index of the first and the last motion of each part, in sequence; ``joins``, the names of
+            those that have such a part; ``asked``, the names of all; and ``probes``, the motions that were asked first,
+            by which `may_lie_on` tells whether a further one would have a part.
+        """
+        whole, last = _Whole(self._plan, curve), len(curve["values"]) - 1
+        every = _Part(0, last, "", "")
+        ends = [i for i, end in zip((0, last), curve["ends"], strict=True) if end == _JOINS]
+        own, joins = [every], list[str]()
+        for name, other in self._others.items():
+            if other["count"] == curve["count"]:
+                left = [one for part in own for one in whole.without(part, other, ends)]
+                joins += [name] if left != own else []
+                own = left
+        edges = [(-1, 0), *((one.first, one.last) for one in own), (last, last + 1)]
+        parts = [[max(a, 0), min(b, last)] for (_, a), (b, _) in pairwise(edges) if b > a]
+        probes = [[curve["values"][i], curve["sections"][i]] for i in _indices(every, _PROBES)]
+        return {"elsewhere": parts, "joins": joins, "asked": list(self._others), "probes": [*self._asked, *probes]}
 
 
 @in_one_thread
@@ -108,7 +146,7 @@ def may_lie_on(plan: BranchPlan, branch: Mapping[str, Any], other: Mapping[str, 
     branch : mapping
         The branch, as `lapjoint.campaigns.branch_parts.solve_branch` gives it, of which nothing was left to others.
     other : mapping
-        The other, as `elsewhere` takes it.
+        The other, as `Known` takes it.
 
     Returns
     -------
@@ -151,9 +189,13 @@ class _Whole:
     plan: BranchPlan
     branch: Mapping[str, Any]
 
-    def without(self, part: _Part, other: Mapping[str, Any]) -> list[_Part]:
-        """What of a part does not lie on another branch, but for what has nothing of its own that this one has not."""
-        lie = {i: self.lies_on(i, other) for i in _indices(part, _PROBES)}
+    def without(self, part: _Part, other: Mapping[str, Any], ends: Sequence[int] = ()) -> list[_Part]:
+        """What of a part does not lie on another branch, but for what has nothing of its own that this one has not.
+
+        Ends of the branch at which it was seen to go on as another are asked first, too.
+        """
+        first_of_all = [*_indices(part, _PROBES), *(i for i in ends if part.first <= i <= part.last)]
+        lie = {i: self.lies_on(i, other) for i in first_of_all}
         if not any(lie.values()):
             return [part]
         beside = {one["index"] - by for one in self.branch["bifurcations"] for by in (0, 1)}

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
-from typing import Any, TypeAlias, overload
+from typing import Any, Protocol, overload
 
 from lapjoint.answers.branches import Branch, MotionThere
 from lapjoint.answers.steady_state import SectionPoint
@@ -15,6 +15,7 @@ from lapjoint.campaigns.point import plain_section, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.free_motion import free_seed
 from lapjoint.orbits.branches.run import Limits, Run
@@ -22,8 +23,16 @@ from lapjoint.orbits.branches.seeds import on_branch, seed_from, springs_where
 from lapjoint.orbits.branches.tracing import Seed, trace
 from lapjoint.solver import Solver
 
-Elsewhere: TypeAlias = Callable[[Mapping[str, Any]], dict[str, Any]]
-"""Which parts of a curve lie on branches that are known, as `lapjoint.campaigns.branch_overlap.elsewhere` says it."""
+
+class Elsewhere(Protocol):
+    """What tells where a curve lies on branches that are known: `lapjoint.campaigns.branch_overlap.Known`."""
+
+    def on(self, value: float, section: dict[str, Any], count: int) -> frozenset[str]:
+        """The names of those on which a motion of a curve under way lies: its number, section and half periods."""
+
+    def parts(self, curve: Mapping[str, Any]) -> dict[str, Any]:
+        """The parts of a curve that lie on them, once it is followed."""
+
 
 _ABOUT = 1e-5
 """Error of a graze over its number, about, before finer solvers have been asked."""
@@ -117,8 +126,8 @@ def solve_branch(
         The motion, as `plain_seed` gives it.
     progress : callable, optional
         Called with the share of the range, or of the effort, that is behind.
-    elsewhere : callable, optional
-        Says which parts of the curve lie on branches that are known; without it none does.
+    elsewhere : Elsewhere, optional
+        Says where the curve lies on branches that are known; without it none does.
 
     Returns
     -------
@@ -133,8 +142,12 @@ def solve_branch(
 
     def is_elsewhere(run: Run) -> frozenset[int]:
         if elsewhere is not None:
-            said.update(elsewhere(_plain_curve(run, plain["count"])))
+            said.update(elsewhere.parts(_plain_curve(run, plain["count"])))
         return frozenset(i for first, last in said.get("elsewhere", ()) for i in range(first + 1, last + 1))
+
+    def known(place: Place) -> frozenset[str]:
+        assert elsewhere is not None
+        return elsewhere.on(float(place.value), plain_section(place.point), plain["count"])
 
     try:
         found = trace(
@@ -142,7 +155,7 @@ def solve_branch(
             seed_of(plain),
             most_multiple=plan.max_period_multiple,
             errors=plan.errors,
-            limits=Limits(plan.max_points, progress=progress),
+            limits=Limits(plan.max_points, known=None if elsewhere is None else known, progress=progress),
             elsewhere=is_elsewhere,
         )
     except SolverError as error:
@@ -165,8 +178,9 @@ def _ranges(ways: frozenset[int]) -> list[list[int]]:
 
 
 def _plain_curve(run: Run, count: int) -> dict[str, Any]:
-    """The motions of a curve that was followed, and its grazes; their errors are not known."""
+    """The motions of a curve that was followed, its ends, and its grazes; their errors are not known."""
     return {
+        "ends": [run.begin, run.end],
         "values": [float(place.value) for place in run.places],
         "sections": [plain_section(place.point) for place in run.places],
         "count": count,

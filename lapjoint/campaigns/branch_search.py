@@ -16,10 +16,9 @@ import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
-from lapjoint.campaigns.branch_overlap import elsewhere, may_lie_on, own_parts
+from lapjoint.campaigns.branch_overlap import Known, may_lie_on, own_parts
 from lapjoint.campaigns.branch_parts import is_known, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.solver import Progress
@@ -42,7 +41,7 @@ class Part:
     seed: Mapping[str, Any] | None = None
     """The motion whose branch is followed, as `lapjoint.campaigns.branch_parts.plain_seed` gives it; or None."""
     others: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """The branches on which parts of it may lie, as `lapjoint.campaigns.branch_overlap.elsewhere` takes them."""
+    """The branches on which parts of it may lie, as `lapjoint.campaigns.branch_overlap.Known` takes them."""
     again: int = 0
     """How often it has been done with other ones."""
 
@@ -71,7 +70,7 @@ class Part:
         if self.seed is None:
             return solve_start(own, self.number)
         share = None if progress is None else lambda share: progress(share, 1.0)
-        return solve_branch(own, self.seed, share, partial(elsewhere, own, others=self.others))
+        return solve_branch(own, self.seed, share, Known(own, self.others))
 
 
 @dataclass(frozen=True)
@@ -340,4 +339,4 @@ class Search:
 def _curve_of(one: Mapping[str, Any]) -> dict[str, Any]:
     """What of a branch tells whether others go on as it does."""
     known = [{key: its[key] for key in ("kind", "stop", "value", "error")} for its in one["bifurcations"]]
-    return {**{key: one[key] for key in ("values", "sections", "count")}, "bifurcations": known}
+    return {**{key: one[key] for key in ("values", "sections", "count", "ends")}, "bifurcations": known}

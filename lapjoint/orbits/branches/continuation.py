@@ -47,6 +47,8 @@ _WHOLE = 2
 """Number of places that are added at most in a step: only the last one is kept as a whole."""
 _FEW = 40
 """Number of places after such a part within which a curve that comes back to it folds there, or is led round."""
+_KNOWN = 50
+"""Number of places after which it is asked on which known branches the curve lies: on one twice in turn, it ends."""
 _DISTINCT = 1e-4
 """Length of a step up to which grazes of several stops are taken as they come."""
 _TOWARDS = 0.8
@@ -118,6 +120,7 @@ class _Follower:
         self._end, self._tries, self._marches = "", 0, family.marches
         self._marks, self._looked, self._missed = Marks(family, start), 0, _missed(start)
         self._told = _TOLD if self._missed > _TOLD else _TOLD_AT_FIRST * self._missed
+        self._asks, self._known = _KNOWN, frozenset[str]()
         self._until = None if limits.until is None else Start(family, limits.until, itself=True)
         self._step, self._length, self._measured = min(_FIRST, _SHARE * limits.length, limits.first), 0.0, 0
 
@@ -133,6 +136,8 @@ class _Follower:
                 self._look_back()
                 if not self._end and self._limits.enough is not None and self._limits.enough(self._so_far):
                     self._end = "enough"
+                if not self._end and self._goes_on_as_known():
+                    self._end = "joins"
         return self._so_far
 
     @property
@@ -154,6 +159,13 @@ class _Follower:
         if self._family.marches - self._marches >= self._limits.marches:
             return True
         return len(self._places) >= most or self._tries >= _TRIES * most or self._length >= self._limits.length
+
+    def _goes_on_as_known(self) -> bool:
+        """Whether the curve has gone along a branch that is known for some places."""
+        if self._limits.known is None or len(self._places) < self._asks:
+            return False
+        before, self._known, self._asks = self._known, self._limits.known(self._here), len(self._places) + _KNOWN
+        return not before.isdisjoint(self._known)
 
     def _look_back(self) -> None:
         """End the curve where it has come to its start, to a later mark, or to motions of the curve it springs from."""

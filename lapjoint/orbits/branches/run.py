@@ -28,6 +28,9 @@ class Limits:
     enough: Callable[[Run], bool] | None = None
     """Called with the curve so far, whether it has led to what is looked for, and may end; it is then not asked whether
     it goes round in a ring."""
+    known: Callable[[Place], frozenset[str]] | None = None
+    """Called now and then with a place, on which branches it lies that are known; where the curve goes on as one of
+    them, it ends."""
     progress: Callable[[float], None] | None = None
     """Called with the share of the range, or of the effort, that is behind."""
 

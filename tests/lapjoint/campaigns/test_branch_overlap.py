@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,10 +9,11 @@ import pytest
 
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns import branch_overlap
-from lapjoint.campaigns.branch_overlap import elsewhere, own_parts
+from lapjoint.campaigns.branch_overlap import Known, may_lie_on, own_parts
 from lapjoint.campaigns.branch_parts import family_of, lies_on, solve_branch, solve_start
 from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.point import section_from
+from lapjoint.orbits.branches import continuation
 from lapjoint.orbits.branches.tracing import Seed
 
 PLAN = BranchPlan(
@@ -123,7 +123,7 @@ def test_what_lies_on_branches_that_are_known_is_not_looked_at_and_the_rest_is_a
     i = int(rng.integers(n))
     motion = {"value": whole["values"][i], "section": whole["sections"][i], "count": whole["count"]}
     all_of_it = solve_branch(PLAN, motion)
-    found = solve_branch(PLAN, motion, None, partial(elsewhere, PLAN, others=others))
+    found = solve_branch(PLAN, motion, None, Known(PLAN, others))
     assert all(found[key] == all_of_it[key] for key in ("values", "sections", "ends"))
     inside = {j for first, last in found["elsewhere"] for j in range(first + 1, last + 1)}
     assert found["bifurcations"] == [one for one in all_of_it["bifurcations"] if one["index"] not in inside]
@@ -194,3 +194,49 @@ def test_ends_of_a_short_branch_that_stick_out_are_not_its_own(monkeypatch: pyte
     branch = {**points, "count": 2, "ends": ["bifurcation", "bifurcation"], "bifurcations": [], "elsewhere": []}
     monkeypatch.setattr(branch_overlap._Whole, "lies_on", lambda self, i, other: 0 < i < count - 1)
     assert own_parts(PLAN, branch, [branch]) == []
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("broken_off", [False, True])
+def test_a_curve_ends_once_it_goes_on_as_a_branch_that_is_known(
+    whole: dict[str, Any], monkeypatch: pytest.MonkeyPatch, seed: int, broken_off: bool
+) -> None:
+    """Its own parts are those before; where the other breaks off, it goes on, as it may lead beyond."""
+    rng, n, often = np.random.default_rng((79, seed)), len(whole["points"]), 3
+    monkeypatch.setattr(continuation, "_KNOWN", often)
+    first, last = n // 3 + int(rng.integers(4)), n - 1 - int(rng.integers(4))
+    other = piece(whole, first, last) | {"ends": ["joins", "lost" if broken_off else "boundary"]}
+    i = int(rng.integers(first - 3))
+    motion = {"value": whole["values"][i], "section": whole["sections"][i], "count": whole["count"]}
+    all_of_it = solve_branch(PLAN, motion)
+    found = solve_branch(PLAN, motion, None, Known(PLAN, {"a": other}))
+    own, mine = own_parts(PLAN, all_of_it, [other]), own_parts(PLAN, found, [other])
+    if broken_off:
+        assert found["values"] == all_of_it["values"]
+        assert [part["values"] for part in mine] == [part["values"] for part in own]
+        return
+    assert sorted(found["ends"]) == sorted([all_of_it["ends"][0], "joins"])
+    left = len(all_of_it["values"]) - len(found["values"])
+    assert left > 0
+    assert found["values"] in (all_of_it["values"][left:], all_of_it["values"][:-left])
+    (there,) = found["elsewhere"]
+    assert there[1] - there[0] <= 3 * often  # it is noticed soon
+    first_own = [part for part in own if set(part["values"]) <= set(found["values"])]
+    assert [part["values"] for part in mine] == [part["values"] for part in first_own]
+    assert [part["bifurcations"] for part in mine] == [part["bifurcations"] for part in first_own]
+    assert mine
+
+
+def test_a_branch_that_would_have_ended_as_another_is_noticed_without_it(
+    whole: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each motion that was asked on the way is among those that tell whether one that was not known matters."""
+    monkeypatch.setattr(continuation, "_KNOWN", 3)
+    n = len(whole["points"])
+    motion = {"value": whole["values"][0], "section": whole["sections"][0], "count": whole["count"]}
+    alone = solve_branch(PLAN, motion, None, Known(PLAN, {}))
+    assert len(alone["probes"]) >= 3 + (len(alone["values"]) - 1) // 5  # across a graze there are several at once
+    for first in range(2, n - 10):
+        other = piece(whole, first, first + 8) | {"ends": ["joins", "joins"]}
+        known = solve_branch(PLAN, motion, None, Known(PLAN, {"a": other}))
+        assert may_lie_on(PLAN, alone, other) or known["values"] == alone["values"]

@@ -42,20 +42,31 @@ def made(monkeypatch: pytest.MonkeyPatch) -> None:
         own = seed["value"] % KINDS
         if own == 5:
             return {"seeds": [], "points": [], "message": f"{own} cannot be followed"}
-        curve = {"values": PLACES[own], "sections": "", "count": seed["count"], "bifurcations": []}
+        curve = {"values": PLACES[own], "sections": "", "count": seed["count"], "bifurcations": [], "ends": []}
         assert lie is not None
         points = [{"period_multiple": 1 + own % 2}] * (own % 7 + 1)
         sprung = [{"value": 3 * own + k, "count": counted(3 * own + k), "away": (own, "")} for k in range(own % 6)]
-        return curve | {"seeds": sprung, "unsprung": [], "points": points, "own": own} | lie(curve)
+        return curve | {"seeds": sprung, "unsprung": [], "points": points, "own": own} | lie.parts(curve)
 
-    def elsewhere(plan: BranchPlan, curve: dict[str, Any], others: dict[str, dict[str, Any]]) -> dict[str, Any]:
-        left, names = curve["values"], []
-        for name, other in others.items():
-            assert other["count"] == curve["count"]
-            shared = {place for place in left if place in other["values"]}
-            names += [name] if shared else []
-            left = "".join(place for place in left if place not in shared)
-        return {"elsewhere": [p for p in curve["values"] if p not in left], "joins": names, "asked": list(others)}
+    class Known:
+        def __init__(self, plan: BranchPlan, others: dict[str, dict[str, Any]]) -> None:
+            self._others = others
+
+        def on(self, *_: object) -> frozenset[str]:
+            raise AssertionError("nothing is followed here")
+
+        def parts(self, curve: dict[str, Any]) -> dict[str, Any]:
+            left, names = curve["values"], []
+            for name, other in self._others.items():
+                assert other["count"] == curve["count"]
+                shared = {place for place in left if place in other["values"]}
+                names += [name] if shared else []
+                left = "".join(place for place in left if place not in shared)
+            return {
+                "elsewhere": [p for p in curve["values"] if p not in left],
+                "joins": names,
+                "asked": [*self._others],
+            }
 
     def own_parts(plan: BranchPlan, one: dict[str, Any], others: list[dict[str, Any]]) -> list[dict[str, Any]]:
         known = {place for other in others for place in other["values"]}
@@ -69,7 +80,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(branch_search, "may_lie_on", may_lie_on)
     monkeypatch.setattr(branch_search, "solve_start", start)
     monkeypatch.setattr(branch_search, "solve_branch", branch)
-    monkeypatch.setattr(branch_search, "elsewhere", elsewhere)
+    monkeypatch.setattr(branch_search, "Known", Known)
     monkeypatch.setattr(branch_search, "own_parts", own_parts)
     monkeypatch.setattr(branch_search, "is_known", lambda plan, seed, one: one.get("own") == seed["value"] % KINDS)
 
@@ -165,9 +176,13 @@ def test_few_branches_are_followed_twice_that_spring_at_neighbours(monkeypatch: 
         mine = (seed["value"] + 1) // 2
         ends = range(1, 2 * pairs + 1) if mine == 0 else []
         sprung = [{"value": k, "count": 2, "away": (k + (-0.1, 0.1)[k % 2 == 0], "")} for k in ends]
-        curve = {"values": chr(1000 + mine), "sections": "", "count": seed["count"], "bifurcations": []}
+        curve = {"values": chr(1000 + mine), "sections": "", "count": seed["count"], "bifurcations": [], "ends": []}
         assert lie is not None
-        return curve | {"seeds": sprung, "unsprung": [], "points": [{"period_multiple": 1}], "own": mine} | lie(curve)
+        return (
+            curve
+            | {"seeds": sprung, "unsprung": [], "points": [{"period_multiple": 1}], "own": mine}
+            | lie.parts(curve)
+        )
 
     monkeypatch.setattr(branch_search, "solve_start", start)
     monkeypatch.setattr(branch_search, "solve_branch", branch)
