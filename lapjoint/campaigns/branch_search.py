@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from lapjoint.campaigns.branch_overlap import Known, may_lie_on, own_parts
@@ -45,7 +46,7 @@ class Part:
     again: int = 0
     """How often it has been done with other ones."""
 
-    @property
+    @cached_property
     def name(self) -> str:
         """What the journal calls it."""
         own = f"{'start' if self.seed is None else 'branch'} {self.number}" + ", again" * self.again
@@ -223,9 +224,11 @@ class Search:
         held = [part for part in self._open if part.name in self._held and part.name not in self._dropped]
         if self._spent or not held or len(under_way) >= self._at_once:
             return []
-        likely = [part for part in held if not self._leads_to_the_one_before(part, found)] or held
-        far = (part for part in likely if self._apart(part, under_way) >= _FAR)
-        part = next(far, None) or max(likely, key=lambda one: self._apart(one, under_way))
+        left = {part.name for part in self._open if part.name not in found} - self._dropped
+        far = (part for part in held if self._apart(part, under_way) >= _FAR)
+        part = next((part for part in far if not self._leads_to_the_one_before(part, left)), None) or max(
+            held, key=lambda one: (not self._leads_to_the_one_before(one, left), self._apart(one, under_way))
+        )
         self._held.remove(part.name)
         return [part]
 
@@ -235,9 +238,11 @@ class Search:
         akin = (other for other in motions if mine.may_share_its_branch_with(other))
         return min((abs(mine.number - other.number) for other in akin), default=math.inf)
 
-    def _leads_to_the_one_before(self, part: Part, found: Mapping[str, dict[str, Any]]) -> bool:
-        """Whether a part faces the last one before it of those that are not followed yet and may be on its branch."""
-        left = [one.name for one in self._open if one.name not in found and one.name not in self._dropped]
+    def _leads_to_the_one_before(self, part: Part, left: Container[str]) -> bool:
+        """Whether a part faces the last one before it that may be on its branch and is left to be followed.
+
+        `left` has the names of those.
+        """
         before = [name for name in self._akin(part) if name in left]
         return bool(before) and self._motions[part.name].faces(self._motions[before[-1]])
 

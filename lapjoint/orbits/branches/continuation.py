@@ -47,7 +47,7 @@ _WHOLE = 2
 """Number of places that are added at most in a step: only the last one is kept as a whole."""
 _FEW = 40
 """Number of places after such a part within which a curve that comes back to it folds there, or is led round."""
-_KNOWN = 50
+_KNOWN = 20
 """Number of places after which it is asked on which known branches the curve lies: on one twice in turn, it ends."""
 _DISTINCT = 1e-4
 """Length of a step up to which grazes of several stops are taken as they come."""
