@@ -264,7 +264,7 @@ class Joint:
     def _fill_known(self, known: KnownStates) -> None:
         unit = unit_tables(self.family, self.counts, known)
         self._states = list(known.states)
-        self._slots = {state: slot for slot, state in enumerate(known.states)}
+        self._slots = known.slots.copy()
         self.tables = copied(unit, self.harmonics)
         self._borrows = True
         self._scale(unit.borrowed, 0, unit.unscaled)

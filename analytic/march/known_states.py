@@ -8,7 +8,7 @@ beside those that a motion meets changes no bit of it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 from analytic.march.modal_state import Family
 from lapjoint.answers.contact_state import ContactState
@@ -24,6 +24,11 @@ class KnownStates:
     """Sorted."""
     switches: tuple[tuple[ContactState, int], ...] = ()
     """State and stop, from the state in which that stop is open; each stands for the way back, too.  Sorted."""
+
+    @cached_property
+    def slots(self) -> dict[ContactState, int]:
+        """The number of each state; not to be written to."""
+        return {state: slot for slot, state in enumerate(self.states)}
 
     def and_of(self, old: ContactState, stop: int) -> KnownStates:
         """These states and switches, and one switch more, with the states before and after it.
