@@ -28,10 +28,36 @@ class Elsewhere(Protocol):
     """What tells where a curve lies on branches that are known: `lapjoint.campaigns.branch_overlap.Known`."""
 
     def on(self, value: float, section: dict[str, Any], count: int) -> frozenset[str]:
-        """The names of those on which a motion of a curve under way lies: its number, section and half periods."""
+        """On which of them a motion of a curve lies that is under way.
+
+        Parameters
+        ----------
+        value : float
+            The number, in its SI unit.
+        section : dict
+            Section point, as `lapjoint.campaigns.point.plain_section` gives it.
+        count : int
+            Half periods.
+
+        Returns
+        -------
+        frozenset of str
+            Their names.
+        """
 
     def parts(self, curve: Mapping[str, Any]) -> dict[str, Any]:
-        """The parts of a curve that lie on them, once it is followed."""
+        """The parts of a curve that lie on some of them, once it is followed.
+
+        Parameters
+        ----------
+        curve : mapping
+            ``values``, ``sections``, ``count`` and ``ends`` of the curve, and its grazes as ``bifurcations``.
+
+        Returns
+        -------
+        dict of str to Any
+            ``elsewhere``, the index of the first and the last motion of each part, and what else is to be kept.
+        """
 
 
 _ABOUT = 1e-5
