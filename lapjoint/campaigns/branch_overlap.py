@@ -82,21 +82,9 @@ class Known:
 
     @in_one_thread
     def on(self, value: float, section: dict[str, Any], count: int) -> frozenset[str]:
-        """On which of them a motion of a curve lies that is under way.
+        """Those on which a motion lies, but for what breaks off. See `lapjoint.campaigns.branch_parts.Elsewhere.on`.
 
-        Parameters
-        ----------
-        value : float
-            The number, in its SI unit.
-        section : dict
-            Section point, as `lapjoint.campaigns.point.plain_section` gives it.
-        count : int
-            Half periods.
-
-        Returns
-        -------
-        frozenset of str
-            Their names; none that breaks off, as the curve may lead beyond.
+        Along such a one, the curve may lead beyond.
         """
         self._asked.append([value, section])
         there = _Whole(self._plan, {"values": [value], "sections": [section], "count": count})
@@ -106,20 +94,7 @@ class Known:
 
     @in_one_thread
     def parts(self, curve: Mapping[str, Any]) -> dict[str, Any]:
-        """The parts of a curve that lie on some of them, before its bifurcations are known.
-
-        Parameters
-        ----------
-        curve : mapping
-            ``values``, ``sections``, ``count`` and ``ends`` of the curve, and its grazes as ``bifurcations``.
-
-        Returns
-        -------
-        dict of str to Any
-            ``elsewhere``, the index of the first and the last motion of each part, in sequence; ``joins``, the names of
-            those that have such a part; ``asked``, the names of all; and ``probes``, the motions that were asked first,
-            by which `may_lie_on` tells whether a further one would have a part.
-        """
+        """The parts of a curve that lie on them. See `lapjoint.campaigns.branch_parts.Elsewhere.parts`."""
         whole, last = _Whole(self._plan, curve), len(curve["values"]) - 1
         every = _Part(0, last, "", "")
         ends = [i for i, end in zip((0, last), curve["ends"], strict=True) if end == _JOINS]

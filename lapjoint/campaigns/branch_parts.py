@@ -46,7 +46,7 @@ class Elsewhere(Protocol):
         """
 
     def parts(self, curve: Mapping[str, Any]) -> dict[str, Any]:
-        """The parts of a curve that lie on some of them, once it is followed.
+        """The parts of a curve that lie on some of them, before its bifurcations are known.
 
         Parameters
         ----------
@@ -56,7 +56,9 @@ class Elsewhere(Protocol):
         Returns
         -------
         dict of str to Any
-            ``elsewhere``, the index of the first and the last motion of each part, and what else is to be kept.
+            ``elsewhere``, the index of the first and the last motion of each part, in sequence; ``joins``, the names of
+            those that have such a part; ``asked``, the names of all; and ``probes``, the motions that were asked first,
+            by which `lapjoint.campaigns.branch_overlap.may_lie_on` tells whether a further one would have a part.
         """
 
 
