@@ -184,7 +184,9 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
 def _comes_from(family: Family, graze: OnExtremum, beyond: OnExtremum, rate: float) -> bool:
     """Whether the way back across a graze leads to where it was come from.
 
-    Several section points reach far, to the motions of another branch, too, which has a graze of its own.
+    Several section points reach far, to the motions of another branch, too, which has a graze of its own.  Of what is
+    found from one it is not asked, as extrema jump at grazes: the curves of finer solvers led across 29 of 35 that did
+    not lead back, and across 112 of 126 that did; most others they have a little elsewhere.
     """
     back = by_stretches(family, beyond.place, beyond.extremum, graze.extremum.value, abs(rate))
     way = float(np.linalg.norm(beyond.place.chord(family, graze.place)))
