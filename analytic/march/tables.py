@@ -318,7 +318,7 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
         unscaled.residual[slot] = flat.residual
     for state, stop in known.switches:
         other = state.toggled(stop)
-        connect(tables, family, counts, stop, (known.states.index(state), state), (known.states.index(other), other))
+        connect(tables, family, counts, stop, (known.slots[state], state), (known.slots[other], other))
     for array in tables:
         if isinstance(array, np.ndarray):
             array.flags.writeable = False

@@ -88,9 +88,8 @@ class Known:
         """
         self._asked.append([value, section])
         there = _Whole(self._plan, {"values": [value], "sections": [section], "count": count})
-        whole = (name for name, other in self._others.items() if _BREAKS_OFF.isdisjoint(other["ends"]))
-        alike = (name for name in whole if self._others[name]["count"] == count)
-        return frozenset(name for name in alike if there.lies_on(0, self._others[name]))
+        whole = {name: other for name, other in self._others.items() if _BREAKS_OFF.isdisjoint(other["ends"])}
+        return frozenset(name for name, other in whole.items() if there.lies_on(0, other))
 
     @in_one_thread
     def parts(self, curve: Mapping[str, Any]) -> dict[str, Any]:

@@ -175,25 +175,27 @@ class _Follower:
             if there is not None:
                 self._end_at(i, there, "until")
                 break
+            if self._limits.enough is None and self._goes_round(i):
+                break
             missed = _missed(new)
-            connected = all(jump.index != i + 1 for jump in self._jumps)
-            back = None if self._limits.enough is not None else self._marks.come_back(self._places, i, connected)
-            if back is not None:
-                jumped_back = self._jumped_back()
-                if jumped_back is None:
-                    self._end_at(*back, "closed")
-                else:
-                    self._end_at(jumped_back - 1, None, "lost")
-                break
-            led_back = None if connected or self._limits.enough is not None else self._led_back(i)
-            if led_back is not None:
-                self._end_at(led_back - 1, None, "lost")
-                break
             if missed <= self._told < self._missed:
                 self._end_at(i, None, "bifurcation")
                 break
             self._missed = max(self._missed, missed)
         self._looked = len(self._places) - 1
+
+    def _goes_round(self, i: int) -> bool:
+        """Whether the curve comes back between two places, or was led back by a part left out; it ends there then."""
+        connected = all(jump.index != i + 1 for jump in self._jumps)
+        back = self._marks.come_back(self._places, i, connected)
+        if back is None and connected:
+            return False
+        led_back = self._led_back(i) if back is None else self._jumped_back()
+        if led_back is not None:
+            self._end_at(led_back - 1, None, "lost")
+        elif back is not None:
+            self._end_at(*back, "closed")
+        return led_back is not None or back is not None
 
     def _jumped_back(self) -> int | None:
         """The index of the first place beyond a part that was left out at which the curve has been before.

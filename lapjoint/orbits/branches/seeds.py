@@ -128,7 +128,7 @@ def on_branch(family: Family, seed: Seed, values: Sequence[float], points: Seque
     if count != seed.count:
         return False
     first, last, same = min(values), max(values), 1e-9 * family.scale(seed.value)
-    if not first <= seed.value <= last and max(first - seed.value, seed.value - last) > last - first + same:
+    if max(first - seed.value, seed.value - last) > last - first + same:
         return False  # it lies farther beyond its ends than any step leads
     all_values = np.array(values)
     low, high = np.minimum(all_values[:-1], all_values[1:]), np.maximum(all_values[:-1], all_values[1:])
