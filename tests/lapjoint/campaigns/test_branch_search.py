@@ -165,8 +165,14 @@ def test_a_search_that_resumes_does_nothing_again_and_finds_the_same() -> None:
     assert again.diagram == alone
 
 
-def test_few_branches_are_followed_twice_that_spring_at_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Beside one that was under way its other end was followed: a fifth of what was followed was thrown away."""
+@pytest.mark.parametrize("facing", [True, False])
+def test_few_branches_are_followed_twice_that_spring_at_neighbours(
+    monkeypatch: pytest.MonkeyPatch, facing: bool
+) -> None:
+    """Beside one that was under way its other end was followed: a fifth of what was followed was thrown away.
+
+    Be it known that both ends face each other, or only which number they have.
+    """
     own, pairs = plan(1000), 30
 
     def start(plan: BranchPlan, number: int) -> dict[str, Any]:
@@ -175,7 +181,8 @@ def test_few_branches_are_followed_twice_that_spring_at_neighbours(monkeypatch: 
     def branch(plan: BranchPlan, seed: dict[str, Any], progress: object, lie: Elsewhere | None) -> dict[str, Any]:
         mine = (seed["value"] + 1) // 2
         ends = range(1, 2 * pairs + 1) if mine == 0 else []
-        sprung = [{"value": k, "count": 2, "away": (k + (-0.1, 0.1)[k % 2 == 0], "")} for k in ends]
+        away = {k: {"away": (k + (-0.1, 0.1)[k % 2 == 0], "")} if facing else {} for k in ends}
+        sprung = [{"value": k, "count": 2} | away[k] for k in ends]
         curve = {"values": chr(1000 + mine), "sections": "", "count": seed["count"], "bifurcations": [], "ends": []}
         assert lie is not None
         return (
