@@ -22,7 +22,7 @@ from analytic.march.compiled import (
 )
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
-from analytic.march.tangent import flow, saltation
+from analytic.march.tangent import flow, new_switching, saltation
 from lapjoint.compiled_arrays import put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -104,6 +104,7 @@ def advance_periods(
     """
     carried, depth = now.shape[1] > 0, bool(np.bool_(False))
     q_old, v_old = motion.q.copy(), motion.v.copy()
+    switching = new_switching(motion.q.size, now.shape[1])
     while motion.counts[PERIODS] < count:
         slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
         if carried:
@@ -114,7 +115,8 @@ def advance_periods(
         if carried and stop >= 0:
             n, m = tables.modes[slot], now.shape[1]
             then = zeros((2 * tables.modes[motion.counts[SLOT]], m))
-            saltation(tables, slot, stop, t, motion.time[1], q_old, v_old, motion.q, motion.v, n, m, now, then)
+            rate, q, v = motion.time[1], motion.q, motion.v
+            saltation(tables, slot, stop, work.theta, rate, q_old, v_old, q, v, n, m, now, then, switching)
             now = then
         if not leave(tables, None, None, motion, work, period, 0.0, depth):
             return STUCK, now

@@ -17,11 +17,10 @@ from typing import NamedTuple
 
 from analytic.march.oscillator import SPLIT
 from analytic.march.tables import IntArray, Tables
-from analytic.march.tangent import motion_rates
-from analytic.march.terms import set_phases
+from analytic.march.tangent import write_rates
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import bool_zeros, complex_zeros
+from lapjoint.compiled_arrays import bool_zeros, complex_zeros, zeros
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -77,7 +76,14 @@ def changes_of_answers(tables: Tables, change: Change, slots: IntArray) -> Compl
 
 @njit_inner()
 def add_forced_change(
-    tables: Tables, change: Change, changes: ComplexArray, slot: int, t: float, factor: float, now: FloatArray
+    tables: Tables,
+    change: Change,
+    changes: ComplexArray,
+    slot: int,
+    t: float,
+    theta: ComplexArray,
+    factor: float,
+    now: FloatArray,
 ) -> None:
     """Add the forced motion's own change, times a factor, to the last of some deviations, in place.
 
@@ -91,14 +97,14 @@ def add_forced_change(
         The state.
     t : float
         When, s from the start of the march.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, then.
     factor : float
         Without unit.
     now : FloatArray, shape (2 N, m)
         Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, as columns; the last one is over the unit of the number.
     """
     n, last = tables.modes[slot], now.shape[1] - 1
-    theta = complex_zeros(tables.omega.size)
-    set_phases(tables, t, theta)
     for h in range(theta.size):
         omega = tables.omega[h]
         rise = change.omega * omega
@@ -111,7 +117,15 @@ def add_forced_change(
 
 @njit_inner()
 def add_switch_change(
-    tables: Tables, change: Change, old: int, k: int, t: float, rate: float, jump: FloatArray, now: FloatArray
+    tables: Tables,
+    change: Change,
+    old: int,
+    k: int,
+    t: float,
+    theta: ComplexArray,
+    rate: float,
+    jump: FloatArray,
+    now: FloatArray,
 ) -> None:
     """Add what a switch and its passage change by themselves to the last of some deviations after it, in place.
 
@@ -121,17 +135,20 @@ def add_switch_change(
         The states of the joint, and how its harmonics change.
     old, k : int
         The state before, and the stop that switches.
-    t, rate : float
-        When, s from the start of the march, and with which h', m/s.
-    jump : ndarray, shape (2 N_new,)
-        What a switch later by a second changes, as `analytic.march.tangent.saltation` gives it.
+    t : float
+        When, s from the start of the march.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, then.
+    rate : float
+        With which h', m/s.
+    jump : ndarray, shape (2 N,)
+        What a switch later by a second changes, as `analytic.march.tangent.saltation` writes it.
     now : ndarray, shape (2 N_new, m)
         Deviations (dq, dv) just after the switch, likewise.
     """
-    u, last, n_old, n_new = tables.position[k], now.shape[1] - 1, tables.modes[old], jump.size // 2
+    u, last = tables.position[k], now.shape[1] - 1
+    n_old, n_new = tables.modes[old], tables.modes[tables.next_slot[old, k]]
     onto = tables.carry_residual[old, k]
-    theta = complex_zeros(tables.omega.size)
-    set_phases(tables, t, theta)
     z = 0.0
     for h in range(theta.size):
         own = tables.forced[old, u, h]
@@ -152,7 +169,7 @@ def add_switch_change(
 
 @njit_inner()
 def add_end_change(
-    tables: Tables, slot: int, t: float, later: float, q: FloatArray, v: FloatArray, now: FloatArray
+    tables: Tables, slot: int, theta: ComplexArray, later: float, q: FloatArray, v: FloatArray, now: FloatArray
 ) -> None:
     """Add what the march goes on at its end, whose time depends on the number, to the last deviation, in place.
 
@@ -162,8 +179,8 @@ def add_end_change(
         The states of the joint.
     slot : int
         The state at the end.
-    t : float
-        When, s from the start of the march.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, then.
     later : float
         Derivative of that time by the number, s over its unit.
     q, v : ndarray, shape (N,)
@@ -171,9 +188,8 @@ def add_end_change(
     now : ndarray, shape (2 N, m)
         Deviations (dq, dv) there.
     """
-    theta = complex_zeros(tables.omega.size)
-    set_phases(tables, t, theta)
-    rates = motion_rates(tables, slot, theta, q, v)
+    rates = zeros(2 * tables.modes[slot])
+    write_rates(tables, slot, theta, q, v, rates)
     for i in range(rates.size):
         now[i, now.shape[1] - 1] += later * rates[i]
 

@@ -10,7 +10,8 @@ from analytic.march.change import Change, add_end_change, add_forced_change, add
 from analytic.march.compiled import Log
 from analytic.march.march import March
 from analytic.march.tables import Tables
-from analytic.march.tangent import flow, saltation
+from analytic.march.tangent import flow, new_switching, saltation
+from analytic.march.terms import set_phases
 from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -108,34 +109,37 @@ def _carry(
     on instead, which are fewer columns, and is multiplied by what there was of them, `since`, where it is wanted.
     """
     here, then, since, changes = both[0], both[1], zeros((0, units)), complex_zeros((0, 0, 0))
-    now = zeros(here.shape)
+    now, theta = zeros(here.shape), complex_zeros(tables.omega.size)
+    work = new_switching(tables.kind.shape[1], here.shape[1])
+    set_phases(tables, log.start[0], theta)
     if change is not None:
         changes = changes_of_answers(tables, change, log.slot)
     for i in range(log.slot.size):
         slot, n, left = log.slot[i], tables.modes[log.slot[i]], log.slot.size - 1 - i
         if change is not None:  # what it does to the forced motion does not flow
-            add_forced_change(tables, change, changes, slot, log.start[i], -1.0, here)
+            add_forced_change(tables, change, changes, slot, log.start[i], theta, -1.0, here)
         if first <= i < first + starts.shape[0]:
             _write(here[: 2 * n], units, since, starts[i - first])
         live = flow(tables, slot, log.end[i] - log.start[i], here, now)
         if left >= _WORTH_IT and 2 * live <= _FEWER * units:
             since, now, units = _left_of(now, units, since, n, live), _units(now, units, n, live), 2 * live
             here, then = zeros(now.shape), zeros(now.shape)
+        set_phases(tables, log.end[i], theta)  # when the next segment starts
         if change is not None:
-            add_forced_change(tables, change, changes, slot, log.end[i], 1.0, now)
+            add_forced_change(tables, change, changes, slot, log.end[i], theta, 1.0, now)
         if left > 0 and log.stop[i] >= 0:
             t, k, rate = log.end[i], log.stop[i], log.rate[i]
             q_old, v_old, q_new, v_new = log.q_end[i], log.v_end[i], log.q[i + 1], log.v[i + 1]
-            jump = saltation(tables, slot, k, t, rate, q_old, v_old, q_new, v_new, live, units, now, then)
+            saltation(tables, slot, k, theta, rate, q_old, v_old, q_new, v_new, live, units, now, then, work)
             if change is not None:
-                add_switch_change(tables, change, slot, k, t, rate, jump, then)
+                add_switch_change(tables, change, slot, k, t, theta, rate, work.jump, then)
             here, then = then, here
         elif left > 0:
             for j in range(2 * n):
                 put(here[j], now[j])
     i = log.slot.size - 1
     if change is not None:
-        add_end_change(tables, log.slot[i], log.end[i], later, log.q_end[i], log.v_end[i], now)
+        add_end_change(tables, log.slot[i], theta, later, log.q_end[i], log.v_end[i], now)
     _write(now[: 2 * tables.modes[log.slot[i]]], units, since, end)
     return now[: 2 * tables.modes[log.slot[i]], :units], since
 

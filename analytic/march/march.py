@@ -33,7 +33,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
 MOST_SWITCHES = 1_000_000  # of one march by default, i.e. half a million impacts: minutes of marching
-_ROOM = 64  # segments logged before the log is emptied: a period or more of most motions
+_ROOM = 256  # segments logged before the log is emptied: as 64 do not hold all, logs to be joined took 6 % of a branch
 _PROGRESS_PARTS = 50  # reports in a march without a log: one every two percent of the time
 
 

@@ -12,14 +12,14 @@ the spring force does not.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import Tables
-from analytic.march.terms import set_phases
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros, zeros
+from lapjoint.compiled_arrays import zeros
 from lapjoint.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -108,8 +108,10 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray)
 
 
 @njit_inner(inline="always")
-def motion_rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> FloatArray:
-    """How fast a motion goes on in one state.
+def write_rates(
+    tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, rates: FloatArray
+) -> None:
+    """Write how fast a motion goes on in one state.
 
     Parameters
     ----------
@@ -121,14 +123,10 @@ def motion_rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, 
         exp(i theta_h), without unit, now.
     q, v : FloatArray, shape (N,)
         Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s.
-
-    Returns
-    -------
-    FloatArray, shape (2 N,)
-        d(q, v)/dt, kg^1/2 m/s and kg^1/2 m/s2.
+    rates : FloatArray, shape (2 N,)
+        Takes d(q, v)/dt, kg^1/2 m/s and kg^1/2 m/s2.
     """
     n = tables.modes[slot]
-    rates = zeros(2 * n)
     extra = n
     for i in range(n):
         kind, root = tables.kind[slot, i], tables.root[slot, i]
@@ -142,7 +140,38 @@ def motion_rates(tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, 
             force += tables.force[slot, 1 + h, i] * theta[h].imag
         rates[i] = v[i]
         rates[n + i] = force - damping * v[i] - stiffness * q[i]
-    return rates
+
+
+class Switching(NamedTuple):
+    """Scratch arrays for `saltation`."""
+
+    delay: FloatArray
+    """By how much later each deviation switches, s, shape ``(m,)``."""
+    before: FloatArray
+    """Rates of the motion just before a switch, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``."""
+    after: FloatArray
+    """The same just after it."""
+    jump: FloatArray
+    """What a switch later by a second changes, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``."""
+
+
+@njit_inner()
+def new_switching(modes: int, columns: int) -> Switching:
+    """Scratch arrays for the switches of a march.
+
+    Parameters
+    ----------
+    modes : int
+        Most modes of a state.
+    columns : int
+        Most deviations.
+
+    Returns
+    -------
+    Switching
+        Filled with zeros.
+    """
+    return Switching(zeros(columns), zeros(2 * modes), zeros(2 * modes), zeros(2 * modes))
 
 
 @njit_inner()
@@ -150,7 +179,7 @@ def saltation(
     tables: Tables,
     old: int,
     k: int,
-    t: float,
+    theta: ComplexArray,
     rate: float,
     q_old: FloatArray,
     v_old: FloatArray,
@@ -160,7 +189,8 @@ def saltation(
     whole: int,
     now: FloatArray,
     then: FloatArray,
-) -> FloatArray:
+    work: Switching,
+) -> None:
     """Carry deviations over a switch.
 
     Parameters
@@ -169,8 +199,10 @@ def saltation(
         The states of the joint.
     old, k : int
         The state before, and the stop that switches.
-    t, rate : float
-        When, s, and with which h', m/s.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, at the switch.
+    rate : float
+        With which h', m/s.
     q_old, v_old, q_new, v_new : ndarray, shape (N,)
         The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
     live, whole : int
@@ -179,21 +211,19 @@ def saltation(
         Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
     then : ndarray, shape (2 N_new, m)
         Takes the deviations just after it.
-
-    Returns
-    -------
-    ndarray, shape (2 N_new,)
-        What a switch later by a second changes, kg^1/2 m/s and kg^1/2 m/s2.
+    work : Switching
+        Its `jump` takes what a switch later by a second changes.
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
     onto, mode = tables.carry_residual[old, k], tables.weight[old, tables.position[k]]
-    theta = complex_zeros(tables.omega.size)
-    set_phases(tables, t, theta)
-    before = motion_rates(tables, old, theta, q_old, v_old)
-    after = motion_rates(tables, new, theta, q_new, v_new)
+    delay, before, after, jump = work.delay, work.before, work.after, work.jump
+    write_rates(tables, old, theta, q_old, v_old, before)
+    write_rates(tables, new, theta, q_new, v_new, after)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
-    delay, S = zeros(m), tables.carry[old, k][:n_new]
+    S = tables.carry[old, k][:n_new]
+    for c in range(m):
+        delay[c] = 0.0
     for i in range(n_old):
         weight = late * mode[i]
         for c in range(0 if i < live else whole, m):
@@ -211,7 +241,6 @@ def saltation(
             for c in range(whole, m):
                 then[j, c] += S[j, i] * now[i, c]
                 then[n_new + j, c] += S[j, i] * now[n_old + i, c]
-    jump = zeros(2 * n_new)
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
     for j in range(n_new):
         x, y = -after[j], -after[n_new + j]
@@ -225,7 +254,6 @@ def saltation(
         for c in range(m):
             then[j, c] += x * delay[c]
             then[n_new + j, c] += y * delay[c]
-    return jump
 
 
 @njit_inner()
