@@ -41,7 +41,7 @@ class JointEnsemble:
     def march(self, which: IntArray, periods: int) -> dict[int, str]:
         """March some of them on. See `lapjoint.orbits.ensemble.Ensemble.march`."""
         joint, failed = self._joint, dict[int, str]()
-        motion = new_motion(0, 0.0, np.zeros(0), np.zeros(0), max(joint.counts), len(joint.problem.stops))
+        motion = new_motion(0, 0.0, np.zeros(0), np.zeros(0), max(joint.counts), joint.stops)
         work = new_work(joint.tables)
         rows, begin = np.asarray(which, dtype=np.int64), (0, 0)
         arrays = self._slots, self._q, self._v

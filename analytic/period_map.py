@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -27,6 +27,7 @@ from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of, with_deviations
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.linearised import Carried, carried_along
+from analytic.march.loads import Harmonics
 from analytic.march.march import joined
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
@@ -35,10 +36,10 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
-from lapjoint.orbits.parameters import ExcitationChange, excitation_change
+from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, ExcitationChange, excitation_change
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.orbits.segments import MadeSegments, Segments
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import BaseMotion, FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
@@ -77,6 +78,37 @@ class PeriodMap:
     def _twins(self) -> tuple[int, ...] | None:
         """The twin of each stop, if the problem is its own mirror image."""
         return mirror_twins(self.problem)
+
+    def _change_by(self, field: str) -> ExcitationChange | None:
+        if field not in self._changes:
+            self._changes[field] = excitation_change(self.problem, field)
+        return self._changes[field]
+
+    @cached_property
+    def _changes(self) -> dict[str, ExcitationChange | None]:
+        """How the excitation changes with the numbers that have been asked for, by their paths."""
+        return {}
+
+    def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
+        """The map with another amplitude or frequency of a sine of the base, if that alone drives the beam.
+
+        See `lapjoint.orbits.parameters.Retunes`: neither a problem nor what does not depend on the number is made anew.
+        """
+        base = self.problem.base_motion
+        if field not in (FREQUENCY, AMPLITUDE) or not isinstance(base, BaseMotion) or self.problem.point_loads:
+            return None
+        if self._change_by(field) is None or value <= 0:
+            return None
+        amplitude, omega = (value, base.angular_frequency) if field == AMPLITUDE else (base.amplitude, value)
+        sizes = np.array([1.0, self.problem.beam.m * amplitude * omega**2])
+        harmonics = Harmonics(np.array([omega]), self.joint.harmonics.phase)
+        other = PeriodMap(self.joint.driven(problem, harmonics, sizes), self.name)
+        other.__dict__["period"] = 2 * math.pi / omega
+        if "_twins" in self.__dict__:
+            other.__dict__["_twins"] = self._twins
+        per_size = np.array([(2 if field == FREQUENCY else 1) / value])
+        other._changes[field] = ExcitationChange(1 / value if field == FREQUENCY else 0.0, per_size)
+        return other
 
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""
@@ -169,7 +201,7 @@ class PeriodMap:
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point with other numbers of modes, or of other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
-        stops = range(len(self.problem.stops))
+        stops = range(self.joint.stops)
         if point.nodes is not None or not all(k in stops for k in point.state.closed):
             raise InputError("start: is no section point of the analytic solver for a joint with these stops")
         coordinates = np.asarray(point.coordinates)
@@ -192,7 +224,7 @@ class PeriodMap:
 
     def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
         """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
-        known, duration = excitation_change(self.problem, field), half_periods * self.period / 2
+        known, duration = self._change_by(field), half_periods * self.period / 2
         if known is None:
             return None
         motion = march(self.joint, _coordinates(start), 0.0, duration)
@@ -235,7 +267,7 @@ class PeriodMap:
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
-        return np.array([stop.sign * stop.stiffness for stop in self.problem.stops]) * penetration
+        return np.array([stop.sign * stop.stiffness for stop in self.joint.family.problem.stops]) * penetration
 
     def _recorded(
         self, start: Coordinates, pieces: list[float], progress: Progress | None, depth: bool = True

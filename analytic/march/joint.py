@@ -9,12 +9,13 @@ not.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from analytic.march.known_states import KnownStates, memory_of
-from analytic.march.loads import harmonics_of, load_sizes
+from analytic.march.loads import Harmonics, harmonics_of, load_sizes
 from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
 from analytic.march.tables import (
     FlatState,
@@ -54,18 +55,50 @@ class Joint:
     """
 
     def __init__(self, problem: Problem, free_modes: int, contact_modes: int) -> None:
-        self.problem = problem
-        self.harmonics = harmonics_of(problem)
         self.family = family_of(problem)
-        self.sizes = load_sizes(problem)
-        """Factors of the unit loads, shape ``(1 + H + R,)``."""
         self.counts = (free_modes, contact_modes)
+        self.stops, self.sampled = len(problem.stops), len(problem.forces.sampled)
+        """Numbers of stops, and of sampled loads."""
         self._memory = memory_of(self.family, self.counts)
+        self._drive(lambda: problem, harmonics_of(problem), load_sizes(problem))
+
+    def _drive(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> None:
+        self._problem, self.harmonics = problem, harmonics
+        self.sizes = sizes
+        """Factors of the unit loads, shape ``(1 + H + R,)``."""
         self._flat: dict[ContactState, FlatState] = {}
         self._places: dict[tuple[Any, ...], FloatArray] = {}
         self.tables: Tables
         self._borrows: bool
         self._fill_known(self._memory.known)
+
+    def driven(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> Joint:
+        """The same with an excitation of other frequencies and sizes.
+
+        Parameters
+        ----------
+        problem : callable
+            Gives the problem with it; called only where it is asked for.
+        harmonics : Harmonics
+            Its ``H`` harmonics, which act where those of this joint do.
+        sizes : FloatArray, shape (1 + H + R,)
+            Factors of the unit loads; the sampled ones are as here.
+
+        Returns
+        -------
+        Joint
+            A joint of its own.
+        """
+        other = Joint.__new__(Joint)
+        other.family, other.counts, other.stops, other.sampled = self.family, self.counts, self.stops, self.sampled
+        other._memory = self._memory
+        other._drive(problem, harmonics, sizes)
+        return other
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem."""
+        return self._problem()
 
     def count(self, state: ContactState) -> int:
         """Number of modes in a state.
@@ -271,8 +304,8 @@ class Joint:
 
     def _grow(self, slots: int) -> None:
         self._borrows = False
-        sampled = len(self.problem.forces.sampled)
-        self.tables = grown(self.tables, empty_tables(self.problem, self.harmonics, max(self.counts), slots, sampled))
+        empty = empty_tables(self.family.problem, self.harmonics, max(self.counts), slots, self.sampled)
+        self.tables = grown(self.tables, empty)
 
     def _fill(self, slot: int) -> None:
         """Fill in a state that is met for the first time."""

@@ -152,7 +152,7 @@ class Marching:
         self._joint, self._motion = joint, begun(joint, begin, start)
         modes, stops = self._motion.q.size, self._motion.total.size
         self._log = new_log(room, modes, stops) if room else no_log(modes, stops)
-        self._ramps = RampState(joint, start) if joint.problem.forces.sampled else None
+        self._ramps = RampState(joint, start) if joint.sampled else None
         self._work = new_work(joint.tables)
         self._depth, self._max_switches = depth, max_switches
 
@@ -233,7 +233,7 @@ def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
         What the compiled march moves along.
     """
     slot = joint.slot(begin.state)
-    return new_motion(slot, start, begin.q, begin.v, max(joint.counts), len(joint.problem.stops))
+    return new_motion(slot, start, begin.q, begin.v, max(joint.counts), joint.stops)
 
 
 def ended(joint: Joint, motion: Motion) -> Coordinates:

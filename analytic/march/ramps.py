@@ -83,7 +83,7 @@ class RampState:
         blocks = joint.problem.forces.ramps
         assert blocks is not None
         self._joint, self._blocks = joint, blocks
-        self._carried = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_), np.zeros(len(joint.problem.stops))
+        self._carried = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.bool_), np.zeros(joint.stops)
         self._block = blocks.block_at(start)
         self._met = 0
         self._made: RampTables | None = None

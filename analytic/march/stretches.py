@@ -74,7 +74,7 @@ def marched(joint: Joint, duration: float) -> Iterator[Log]:
         If there are too many switches between two such ends, or the march makes no progress.
     """
     marching = Marching(joint, started(joint), 0.0, room=_ROOM, depth=True, max_switches=MOST_SWITCHES)
-    step = np.inf if joint.problem.forces.sampled else _STEPS * float(joint.tables.step[0])
+    step = np.inf if joint.sampled else _STEPS * float(joint.tables.step[0])
     for i in itertools.count(1):
         goal = min(i * step, duration)
         for log in marching.logs_to(goal):

@@ -54,7 +54,7 @@ class PublishedJoint(Joint):
             Without a frozen shape.
         """
         slot, size = self.slot(state), max(self.counts)
-        moving = new_motion(slot, 0.0, q, v, size, len(self.problem.stops))
+        moving = new_motion(slot, 0.0, q, v, size, self.stops)
         return FrozenMotion(moving, np.zeros((self.tables.modes.size, size)))
 
     def frozen(self, motion: FrozenMotion) -> Frozen:

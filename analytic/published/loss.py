@@ -108,7 +108,7 @@ def _norms(coefficients: FloatArray, products: FloatArray) -> FloatArray:
 def _energies(joint: PublishedJoint, slots: IntArray, coefficients: FloatArray) -> FloatArray:
     """a(f, f) / 2 in the states of `slots`, J, shape ``(M,)``."""
     states, size = len(joint.states), max(joint.counts)
-    omega, stops = np.zeros((states, size)), np.zeros((states, size, len(joint.problem.stops)))
+    omega, stops = np.zeros((states, size)), np.zeros((states, size, joint.stops))
     for slot, modal in enumerate(map(joint.modal, joint.states)):
         omega[slot, : modal.size], stops[slot, : modal.size] = modal.modes.omega, modal.at_stops.T
     closed = joint.tables.closed[:states] * np.array([stop.stiffness for stop in joint.problem.stops])

@@ -93,7 +93,7 @@ def settling(
     SolverError
         If the march cannot go on.
     """
-    P, most = len(joint.problem.stops), search.max_periods
+    P, most = joint.stops, search.max_periods
     rows = np.zeros((most + _CYCLES_AVERAGED, P + joint.tables.constant.shape[1]))
     agree, log = np.zeros(search.max_period_multiple, dtype=np.int64), new_log(0, 1, P)
     restarted(motion)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
@@ -11,11 +11,12 @@ import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.finite_differences import FiniteDifferences
-from lapjoint.orbits.parameters import FieldDerivatives
+from lapjoint.orbits.parameters import FieldDerivatives, Retunes
 from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent, UnitNorms
 from lapjoint.orbits.segments import Segment
 from lapjoint.orbits.watch import SegmentWatch, Watch
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.structure import Structure
 from lapjoint.problem.symmetry import mirror_twins
 
 _TINY = float(np.finfo(float).tiny)
@@ -120,6 +121,31 @@ class HalfPeriods:
     """The map of one problem over any number of half periods."""
 
     map: PeriodMap
+
+    def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> HalfPeriods | None:
+        """The same with another excitation.
+
+        Parameters
+        ----------
+        field, value, problem : str, float and callable
+            As `lapjoint.orbits.parameters.Retunes` has them.
+
+        Returns
+        -------
+        HalfPeriods, or None
+            None if the map does not know it.
+        """
+        known = cast(Retunes, self.map).retuned(field, value, problem) if gives(self.map, Retunes) else None
+        if known is None:
+            return None
+        other = HalfPeriods(known)
+        other.__dict__["structure"], other.__dict__["twins"] = self.structure, self.twins
+        return other
+
+    @cached_property
+    def structure(self) -> Structure:
+        """The problem without its excitation."""
+        return self.map.problem.structure
 
     @cached_property
     def twins(self) -> tuple[int, ...] | None:

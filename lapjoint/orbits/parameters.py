@@ -52,6 +52,29 @@ class FieldDerivatives(Protocol):
         """
 
 
+@runtime_checkable
+class Retunes(Protocol):
+    """A period map that gives that of the same structure with another excitation, for less work than a new one."""
+
+    def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
+        """The map of a problem that differs by one number.
+
+        Parameters
+        ----------
+        field : str
+            Path of the number, as `lapjoint.Axis` takes it.
+        value : float
+            Its value, in its SI unit; there is such a problem.
+        problem : callable
+            Gives the problem; called only where it is asked for.
+
+        Returns
+        -------
+        PeriodMap, or None
+            The same as the solver gives with this resolution; None if the map does not know it by this number.
+        """
+
+
 @dataclass(frozen=True)
 class ExcitationChange:
     """How the ``H`` harmonic forces of a problem change with a number, over the number's unit."""

@@ -195,8 +195,8 @@ ANALYTIC = (
         "counted twice",
         "analytic.period_map",
         "Mean impulses of a motion that never repeats are twice what they are.",
-        old="for stop in self.problem.stops]) * penetration",
-        new="for stop in self.problem.stops]) * (2 * penetration)",
+        old="for stop in self.joint.family.problem.stops]) * penetration",
+        new="for stop in self.joint.family.problem.stops]) * (2 * penetration)",
     ),
     Fault(
         "analytic-saltation-without-jump",

@@ -144,7 +144,7 @@ class Family:
         """How many times `finer` leads from the first family to this one."""
         self.marches = 0
         """How many marches with their derivatives have been made so far: what work is measured by."""
-        self._maps = lru_cache(maxsize=_KEPT)(self._made)
+        self._maps, self._like = lru_cache(maxsize=_KEPT)(self._made), dict[int, HalfPeriods]()
 
     def at(self, value: float) -> HalfPeriods:
         """The map over half periods at a value of the number.
@@ -241,7 +241,7 @@ class Family:
             known.append(found[0])
             zones.append(Zone(zone.high, found[1]))
         finer = copy(self)
-        finer.zones, finer._maps = zones, lru_cache(maxsize=_KEPT)(finer._made)
+        finer.zones, finer._maps, finer._like = zones, lru_cache(maxsize=_KEPT)(finer._made), {}
         finer.level, finer.marches = self.level + 1, 0
         return known, finer
 
@@ -401,4 +401,12 @@ class Family:
         return self.derivative(value, found.start, found.count) if known is None else known
 
     def _made(self, value: float) -> HalfPeriods:
-        return HalfPeriods(self.solver_at(value).period_map(self.problem_at(value)))
+        """The map at a value: where the first one of its zone knows it from itself, from that."""
+        if not self.covers(value):  # there may be no such problem
+            return HalfPeriods(self.solver_at(value).period_map(self.problem_at(value)))
+        zone = self._zone_of(value)
+        if zone not in self._like:
+            self._like[zone] = HalfPeriods(self.zones[zone].solver.period_map(self.problem_at(value)))
+            return self._like[zone]
+        made = self._like[zone].retuned(self.path, value, lambda: self.problem_at(value))
+        return HalfPeriods(self.zones[zone].solver.period_map(self.problem_at(value))) if made is None else made

@@ -133,13 +133,13 @@ def extrema_of(found: Return) -> Extrema:
     Extrema
         Over the same half periods.
     """
-    half_periods, problem = found.half_periods, found.half_periods.map.problem
+    half_periods, structure = found.half_periods, found.half_periods.structure
     duration = found.count * half_periods.map.period / 2
-    if not problem.stops:
+    if not structure.stops:
         none, index = np.zeros(0), np.zeros(0, dtype=np.intp)
         never = none.astype(bool)
         return Extrema(index, index, none, none, never, (), duration, index, none, never)
-    segments, (stops, _) = found.linearised.motion, stops_of(problem.structure)
+    segments, (stops, _) = found.linearised.motion, stops_of(structure)
     at, time, value, highest = gap_extrema(motion_of(found), stops)
     switched, closes = _switches(segments)
     when, stop, twins = segments.end[segments.switched >= 0], at, half_periods.twins
@@ -162,10 +162,10 @@ def closings_of(found: Return) -> tuple[int, ...]:
         As `Extrema.closings` has it.
     """
     half_periods = found.half_periods
-    if not half_periods.map.problem.stops:
+    if not half_periods.structure.stops:
         return ()
     switched, closes = _switches(found.linearised.motion)
-    closings = np.bincount(switched[closes], minlength=len(half_periods.map.problem.stops))
+    closings = np.bincount(switched[closes], minlength=len(half_periods.structure.stops))
     twins = half_periods.twins
     if found.count % 2 and twins is not None:
         closings = closings + closings[list(twins)]
@@ -221,7 +221,7 @@ def motion_of(found: Return) -> Motion:
     """
     kept: dict[str, Any] = found.__dict__
     if "_motion" not in kept:
-        kept["_motion"] = motion_at(found.linearised.motion, stops_of(found.half_periods.map.problem.structure)[1])
+        kept["_motion"] = motion_at(found.linearised.motion, stops_of(found.half_periods.structure)[1])
     motion: Motion = kept["_motion"]
     return motion
 
@@ -249,7 +249,7 @@ def same_extremum(found: Return, extremum: Extremum, duration: float) -> Extremu
         t = extremum.time / duration * found.count * found.half_periods.map.period / 2
         near = _polished_between_switches(found.linearised.motion, extremum, t)
         if near is not None:
-            sign, gap = (getattr(found.half_periods.map.problem.stops[extremum.at], name) for name in ("sign", "gap"))
+            sign, gap = (getattr(found.half_periods.structure.stops[extremum.at], name) for name in ("sign", "gap"))
             return replace(extremum, time=near[0], value=sign * near[1] - gap)
     match = extrema_of(found).matching(extremum, duration)
     return None if match is None else _polished(found, match)
@@ -286,7 +286,7 @@ def same_turning_point(found: Return, extremum: Extremum, duration: float) -> Ex
 
 def _turning_point(found: Return, i: int, like: Extremum, t: float) -> Extremum | None:
     """The turning point near a time, in a segment or just beyond the switch at its end; None if there is none."""
-    one, stop = found.linearised.motion[i], found.half_periods.map.problem.stops[like.at]
+    one, stop = found.linearised.motion[i], found.half_periods.structure.stops[like.at]
     if bool(one.closed[like.at]) == like.highest:
         return None
     beyond = _MOST_BEYOND * (one.end - one.start) if one.switched == like.at else 0.0
@@ -385,7 +385,7 @@ def derivatives_of(found: Return, extremum: Extremum) -> tuple[FloatArray, float
         their change with a number.
     """
     its = found.linearised.motion.index_at(extremum.time) if extremum.segment is None else extremum.segment
-    one, sign = found.linearised.segment(its), found.half_periods.map.problem.stops[extremum.at].sign
+    one, sign = found.linearised.segment(its), found.half_periods.structure.stops[extremum.at].sign
     tau, k, change = extremum.time - one.start, extremum.at, one.change
     count, wave = one.deviations.shape[0], np.exp(one.rates * tau)
     row = np.real((one.weights[k, :count] * wave[:count]) @ one.deviations) + one.drift[k, 0] + tau * one.drift[k, 1]

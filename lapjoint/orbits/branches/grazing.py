@@ -217,7 +217,7 @@ def slow_switch(family: Family, place: Place) -> Coming | None:
         If the march cannot go on.
     """
     found = place.orbit.last
-    if not gives(place.half_periods.map, Tangent) or not place.half_periods.map.problem.stops:
+    if not gives(place.half_periods.map, Tangent) or not place.half_periods.structure.stops:
         return None
     there = list[Coming]()
     for one in turning_points(found):

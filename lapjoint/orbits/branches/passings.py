@@ -73,8 +73,8 @@ def rates_of(family: Family, place: Place) -> Rates:
 
 def _exact(family: Family, place: Place) -> Rates:
     """Rates from the motion's own derivatives."""
-    found, here, problem = place.orbit.last, place.extrema, place.half_periods.map.problem
-    motion, (stops, first) = motion_of(found), stops_of(problem.structure)
+    found, here, half_periods = place.orbit.last, place.extrema, place.half_periods
+    motion, (stops, first) = motion_of(found), stops_of(half_periods.structure)
     by_number = place.tangent[-1] * family.scale(place.value)
     change = change_along(found, first, place.tangent[:-1] / place.weights, by_number)
     segments = found.linearised.motion
@@ -83,7 +83,7 @@ def _exact(family: Family, place: Place) -> Rates:
     at = np.concatenate([here.at, segments.switched[which]])
     tau = np.concatenate([here.time - motion.start[segment], motion.duration[which]])
     moved = moved_events(motion, *change, np.concatenate([segment, which]), stops.place[at], tau)
-    excitation, m = excitation_change(problem, family.path), here.time.size
+    excitation, m = excitation_change(half_periods.map.problem, family.path), here.time.size
     longer = 0.0 if excitation is None else -excitation.frequency * by_number  # of the logarithm of the duration
     with np.errstate(divide="ignore", invalid="ignore"):
         later = -np.concatenate([moved[:m, 1] / moved[:m, 3], moved[m:, 0] / moved[m:, 2]]) / here.duration
