@@ -29,7 +29,7 @@ import numpy as np
 
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.newton import REAL, of_det_one_plus
+from lapjoint.orbits.newton import REAL, RESIDUAL, of_det_one_plus
 from lapjoint.problem import FloatArray
 
 Kind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking"]
@@ -66,6 +66,11 @@ _MOST = 0.6
 """Share of what was left from which on it is most: of a curve, half the way is not half the distance."""
 
 
+_ROUGH = 1e-4
+"""Distance from the curve, over the length between two neighbours, up to which a motion tells what lies between them
+though it does not close: that saves a march.  Of 321 such, no modulus was 0.3 % off that on the curve."""
+_TELLS = 0.01
+"""Distance of all its moduli from 1, at least: then no multiplier passes the circle on the way to the curve."""
 _VANISHES = 1e-4
 """Value of a test function up to which it vanishes: at a jump of the multipliers, of truncated modes, it does not."""
 
@@ -88,6 +93,11 @@ class Located:
     """What it is."""
     place: Place
     """The motion there."""
+
+    @property
+    def vanishes(self) -> bool:
+        """Whether what must vanish there does; it does not where multipliers jump."""
+        return criteria_of(self.place)[self.kind].left(self.place) <= _VANISHES
 
 
 Around = tuple[Place | None, Place | None]
@@ -117,23 +127,28 @@ def between(family: Family, first: Place, last: Place, around: Around) -> Iterat
 def _within(
     family: Family, first: Place, last: Place, around: Around, halvings: int, known: Located | None = None
 ) -> Iterator[Located | NotLocated]:
-    """The bifurcations between two places, the way between which has been halved so often; one may be known."""
+    """The bifurcations between two places, the way between which has been halved so often; one may be known.
+
+    So may a place at which multipliers jump, to which a search for it has led.
+    """
     a, b = signature(first), signature(last)
     change = (int(a[0] != b[0]), int(a[1] != b[1])), abs(b[2] - a[2])
     single = _kind_of(change, first)
     if known is not None and (known.kind != single or not _lies_between(family, first, last, known.place)):
         known = None
-    found = [known] if known is not None else [] if single is None else _at_changes(family, first, last, {single})
+    if known is None and single is not None:
+        known = next(iter(_at_changes(family, first, last, {single})), None)
+    found = [known] if known is not None and known.vanishes else []
     told = change == _NONE or (bool(found) and _accounts(found, first, last))
     if halvings < _HALVINGS and (not told or _two_more_may_lie(family, first, last, around, found)):
         middle = _middle(family, first, last)
         if middle is not None and not _is_undecided(middle):
-            known = found[0] if found else None
             yield from _within(family, first, middle, (around[0], last), halvings + 1, known)
             yield from _within(family, middle, last, (first, around[1]), halvings + 1, known)
             return
     if not told:
-        found += _at_changes(family, first, last, _kinds_in(change, first, besides=bool(found)) - {single})
+        kinds = _kinds_in(change, first, besides=bool(found)) - {single}
+        found += [one for one in _at_changes(family, first, last, kinds) if one.vanishes]
     yield from found
     if not _accounts(found, first, last):
         yield NotLocated(first.value, last.value)
@@ -145,18 +160,15 @@ def _lies_between(family: Family, first: Place, last: Place, place: Place) -> bo
 
 
 def _at_changes(family: Family, first: Place, last: Place, kinds: Set[Kind]) -> list[Located]:
-    """The bifurcations of some kinds between two places, one of each at most."""
+    """Where what tells some kinds of bifurcations changes between two places, one of each at most."""
+    first, last = _closed(family, first), _closed(family, last)
     criteria = {
         kind: criterion
         for kind, criterion in criteria_of(first).items()
         if kind in kinds and criterion.changes(first, last)
     }
     found = {kind: located(family, first, last, criterion) for kind, criterion in criteria.items()}
-    return [
-        Located(kind, place)
-        for kind, place in found.items()
-        if place is not None and criteria[kind].left(place) <= _VANISHES
-    ]
+    return [Located(kind, place) for kind, place in found.items() if place is not None]
 
 
 Change: TypeAlias = tuple[tuple[int, int], int]
@@ -333,12 +345,27 @@ def _passes(now: float, then: float, bound: float, steps: float) -> bool:
 
 
 def _middle(family: Family, first: Place, last: Place) -> Place | None:
-    """The place between two; None if there is none, or they are one."""
+    """The place between two, which need not close if it tells; None if there is none, or they are one."""
     length = float(np.linalg.norm(last.chord(family, first)))
     if length <= _LOCATED:
         return None
-    found = between_two(family, first, last, 0.5, length, lambda place: place.closings == first.closings)
+
+    def alike(place: Place) -> bool:
+        return place.closings == first.closings
+
+    def tells(place: Place, off: float) -> bool:
+        return off <= _ROUGH * length and alike(place) and bool((np.abs(place.orbit.moduli - 1) > _TELLS).all())
+
+    found = between_two(family, first, last, 0.5, length, alike, tells)
     return None if found is None or found.orientation != first.orientation else found  # it may be of another curve
+
+
+def _closed(family: Family, place: Place) -> Place:
+    """A place of the curve, or the nearest one to a motion that does not close."""
+    if place.orbit.residual <= RESIDUAL:
+        return place
+    found = corrected(family, place.value, place.point, place.count)
+    return place if found is None else found.along(place.tangent)
 
 
 def flip_of(place: Place) -> Kind:
@@ -462,6 +489,7 @@ def between_two(
     share: float,
     length: float,
     alike: Callable[[Place], bool] = lambda place: True,
+    enough: Callable[[Place, float], bool] | None = None,
 ) -> Place | None:
     """A place between two neighbours.
 
@@ -477,6 +505,8 @@ def between_two(
         Arc length between them.
     alike : callable, optional
         Whether a place will do.
+    enough : callable, optional
+        As `corrected` has it.
 
     Returns
     -------
@@ -489,7 +519,11 @@ def between_two(
     bent = _bent(family, near, far, share, step)
     straight = (near, share * step * near.tangent), (far, (share - 1) * step * far.tangent)
     for start, way in ((near, bent), *straight, (near, -share * near.chord(family, far))):
-        found = None if way is None else corrected(family, *start.moved(family, way), near.count, fixed=fixed)
+        found = (
+            None
+            if way is None
+            else corrected(family, *start.moved(family, way), near.count, fixed=fixed, enough=enough)
+        )
         if found is not None and (way is not bent or _lies_between(family, a, b, found)) and alike(found):
             chord = found.chord(family, near)
             return found.along(chord if near is a else -chord)

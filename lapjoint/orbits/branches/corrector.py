@@ -10,6 +10,7 @@ a fold, where both come from J^T = Q R.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -240,7 +241,15 @@ def _has_same_coordinates(point: SectionPoint, other: SectionPoint) -> bool:
     return bool(np.array_equal(point.nodes, other.nodes))
 
 
-def corrected(family: Family, value: float, guess: SectionPoint, count: int, *, fixed: bool = False) -> Place | None:
+def corrected(
+    family: Family,
+    value: float,
+    guess: SectionPoint,
+    count: int,
+    *,
+    fixed: bool = False,
+    enough: Callable[[Place, float], bool] | None = None,
+) -> Place | None:
     """The place of the curve that is nearest to a guess; None if Newton's method finds none.
 
     Parameters
@@ -255,19 +264,28 @@ def corrected(family: Family, value: float, guess: SectionPoint, count: int, *, 
         Number of half periods; an odd number for a symmetric motion.
     fixed : bool
         Whether the number is to stay as it is.
+    enough : callable, optional
+        Takes a motion that does not close, with its distance from the curve, scaled; whether it will do.
 
     Returns
     -------
     Place, or None
-        It closes within `lapjoint.orbits.newton.RESIDUAL`.
+        It closes within `lapjoint.orbits.newton.RESIDUAL`, or is `enough`.
     """
     try:
-        return _corrected(family, value, guess, count, fixed)
+        return _corrected(family, value, guess, count, fixed, enough)
     except (SolverError, InputError, np.linalg.LinAlgError):  # a step led out of what can be marched
         return None
 
 
-def _corrected(family: Family, value: float, point: SectionPoint, count: int, fixed: bool) -> Place | None:
+def _corrected(
+    family: Family,
+    value: float,
+    point: SectionPoint,
+    count: int,
+    fixed: bool,
+    enough: Callable[[Place, float], bool] | None,
+) -> Place | None:
     allowed, column, weights, J, state, first = _FAR, np.zeros(0), np.zeros(0), np.zeros((0, 1)), None, math.inf
     closed: Place | None = None
     for _ in range(_STEPS):
@@ -277,7 +295,8 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
         residual = half.relative(r, point)
         if not residual <= allowed:
             return closed
-        if residual <= RESIDUAL or point.state != state or _CHORD * residual**2 > RESIDUAL * first:
+        own = residual <= RESIDUAL or point.state != state or _CHORD * residual**2 > RESIDUAL * first
+        if own:
             if found.by_number is not None:
                 column, weights = found.by_number, scaling(half, point, r.size)
             elif column.size != r.size or (residual <= RESIDUAL and fixed):
@@ -289,6 +308,13 @@ def _corrected(family: Family, value: float, point: SectionPoint, count: int, fi
             step = np.append(step[:-1], 0.0) if fixed else shortest(step, tangent)
             if settled(step, weights * r):
                 return closed
+        elif own and enough is not None:
+            tangent, step = tangent_and_step(J, -weights * r)
+            way = shortest(step, tangent)
+            here = Place(value, Orbit(count, point, residual, found), weights, tangent, found.half_periods)
+            if enough(here, float(np.linalg.norm(way))):
+                return here
+            step = newton_step(J, weights * r, fixed) if fixed else way
         else:
             step = newton_step(J, weights * r, fixed)
         point = half.map.moved(point, step[:-1] / weights)
@@ -378,10 +404,10 @@ def tangent_and_step(J: FloatArray, right: FloatArray) -> tuple[FloatArray, Floa
     With the number's part of t as one, and of y as zero, its other parts solve one system each.  Where the curve folds
     that system is singular; near there t loses nothing, as its errors are along itself, and y gains too much of t.
     """
-    found = np.zeros((J.shape[1], 2))
-    found[-1, 0] = 1.0
+    sides, found = np.empty((J.shape[0], 2)), np.zeros((J.shape[1], 2))
+    sides[:, 0], sides[:, 1], found[-1, 0] = -J[:, -1], right, 1.0
     try:
-        found[:-1] = np.linalg.solve(J[:, :-1], np.stack([-J[:, -1], right], axis=1))
+        found[:-1] = np.linalg.solve(J[:, :-1], sides)
         size = float(np.linalg.norm(found[:, 0]))
     except np.linalg.LinAlgError:
         size = math.inf
