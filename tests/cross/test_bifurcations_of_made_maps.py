@@ -185,6 +185,27 @@ def check_blind(blocks: list[tuple[Curve, Curve]], kind: str, monkeypatch: pytes
         assert any(abs(part.value - value) <= part.error + EXACT for part in parts)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_where_a_multiplier_jumps_past_the_circle_it_is_searched_for_once(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng, searched, locate = np.random.default_rng((18, seed)), list[float](), bifurcations.located
+    where, size = rng.uniform(1.2, 1.8), rng.uniform(0.05, 0.4) * rng.choice([-1, 1])
+
+    def jumps(p: float) -> float:
+        return -1 + (size if p > where else -size)
+
+    def counted(family: Family, first: Place, last: Place, criterion: Criterion) -> Place | None:
+        searched.append(first.value)
+        return locate(family, first, last, criterion)
+
+    monkeypatch.setattr(bifurcations, "located", counted)
+    (part,) = found_in([(lambda p: jumps(p) + 0.3, lambda p: 0.3 * jumps(p))])
+    assert part.kind == "unresolved"
+    assert abs(part.value - where) <= part.error + EXACT
+    assert len(searched) == 1
+
+
 @pytest.mark.slow
 def test_the_bifurcations_of_random_maps_are_found_and_no_others() -> None:
     drawn = [random_blocks(seed) for seed in range(12, 400)]
