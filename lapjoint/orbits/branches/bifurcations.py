@@ -75,6 +75,11 @@ _VANISHES = 1e-4
 """Value of a test function up to which it vanishes: at a jump of the multipliers, of truncated modes, it does not."""
 
 
+_JUMPS = 0.01
+"""Value from which on it does not between nearer places, either; beside a graze, where multipliers change as one over a
+root, it may."""
+
+
 @dataclass(frozen=True)
 class NotLocated:
     """A part of a curve on which multipliers pass the circle, but not where they can be followed."""
@@ -95,9 +100,9 @@ class Located:
     """The motion there."""
 
     @property
-    def vanishes(self) -> bool:
-        """Whether what must vanish there does; it does not where multipliers jump."""
-        return criteria_of(self.place)[self.kind].left(self.place) <= _VANISHES
+    def left(self) -> float:
+        """What is left there of what must vanish."""
+        return criteria_of(self.place)[self.kind].left(self.place)
 
 
 Around = tuple[Place | None, Place | None]
@@ -138,7 +143,9 @@ def _within(
         known = None
     if known is None and single is not None:
         known = next(iter(_at_changes(family, first, last, {single})), None)
-    found = [known] if known is not None and known.vanishes else []
+    found = [known] if known is not None and known.left <= _VANISHES else []
+    if not found and known is not None and known.left < _JUMPS:  # between nearer places it may be found
+        known = None
     told = change == _NONE or (bool(found) and _accounts(found, first, last))
     if halvings < _HALVINGS and (not told or _two_more_may_lie(family, first, last, around, found)):
         middle = _middle(family, first, last)
@@ -148,7 +155,7 @@ def _within(
             return
     if not told:
         kinds = _kinds_in(change, first, besides=bool(found)) - {single}
-        found += [one for one in _at_changes(family, first, last, kinds) if one.vanishes]
+        found += [one for one in _at_changes(family, first, last, kinds) if one.left <= _VANISHES]
     yield from found
     if not _accounts(found, first, last):
         yield NotLocated(first.value, last.value)
