@@ -60,9 +60,10 @@ class Joint:
         self.stops, self.sampled = len(problem.stops), len(problem.forces.sampled)
         """Numbers of stops, and of sampled loads."""
         self._memory = memory_of(self.family, self.counts)
-        self._drive(lambda: problem, harmonics_of(problem), load_sizes(problem))
+        self.__dict__["problem"] = problem
+        self._drive(None, harmonics_of(problem), load_sizes(problem))
 
-    def _drive(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> None:
+    def _drive(self, problem: Callable[[], Problem] | None, harmonics: Harmonics, sizes: FloatArray) -> None:
         self._problem, self.harmonics = problem, harmonics
         self.sizes = sizes
         """Factors of the unit loads, shape ``(1 + H + R,)``."""
@@ -98,7 +99,12 @@ class Joint:
     @cached_property
     def problem(self) -> Problem:
         """The problem."""
+        assert self._problem is not None
         return self._problem()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What another process needs: the problem, instead of what gives it."""
+        return vars(self) | {"problem": self.problem, "_problem": None}
 
     def count(self, state: ContactState) -> int:
         """Number of modes in a state.

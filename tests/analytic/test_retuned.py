@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from population import harmonic_joint, joint
@@ -75,6 +77,11 @@ def test_its_problem_is_made_when_it_is_asked_for() -> None:
     wanted = other(problem, FREQUENCY, 321.0)
     found = analytic.Solver(n_modes=MODES).period_map(problem).retuned(FREQUENCY, 321.0, lambda: wanted)
     assert found is not None
+    there = pickle.loads(pickle.dumps(found))  # before it is asked for
+    assert there.problem == wanted
+    assert np.array_equal(
+        there.march(there.initial(), 4).end.coordinates, found.march(found.initial(), 4).end.coordinates
+    )
     assert found.problem is wanted
 
 
