@@ -47,6 +47,7 @@ _DEEP = 1e-6  # of a motion's largest displacement: contacts less deep may be se
 _GRAZES = 1e-3  # of the number: a motion is at a graze
 _BESIDE = 1e-9  # of a motion's period
 _SAMPLES = 40  # in the shortest period of a mode
+_MOST = 2_000_000  # samples of a motion: one of ten million such periods, under a stiff stop, would fill the memory
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,7 @@ def unseen(point: BranchPoint) -> Iterator[str]:
     history = point.motion.history
     fastest = max(history.highest_mode or 0.0, history.problem.forces.fastest)
     count = math.ceil((history.end - history.start) * fastest * _SAMPLES / (2 * math.pi))
-    t = np.linspace(history.start, history.end, max(count, 2000))
+    t = np.linspace(history.start, history.end, min(max(count, 2000), _MOST))
     edge = _CLOSED * (history.end - history.start)
     jumps = displaced(history)
     for k, stop in enumerate(history.problem.stops):
