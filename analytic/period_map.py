@@ -36,10 +36,11 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
-from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, ExcitationChange, excitation_change
+from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, ExcitationChange, change_with, excitation_change
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.orbits.segments import MadeSegments, Segments
 from lapjoint.problem import BaseMotion, FloatArray, Problem
+from lapjoint.problem.forces import inertial_load
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
@@ -100,14 +101,13 @@ class PeriodMap:
         if self._change_by(field) is None or value <= 0:
             return None
         amplitude, omega = (value, base.angular_frequency) if field == AMPLITUDE else (base.amplitude, value)
-        sizes = np.array([1.0, self.problem.beam.m * amplitude * omega**2])
+        sizes = np.array([1.0, inertial_load(self.problem.beam.m, amplitude, omega)])
         harmonics = Harmonics(np.array([omega]), self.joint.harmonics.phase)
         other = PeriodMap(self.joint.driven(problem, harmonics, sizes), self.name)
         other.__dict__["period"] = 2 * math.pi / omega
         if "_twins" in self.__dict__:
             other.__dict__["_twins"] = self._twins
-        per_size = np.array([(2 if field == FREQUENCY else 1) / value])
-        other._changes[field] = ExcitationChange(1 / value if field == FREQUENCY else 0.0, per_size)
+        other._changes[field] = change_with(field, value, np.ones(1))
         return other
 
     def initial(self) -> SectionPoint:

@@ -107,10 +107,32 @@ def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
     of_base = np.array([force.x is None for force in forces.harmonic], dtype=float)
     if field == FREQUENCY:
         value = base.angular_frequency if isinstance(base, _PERIODIC) else problem.excitation_frequency
-        return ExcitationChange(1 / value, 2 * of_base / value)
+        return change_with(FREQUENCY, value, of_base)
     if field == AMPLITUDE and isinstance(base, BaseMotion) and base.amplitude > 0:
-        return ExcitationChange(0.0, of_base / base.amplitude)
+        return change_with(AMPLITUDE, base.amplitude, of_base)
     return None
+
+
+def change_with(field: str, value: float, of_base: FloatArray) -> ExcitationChange:
+    """How harmonic forces change with the frequency of all of them, or with the amplitude of the base.
+
+    Parameters
+    ----------
+    field : str
+        `FREQUENCY` or `AMPLITUDE`.
+    value : float
+        Its value, in its SI unit.
+    of_base : FloatArray, shape (H,)
+        1 for each force that is due to the base, whose acceleration goes with the square of the frequency; else 0.
+
+    Returns
+    -------
+    ExcitationChange
+        Of these ``H`` forces.
+    """
+    if field == FREQUENCY:
+        return ExcitationChange(1 / value, 2 * of_base / value)
+    return ExcitationChange(0.0, of_base / value)
 
 
 _PERIODIC = (BaseMotion, HarmonicsBaseMotion)

@@ -153,6 +153,24 @@ def multiple_of(fundamental: float, omega: float) -> int:
     return nearest if abs(quotient - nearest) <= _WHOLE * nearest else 0
 
 
+def inertial_load(mass_per_length: float, amplitude: float, angular_frequency: float) -> float:
+    """Amplitude of the force that every part of the beam feels relative to a base that moves as a sine.
+
+    Parameters
+    ----------
+    mass_per_length : float
+        m of the beam, kg/m.
+    amplitude, angular_frequency : float
+        Of the base, m and rad/s.
+
+    Returns
+    -------
+    float
+        m Y omega^2, N/m.
+    """
+    return mass_per_length * amplitude * angular_frequency**2
+
+
 def forces_of(
     mass_per_length: float, base: AnyBaseMotion | None, loads: Iterable[PointLoad], fundamental: float | None
 ) -> Forces:
@@ -181,7 +199,7 @@ def forces_of(
     if isinstance(base, RandomBaseMotion):
         sampled.append(RandomForce(None, base.realisation, -mass_per_length))
     for wave in () if base is None else base.waves:
-        inertia = mass_per_length * wave.amplitude * wave.angular_frequency**2
+        inertia = inertial_load(mass_per_length, wave.amplitude, wave.angular_frequency)
         harmonic.append(HarmonicForce(None, inertia, wave.angular_frequency, wave.phase))
     for i, load in enumerate(loads):
         if load.constant:

@@ -303,19 +303,17 @@ def _corrected(
             elif column.size != r.size or (residual <= RESIDUAL and fixed):
                 column, weights = family.derivative(value, point, count), scaling(half, point, r.size)
             J, state, first = jacobian(found.matrix, column * family.scale(value), weights), point.state, residual
-        if residual <= RESIDUAL:
+        closes = residual <= RESIDUAL
+        if closes or (own and enough is not None):
             tangent, step = tangent_and_step(J, -weights * r)
-            closed = Place(value, Orbit(count, point, residual, found), weights, tangent, found.half_periods)
-            step = np.append(step[:-1], 0.0) if fixed else shortest(step, tangent)
-            if settled(step, weights * r):
-                return closed
-        elif own and enough is not None:
-            tangent, step = tangent_and_step(J, -weights * r)
-            way = shortest(step, tangent)
             here = Place(value, Orbit(count, point, residual, found), weights, tangent, found.half_periods)
-            if enough(here, float(np.linalg.norm(way))):
+            way = shortest(step, tangent)
+            if not closes and enough is not None and enough(here, float(np.linalg.norm(way))):
                 return here
-            step = newton_step(J, weights * r, fixed) if fixed else way
+            step = np.append(step[:-1], 0.0) if fixed else way
+            closed = here if closes else closed
+            if closes and settled(step, weights * r):
+                return here
         else:
             step = newton_step(J, weights * r, fixed)
         point = half.map.moved(point, step[:-1] / weights)
@@ -471,7 +469,7 @@ def jacobian(matrix: FloatArray, column: FloatArray, weights: FloatArray) -> Flo
 
 @njit_called()
 def _write_jacobian(matrix: FloatArray, column: FloatArray, weights: FloatArray, J: FloatArray) -> None:
-    """`jacobian`, written to J: numpy takes five times as long for matrices of this size."""
+    """`jacobian`, written to J: numpy takes two to four times as long for matrices of this size."""
     n = weights.size
     for i in range(n):
         for j in range(n):

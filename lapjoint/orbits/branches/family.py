@@ -402,11 +402,10 @@ class Family:
 
     def _made(self, value: float) -> HalfPeriods:
         """The map at a value: where the first one of its zone knows it from itself, from that."""
-        if not self.covers(value):  # there may be no such problem
-            return HalfPeriods(self.solver_at(value).period_map(self.problem_at(value)))
         zone = self._zone_of(value)
-        if zone not in self._like:
-            self._like[zone] = HalfPeriods(self.zones[zone].solver.period_map(self.problem_at(value)))
-            return self._like[zone]
-        made = self._like[zone].retuned(self.path, value, lambda: self.problem_at(value))
-        return HalfPeriods(self.zones[zone].solver.period_map(self.problem_at(value))) if made is None else made
+        like = self._like.get(zone) if self.covers(value) else None  # else there may be no such problem
+        made = None if like is None else like.retuned(self.path, value, lambda: self.problem_at(value))
+        if made is None:
+            made = HalfPeriods(self.zones[zone].solver.period_map(self.problem_at(value)))
+            self._like.setdefault(zone, made)
+        return made
