@@ -47,7 +47,7 @@ _DEEP = 1e-6  # of a motion's largest displacement: contacts less deep may be se
 _GRAZES = 1e-3  # of the number: a motion is at a graze
 _BESIDE = 1e-9  # of a motion's period
 _SAMPLES = 40  # in the shortest period of a mode
-_MOST = 2_000_000  # samples of a motion: one of ten million such periods, under a stiff stop, would fill the memory
+_AT_ONCE = 1_000_000  # samples that are looked at: all of a motion with a sliver of an element would fill the memory
 
 
 @dataclass(frozen=True)
@@ -170,20 +170,31 @@ def unseen(point: BranchPoint) -> Iterator[str]:
     history = point.motion.history
     fastest = max(history.highest_mode or 0.0, history.problem.forces.fastest)
     count = math.ceil((history.end - history.start) * fastest * _SAMPLES / (2 * math.pi))
-    t = np.linspace(history.start, history.end, min(max(count, 2000), _MOST))
-    edge = _CLOSED * (history.end - history.start)
-    jumps = displaced(history)
-    for k, stop in enumerate(history.problem.stops):
-        z = history.displacement(stop.x, t)[0]
-        gap, least = stop.sign * z - stop.gap, max(_DEEP * float(np.abs(z).max()), 2 * jumps[k])
-        inside, near = np.zeros(t.size, dtype=bool), np.zeros(t.size, dtype=bool)
-        for contact in history.contacts:
-            if contact.stop == k:
-                inside |= (t >= contact.start) & (t <= contact.end)
-                near |= (np.abs(t - contact.start) <= edge) | (np.abs(t - contact.end) <= edge)
-        for what, wrong in (("beyond", gap[~inside & ~near]), ("short of", -gap[inside & ~near])):
-            if wrong.size and wrong.max() > least:
-                yield f"{wrong.max():.1e} m {what} stop {k} unseen, of {np.abs(z).max():.1e} m"
+    samples, jumps = max(count, 2000), displaced(history)
+    edges = np.linspace(0, samples, math.ceil(samples / _AT_ONCE) + 1).astype(int)
+    step = (history.end - history.start) / (samples - 1)
+    for k in range(len(history.problem.stops)):
+        parts = (np.minimum(history.start + step * np.arange(a, b), history.end) for a, b in pairwise(edges))
+        seen = [_farthest(history, k, t) for t in parts]
+        size, beyond, short = (max(values) for values in zip(*seen, strict=True))
+        least = max(_DEEP * size, 2 * jumps[k])
+        for what, wrong in (("beyond", beyond), ("short of", short)):
+            if wrong > least:
+                yield f"{wrong:.1e} m {what} stop {k} unseen, of {size:.1e} m"
+
+
+def _farthest(history: History, k: int, t: FloatArray) -> tuple[float, float, float]:
+    """Of some samples the largest displacement, and how far they are beyond a stop outside contacts, or short of it."""
+    stop, edge = history.problem.stops[k], _CLOSED * (history.end - history.start)
+    z = history.displacement(stop.x, t)[0]
+    gap = stop.sign * z - stop.gap
+    inside, near = np.zeros(t.size, dtype=bool), np.zeros(t.size, dtype=bool)
+    for contact in history.contacts:
+        if contact.stop == k:
+            inside |= (t >= contact.start) & (t <= contact.end)
+            near |= (np.abs(t - contact.start) <= edge) | (np.abs(t - contact.end) <= edge)
+    beyond, short = gap[~inside & ~near].max(initial=-np.inf), -gap[inside & ~near].min(initial=np.inf)
+    return float(np.abs(z).max()), float(beyond), float(short)
 
 
 def displaced(history: History) -> FloatArray:
