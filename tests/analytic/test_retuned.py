@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from itertools import product
 
 import numpy as np
 import pytest
@@ -98,15 +99,16 @@ def test_a_family_has_the_maps_that_are_made_anew_in_all_its_zones_and_none_wher
     grid = Grid(paper_joint(), (Axis(FREQUENCY, (50.0, 4000.0)),))
     family = Family(analytic.Solver(), lambda value: grid.with_values((value,)), FREQUENCY, 50.0, 4000.0)
     assert len(family.zones) > 1
-    for value in np.random.default_rng(73).uniform(50.0, 4000.0, 12).tolist():
-        anew = family.solver_at(value).period_map(grid.with_values((value,)))
-        half_periods = family.at(value)
+    values = np.random.default_rng(73).uniform(50.0, 4000.0, 12).tolist()
+    for value, own in product(values, (family, family.self_at(1))):
+        anew = own.solver_at(value).period_map(grid.with_values((value,)))
+        half_periods = own.at(value)
         found = half_periods.map
         assert isinstance(found, PeriodMap)
         assert isinstance(anew, PeriodMap)
         assert found.problem == anew.problem
         assert half_periods.structure is anew.problem.structure
         assert_the_same(found, anew, FREQUENCY)
-    for value in (0.0, -3.0):
+    for value in (0.0, -3.0, 1e200):
         with pytest.raises(InputError):
             family.at(value)

@@ -15,7 +15,7 @@ import analytic
 from lapjoint import Problem, paper_joint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches import bifurcations
-from lapjoint.orbits.branches.bifurcations import signature
+from lapjoint.orbits.branches.bifurcations import Criterion, signature
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.run import Limits
@@ -26,8 +26,15 @@ from lapjoint.orbits.parameters import FREQUENCY
 
 
 def both_made(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """Have each motion halfway made twice; how many there are, and how many of them do not close."""
-    made, seen = bifurcations._middle, Counter[str]()
+    """Have each motion halfway made twice; how many there are, and how many of them do not close.
+
+    Between such a one and another no bifurcation is located: it is brought to the curve before.
+    """
+    made, locate, seen = bifurcations._middle, bifurcations.located, Counter[str]()
+
+    def located(family: Family, first: Place, last: Place, criterion: Criterion) -> Place | None:
+        assert max(first.orbit.residual, last.orbit.residual) <= RESIDUAL
+        return locate(family, first, last, criterion)
 
     def middle(family: Family, first: Place, last: Place) -> Place | None:
         found = made(family, first, last)
@@ -44,6 +51,7 @@ def both_made(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
         return found
 
     monkeypatch.setattr(bifurcations, "_middle", middle)
+    monkeypatch.setattr(bifurcations, "located", located)
     return seen
 
 
