@@ -18,9 +18,9 @@ from scipy.optimize import brentq
 from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches import bifurcations
-from lapjoint.orbits.branches.bifurcations import Criterion, criteria_of
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.locating import Criterion, criteria_of
 from lapjoint.orbits.branches.tracing import Seed, trace
 
 LOW, HIGH = 1.0, 2.0

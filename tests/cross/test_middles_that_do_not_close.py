@@ -15,9 +15,10 @@ import analytic
 from lapjoint import Problem, paper_joint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.branches import bifurcations
-from lapjoint.orbits.branches.bifurcations import Criterion, signature
+from lapjoint.orbits.branches.bifurcations import signature
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.locating import Criterion
 from lapjoint.orbits.branches.run import Limits
 from lapjoint.orbits.branches.seeds import seed_from
 from lapjoint.orbits.branches.tracing import trace

@@ -17,9 +17,10 @@ import pytest
 from finer_curve import family
 
 from lapjoint.campaigns.branch_parts import motion_from
-from lapjoint.orbits.branches.bifurcations import Kind, NotLocated, between
+from lapjoint.orbits.branches.bifurcations import NotLocated, between
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.locating import Kind
 
 BEFORE = motion_from(json.loads((Path(__file__).parent / "before_two_tori.json").read_text(encoding="utf-8")))
 FIRST, LAST = (173.8, 174.34), (174.3878, 174.3887)

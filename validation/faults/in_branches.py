@@ -72,7 +72,7 @@ BRANCHES = (
     Fault(
         "branch-flip-early",
         "a factor",
-        "lapjoint.orbits.branches.bifurcations",
+        "lapjoint.orbits.branches.locating",
         "A flip is where a multiplier passes -0.9.",
         old="np.count_nonzero(place.orbit.real < -1) % 2",
         new="np.count_nonzero(place.orbit.real < -0.9) % 2",
@@ -80,7 +80,7 @@ BRANCHES = (
     Fault(
         "branch-flip-late",
         "a factor",
-        "lapjoint.orbits.branches.bifurcations",
+        "lapjoint.orbits.branches.locating",
         "A flip is located where the multiplier is -1.01.",
         old="place.orbit.values + 1), initial=1.0)",
         new="place.orbit.values + 1.01), initial=1.0)",
@@ -88,7 +88,7 @@ BRANCHES = (
     Fault(
         "branch-symmetry-overlooked",
         "an event dropped",
-        "lapjoint.orbits.branches.bifurcations",
+        "lapjoint.orbits.branches.locating",
         "The sign of det(1 + M) is not looked at for motions that mirror themselves.",
         old="np.count_nonzero(place.orbit.real < -1) % 2 == 0)",
         new="np.count_nonzero(place.orbit.real < -1) % 2 == 0 or place.count % 2)",
@@ -96,7 +96,7 @@ BRANCHES = (
     Fault(
         "branch-torus-late",
         "a factor",
-        "lapjoint.orbits.branches.bifurcations",
+        "lapjoint.orbits.branches.locating",
         "A Neimark-Sacker is located where the modulus of the pair is 1.01.",
         old="np.abs(pairs - 1)",
         new="np.abs(pairs - 1.01)",

@@ -23,16 +23,28 @@ import math
 from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
-from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
+from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.newton import REAL, RESIDUAL, of_det_one_plus
+from lapjoint.orbits.branches.locating import (
+    LOCATED,
+    Kind,
+    above_minus_one,
+    between_two,
+    criteria_of,
+    flip_of,
+    from_one,
+    goes_up,
+    lies_between,
+    located,
+    outside,
+)
+from lapjoint.orbits.newton import RESIDUAL, of_det_one_plus
 from lapjoint.problem import FloatArray
 
-Kind = Literal["fold", "flip", "neimark-sacker", "symmetry breaking"]
 _HALVINGS = 8
 """How often the way between two places is halved to tell bifurcations apart that lie on it, or to find two that undo
 each other: with five for those, two tori and two broken symmetries of the lightly damped joint, within a twelfth of a
@@ -45,25 +57,11 @@ _SHARPER = 2.0
 """By how much faster than before a modulus may grow as a power: near a light contact it grows ever faster."""
 _TINY = 1e-9
 """Modulus up to which it says nothing how many times as large a multiplier becomes."""
-_STEPS = 40
-"""Most steps of the search for the root of a test function."""
 _ROUNDING = 1e-6
 """Distance outside the circle up to which a multiplier may lie on it: without damping all of them do."""
 _STILL_ON = 2.0
 """The same over the distance by which the multipliers that pass the circle miss it: some pass it so fast that a change
-of the number by `_LOCATED` is too much for them."""
-_LOCATED = 1e-9
-"""Change of the number over its scale, and of the motion over its size, at which a bifurcation is located; and the
-value of a test function there."""
-_ALONE = 1e-8
-"""Distance of the multiplier from where it must be up to which a small value of a test function tells that it is there:
-det(1 + M) is small, too, where two multipliers are near -1, and had a flip 3e-5 of the number off so."""
-_SURE = 0.01
-"""Share of that at which it is located, too, if a straight line between the ends has it so near to one of them."""
-_STUCK = 3
-"""Number of steps in turn that leave most of what was left, after which it is halved."""
-_MOST = 0.6
-"""Share of what was left from which on it is most: of a curve, half the way is not half the distance."""
+of the number by `LOCATED` is too much for them."""
 _ROUGH = 1e-4
 """Distance from the curve, over the length between two neighbours, up to which a motion tells what lies between them
 though it does not close: that saves a march.  Of 321 such, no modulus was 0.3 % off that on the curve."""
@@ -135,7 +133,7 @@ def _within(
     a, b = signature(first), signature(last)
     change = (int(a[0] != b[0]), int(a[1] != b[1])), abs(b[2] - a[2])
     single = _kind_of(change, first)
-    if known is not None and (known.kind != single or not _lies_between(family, first, last, known.place)):
+    if known is not None and (known.kind != single or not lies_between(family, first, last, known.place)):
         known = None
     if known is None and single is not None:
         known = next(iter(_at_changes(family, first, last, {single})), None)
@@ -155,11 +153,6 @@ def _within(
     yield from found
     if not _accounts(found, first, last):
         yield NotLocated(first.value, last.value)
-
-
-def _lies_between(family: Family, first: Place, last: Place, place: Place) -> bool:
-    """Whether a place of a curve lies between two others that are near it."""
-    return float(place.chord(family, first) @ place.chord(family, last)) < 0
 
 
 def _at_changes(family: Family, first: Place, last: Place, kinds: Set[Kind]) -> list[Located]:
@@ -213,8 +206,8 @@ def _accounts(found: list[Located], first: Place, last: Place) -> bool:
 
 def _others_outside(one: Located) -> int:
     """Number of multipliers outside the circle besides those that pass it at a bifurcation, where they lie near it."""
-    left = _from_one(one.place) if one.kind == "fold" else criteria_of(one.place)[one.kind].left(one.place)
-    return _outside(one.place, max(_ROUNDING, _STILL_ON * left))
+    left = from_one(one.place) if one.kind == "fold" else criteria_of(one.place)[one.kind].left(one.place)
+    return outside(one.place, max(_ROUNDING, _STILL_ON * left))
 
 
 def signature(place: Place) -> tuple[int, int, int]:
@@ -230,11 +223,11 @@ def signature(place: Place) -> tuple[int, int, int]:
     tuple of int
         Signs of w and of det(1 + M), 0 or 1, and the number of mu outside the circle.
     """
-    return _goes_up(place), _above_minus_one(place), _outside(place, _ROUNDING)
+    return goes_up(place), above_minus_one(place), outside(place, _ROUNDING)
 
 
 def _is_undecided(place: Place) -> bool:
-    """Whether a real multiplier is outside the circle by less than rounding: det(1 + M) counts it, `_outside` not."""
+    """Whether a real multiplier is outside the circle by less than rounding: det(1 + M) counts it, `outside` not."""
     real = np.abs(place.orbit.real)
     return bool(((real > 1) & (real <= 1 + _ROUNDING)).any())
 
@@ -350,7 +343,7 @@ def _passes(now: float, then: float, bound: float, steps: float) -> bool:
 def _middle(family: Family, first: Place, last: Place) -> Place | None:
     """The place between two, which need not close if it tells; None if there is none, or they are one."""
     length = float(np.linalg.norm(last.chord(family, first)))
-    if length <= _LOCATED:
+    if length <= LOCATED:
         return None
 
     def alike(place: Place) -> bool:
@@ -369,230 +362,3 @@ def _closed(family: Family, place: Place) -> Place:
         return place
     found = corrected(family, place.value, place.point, place.count)
     return place if found is None else found.along(place.tangent)
-
-
-def flip_of(place: Place) -> Kind:
-    """What it is called where a multiplier of a motion is -1.
-
-    Parameters
-    ----------
-    place : Place
-        The motion.
-
-    Returns
-    -------
-    str
-        ``flip`` or ``symmetry breaking``.
-    """
-    return "symmetry breaking" if place.count % 2 else "flip"
-
-
-@dataclass(frozen=True)
-class Criterion:
-    """What tells where a bifurcation lies between two places."""
-
-    count: Callable[[Place], int]
-    """What changes there."""
-    distance: Callable[[Place], float]
-    """The size of a number that vanishes there, and grows with the distance on either side as far as it may."""
-    left: Callable[[Place], float]
-    """Distance of the multiplier that is nearest to where it must be, or for a fold of the tangent."""
-
-    def changes(self, first: Place, last: Place) -> bool:
-        """Whether a bifurcation of this kind lies between two places.
-
-        Parameters
-        ----------
-        first, last : Place
-            The two.
-
-        Returns
-        -------
-        bool
-            Whether what is counted differs.
-        """
-        return self.count(first) != self.count(last)
-
-
-def criteria_of(place: Place) -> dict[Kind, Criterion]:
-    """What changes, and what vanishes, at each kind of bifurcation that a branch may have.
-
-    Parameters
-    ----------
-    place : Place
-        A place of the branch.
-
-    Returns
-    -------
-    dict
-        By the kind of the bifurcation.
-    """
-    return {
-        "fold": Criterion(_goes_up, _steepness, _steepness),
-        flip_of(place): Criterion(_above_minus_one, _near_minus_one, _from_minus_one),
-        "neimark-sacker": Criterion(_outside, _from_circle, _from_circle),
-    }
-
-
-def located(family: Family, first: Place, last: Place, criterion: Criterion) -> Place | None:
-    """The place between two at which something that is counted changes.
-
-    Parameters
-    ----------
-    family : Family
-        The period maps.
-    first, last : Place
-        Neighbours, between which the count changes.
-    criterion : Criterion
-        What is counted, and what vanishes where it changes.
-
-    Returns
-    -------
-    Place, or None
-        None if a place between the two is not found.
-    """
-    a, b, kept, slow, before = first, last, "", 0, math.inf
-    at_a, at_b = criterion.distance(a), criterion.distance(b)
-    fa, fb = at_a, at_b
-    for _ in range(_STEPS):
-        length = float(np.linalg.norm(b.chord(family, a)))
-        if length * min(at_a, at_b) <= _SURE * _LOCATED * (at_a + at_b):
-            nearer = a if at_a <= at_b else b
-            if criterion.left(nearer) <= _ALONE:
-                return nearer
-        if length <= _LOCATED:
-            return a if at_a <= at_b else b
-        slow, before, least = slow + 1 if length > _MOST * before else 0, length, 0.5 * _LOCATED / length
-        share = 0.5 if slow >= _STUCK else min(max(fa / (fa + fb), least), 1 - least)
-        here = between_two(family, a, b, share, length) or between_two(family, a, b, 0.5, length)
-        if here is None:
-            return None
-        value = criterion.distance(here)
-        if value <= _LOCATED and criterion.left(here) <= _ALONE:
-            return here
-        if criterion.count(here) == criterion.count(first):
-            fb = fb * _anderson(value, at_a) if kept == "b" else at_b
-            a, at_a, fa, kept = here, value, value, "b"
-        else:
-            fa = fa * _anderson(value, at_b) if kept == "a" else at_a
-            b, at_b, fb, kept = here, value, value, "a"
-    return a
-
-
-def _anderson(value: float, before: float) -> float:
-    """What the other end's value is multiplied by where the root stays on its side: Anderson's and Bjoerck's rule."""
-    share = 1 - value / before
-    return share if share > 0 else 0.5
-
-
-def between_two(
-    family: Family,
-    a: Place,
-    b: Place,
-    share: float,
-    length: float,
-    alike: Callable[[Place], bool] = lambda place: True,
-    enough: Callable[[Place, float], bool] | None = None,
-) -> Place | None:
-    """A place between two neighbours.
-
-    Parameters
-    ----------
-    family : Family
-        The period maps.
-    a, b : Place
-        The two, with tangents in one direction.
-    share : float
-        How far from `a` towards `b`, 0 to 1.
-    length : float
-        Arc length between them.
-    alike : callable, optional
-        Whether a place will do.
-    enough : callable, optional
-        As `corrected` has it.
-
-    Returns
-    -------
-    Place, or None
-        None if Newton's method finds none.
-    """
-    near, far, share = (a, b, share) if share <= 0.5 else (b, a, 1 - share)
-    fixed = abs(near.tangent[-1]) > STEEP and _goes_up(near) == _goes_up(far)  # no number is held across a fold
-    step = length if near is a else -length
-    bent = _bent(family, near, far, share, step)
-    straight = (near, share * step * near.tangent), (far, (share - 1) * step * far.tangent)
-    for start, way in ((near, bent), *straight, (near, -share * near.chord(family, far))):
-        if way is None:
-            continue
-        found = corrected(family, *start.moved(family, way), near.count, fixed=fixed, enough=enough)
-        if found is not None and (way is not bent or _lies_between(family, a, b, found)) and alike(found):
-            chord = found.chord(family, near)
-            return found.along(chord if near is a else -chord)
-    return None
-
-
-def _bent(family: Family, near: Place, far: Place, share: float, step: float) -> FloatArray | None:
-    """The way from a place to one between it and another along the cubic through both and along their tangents.
-
-    In the coordinates of `near`, shape ``(n + 1,)``; `step` is the arc length between the two, negative against the
-    tangents.  None where their coordinates are not the same.
-    """
-    if near.point.state != far.point.state or near.weights.shape != far.weights.shape:
-        return None
-    scales = np.append(near.weights / far.weights, family.scale(far.value) / family.scale(near.value))
-    tangents = (1 - share) * near.tangent - share * scales * far.tangent
-    return np.asarray(share * (1 - share) * step * tangents - share**2 * (3 - 2 * share) * near.chord(family, far))
-
-
-def crosses_minus_one(place: Place) -> tuple[complex, np.ndarray]:
-    """The real multiplier nearest to -1, and its eigenvector.
-
-    Parameters
-    ----------
-    place : Place
-        A place at a flip, or where a symmetry breaks.
-
-    Returns
-    -------
-    tuple of complex and ndarray, shape (n,)
-        The multiplier over the motion's half periods, and the vector in the coordinates of its section point.
-    """
-    values, vectors = place.orbit.spectrum
-    k = int(np.argmin(np.abs(values + 1)))
-    return complex(values[k]), np.real(vectors[:, k])
-
-
-def _goes_up(place: Place) -> int:
-    return int(place.tangent[-1] > 0)
-
-
-def _steepness(place: Place) -> float:
-    """The size of the number's part in the tangent."""
-    return abs(float(place.tangent[-1]))
-
-
-def _above_minus_one(place: Place) -> int:
-    """Whether det(1 + M) is positive: it changes its sign where a real multiplier passes -1, and nowhere else."""
-    return int(np.count_nonzero(place.orbit.real < -1) % 2 == 0)
-
-
-def _from_one(place: Place) -> float:
-    """Distance from 1 of the multiplier that is nearest to it."""
-    return float(np.min(np.abs(place.orbit.values - 1), initial=1.0))
-
-
-def _from_minus_one(place: Place) -> float:
-    """Distance from -1 of the multiplier that is nearest to it."""
-    return float(np.min(np.abs(place.orbit.values + 1), initial=1.0))
-
-
-def _outside(place: Place, by: float = 0.0) -> int:
-    """Number of multipliers outside the unit circle, by some distance at least."""
-    return int(np.count_nonzero(place.orbit.moduli > 1 + by))
-
-
-def _from_circle(place: Place) -> float:
-    """Distance from the circle of the complex multiplier that is nearest to it."""
-    values, moduli = place.orbit.values, place.orbit.moduli
-    pairs = moduli[np.abs(values.imag) > REAL * moduli]
-    return float(np.min(np.abs(pairs - 1), initial=1.0))

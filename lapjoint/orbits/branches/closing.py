@@ -15,9 +15,9 @@ from itertools import pairwise
 import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.locating import between_two
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray
 

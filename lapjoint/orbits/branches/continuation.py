@@ -9,12 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from lapjoint.orbits.branches.bifurcations import between_two
 from lapjoint.orbits.branches.closing import Marks, Start, has_been_at, is_back_where_it_was
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import AT_GRAZE, across, leaves_at, slow_switch
 from lapjoint.orbits.branches.jumping import WIDTHS, across_jump, jumped
+from lapjoint.orbits.branches.locating import between_two
 from lapjoint.orbits.branches.passings import Coming, Rates, coming, passed, rates_of
 from lapjoint.orbits.branches.run import Graze, Jump, Limits, Run
 from lapjoint.orbits.branches.stepping import WIDEST, at_boundary, bend_of, share_to_shorter, stepped

@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lapjoint.orbits.branches.bifurcations import Kind, criteria_of, located, signature
+from lapjoint.orbits.branches.bifurcations import signature
 from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.critical_search import Ahead, Critical, change_beside, critical_motion, one_step
 from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import beyond_graze, just_beyond, located_graze, nearer_to_graze, sharper
+from lapjoint.orbits.branches.locating import Kind, criteria_of, located
 from lapjoint.orbits.branches.shooting import taken_over
 
 _REACHES = (1e-4, 1e-2)

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from lapjoint.errors import SolverError
-from lapjoint.orbits.branches.bifurcations import Located, criteria_of, located
+from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
@@ -30,6 +30,7 @@ from lapjoint.orbits.branches.found_again import (
     smooth_finder,
     with_same_contacts,
 )
+from lapjoint.orbits.branches.locating import criteria_of, located
 from lapjoint.orbits.branches.run import Graze, Limits, Run
 
 _FROM = (1e-4, 1e-3, 1e-2)

@@ -13,13 +13,13 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.collecting import seldom_collected
 from lapjoint.errors import InputError, SolverError
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.bifurcations import flip_of
 from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.locating import flip_of
 from lapjoint.orbits.branches.resolving import Resolved, resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run, joined
 from lapjoint.orbits.branches.shooting import taken_over

@@ -17,11 +17,12 @@ from made_map import Blocks, Made, MadeMap, made_problem, of_trace, pair
 from lapjoint import Problem
 from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.bifurcations import Kind, Located
+from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.value_errors import Stated
 from lapjoint.orbits.refinement import Refinement

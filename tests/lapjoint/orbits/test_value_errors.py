@@ -15,10 +15,10 @@ from made_map import Blocks, Made, MadeMap, made_problem, pair
 
 from lapjoint import Problem
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.bifurcations import Kind
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
+from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.value_errors import AIM, Stated, stated
 from lapjoint.orbits.refinement import Refinement
 
