@@ -17,11 +17,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from dense_march import dense_march
+from dense_march import dense_march, fastest_moving
 from population import joint
 
 import analytic
 import fe_lapjoint
+from fe_lapjoint.march.field import ElementField
 from lapjoint import History, Problem
 from lapjoint.answers.branches import Branch, BranchPoint
 from lapjoint.campaigns import Axis, Grid
@@ -47,7 +48,7 @@ _DEEP = 1e-6  # of a motion's largest displacement: contacts less deep may be se
 _GRAZES = 1e-3  # of the number: a motion is at a graze
 _BESIDE = 1e-9  # of a motion's period
 _SAMPLES = 40  # in the shortest period of a mode
-_AT_ONCE = 1_000_000  # samples that are looked at: all of a motion with a sliver of an element would fill the memory
+_AT_ONCE = 1_000_000  # samples that are looked at: all of a motion with fast modes would fill the memory
 
 
 @dataclass(frozen=True)
@@ -168,8 +169,7 @@ def at_graze(branch: Branch, i: int) -> bool:
 def unseen(point: BranchPoint) -> Iterator[str]:
     """Where the orbit is beyond a stop outside its contacts, or short of it in one."""
     history = point.motion.history
-    fastest = max(history.highest_mode or 0.0, history.problem.forces.fastest)
-    count = math.ceil((history.end - history.start) * fastest * _SAMPLES / (2 * math.pi))
+    count = math.ceil((history.end - history.start) * fastest_of(history) * _SAMPLES / (2 * math.pi))
     samples, jumps = max(count, 2000), displaced(history)
     edges = np.linspace(0, samples, math.ceil(samples / _AT_ONCE) + 1).astype(int)
     step = (history.end - history.start) / (samples - 1)
@@ -181,6 +181,18 @@ def unseen(point: BranchPoint) -> Iterator[str]:
         for what, wrong in (("beyond", beyond), ("short of", short)):
             if wrong > least:
                 yield f"{wrong:.1e} m {what} stop {k} unseen, of {size:.1e} m"
+
+
+def fastest_of(history: History) -> float:
+    """Angular frequency of the fastest load or mode, rad/s; by finite elements, of those that move a stop."""
+    field, fastest = history.field, history.problem.forces.fastest
+    if not isinstance(field, ElementField):
+        return max(history.highest_mode or 0.0, fastest)
+    for piece in field.pieces:
+        t = np.array([piece.start])
+        q, v = (piece.coordinates(t, dt)[:, 0] for dt in (0, 1))
+        fastest = max(fastest, fastest_moving(field.model.system(piece.state), q, v, piece.start))
+    return fastest
 
 
 def _farthest(history: History, k: int, t: FloatArray) -> tuple[float, float, float]:
