@@ -33,10 +33,10 @@ def unconfirmed(own: Family, kind: str, motion: MotionThere) -> Listed:
     return one
 
 
-def both_ways(motion: MotionThere, limits: Limits) -> list[list[Bifurcation]]:
-    """The bifurcations of the finer self's curve, one way and the other from its motion near one of a file."""
+def both_ways(motion: MotionThere, limits: Limits, finer_by: int = FINER) -> list[list[Bifurcation]]:
+    """The bifurcations of a finer self's curve, one way and the other from its motion near one of a file."""
     own = family()
-    for _ in range(FINER):
+    for _ in range(finer_by):
         finer = own.finer(motion.value)
         assert finer is not None
         own = finer[1]

@@ -36,6 +36,9 @@ _LISTED = 0.3
 """Share of the work that is behind once the bifurcations are listed, about, where some parts are in doubt."""
 _LEVELS = 2
 """Most finer solvers by which a part is followed: each leaves about a third of what the one before left in doubt."""
+_MORE = 1
+"""Finer solvers beyond these by which a part is followed of which they leave something unconfirmed: that is rare, and
+beside a graze 36 modes had a fold and a gap where 54 and more have a flip that is sure to 3e-9 rad/s."""
 _ASKED, _FOLLOWED = 3, 2
 """Most finer selves by which what has no error is looked for again, and which is the last that follows its own curve: a
 third one found 2 of 23 beside grazes that two did not, and 1 of 31 along its curve, for as much work as the others."""
@@ -155,7 +158,7 @@ def resolved(
     Resolved
         The curve.
     """
-    return _all_asked_again(_resolved(family, run, levels, progress))
+    return _all_asked_again(_resolved(family, run, levels, progress, more=_MORE))
 
 
 def _all_asked_again(found: Resolved) -> Resolved:
@@ -179,15 +182,17 @@ def _resolved(
     progress: Callable[[float], None] | None = None,
     known: Sequence[Bifurcation] = (),
     narrow: float = 0.0,
+    more: int = 0,
 ) -> Resolved:
     """`resolved`, before what is left in doubt is asked for again.
 
-    Some bifurcations may be known, and what is not resolved and so `narrow` stays as it is.
+    Some bifurcations may be known, and what is not resolved and so `narrow` stays as it is.  So many `more` finer
+    solvers follow what those leave unconfirmed.
     """
     now = _as_followed(family, run, errors=True, known=known)
     if not levels:
         return now
-    search, taken = _Search(family, run, now.bifurcations, levels), list[Part]()
+    search, taken = _Search(family, run, now.bifurcations, levels, more), list[Part]()
     parts = list(_parts(now.bifurcations, narrow))
     for done, part in enumerate(reversed(parts)):  # the indices of those before stay as they are
         if progress is not None:
@@ -246,12 +251,14 @@ class _Search:
     """Its bifurcations."""
     levels: int
     """Most finer solvers."""
+    more: int
+    """Further ones, for what these leave unconfirmed."""
 
     @cached_property
     def selves(self) -> list[Family]:
         """The finer solvers, each finer than the one before."""
         found = list[Family]()
-        while len(found) < self.levels:
+        while len(found) < self.levels + self.more:
             known = (found[-1] if found else self.family).finer(self.run.places[0].value)
             if known is None:
                 break
@@ -265,12 +272,12 @@ class _Search:
         solver alone is asked: much work after that makes few of these narrower.
         """
         unconfirmed = any(one.unconfirmed and part[0] <= one.index <= part[1] for one in self.bifurcations)
-        levels = self.selves if unconfirmed else self.selves[:1]
+        levels = self.selves[: self.levels if unconfirmed else 1]
         for level in range(1, len(levels) + 1):
             alone = self._followed(part, level, taken)
             better = None if alone is None else _with_less_than(_doubt(self._between(alone)), alone)
             if better is not None:
-                return [*taken, better]
+                return [*taken, self._by_more(part, better, taken)]
             if alone is not None or not taken or not unconfirmed:
                 continue
             behind = taken[-1]
@@ -279,6 +286,23 @@ class _Search:
             if better is not None:
                 return [*taken[:-1], better]
         return taken
+
+    def _by_more(self, part: tuple[int, int], best: Part, taken: list[Part]) -> Part:
+        """A part as a finer solver has it, or as one still finer has, if that leaves less of the curve in doubt."""
+        for level in range(self.levels + 1, len(self.selves) + 1):
+            best = replace(best, found=_all_asked_again(best.found))
+            if not any(one.unconfirmed for one in best.found.bifurcations):
+                break
+            finer = self._followed(part, level, taken)
+            if finer is not None:
+                finer = replace(finer, found=_all_asked_again(finer.found))
+                best = min((best, finer), key=self._left)
+        return best
+
+    def _left(self, part: Part) -> tuple[int, float]:
+        """What is in doubt with a part in place of the curve's own."""
+        own = (one for one in self.bifurcations if not part.covers(one))
+        return _doubt([*own, *part.found.bifurcations])
 
     def _between(self, part: Part, known: Part | None = None) -> list[Listed]:
         """The bifurcations in whose place those of a part come, of which a piece may be known by a finer solver."""
@@ -303,7 +327,7 @@ class _Search:
             within = (one for one in self.bifurcations if first <= one.index <= last and not one.doubtful)
             known = [one.bifurcation for one in within]
             narrow = _NARROW * finer.scale(there.places[0].value)
-            return Part(first, last, _resolved(finer, there, self.levels - level, known=known, narrow=narrow))
+            return Part(first, last, _resolved(finer, there, max(self.levels - level, 0), known=known, narrow=narrow))
         except SolverError:
             return None
 

@@ -10,10 +10,10 @@ import json
 from pathlib import Path
 
 import pytest
-from finer_curve import both_ways, family
+from finer_curve import FINER, both_ways, family
 
-from lapjoint.answers.branches import Bifurcation
-from lapjoint.campaigns.branch_parts import motion_from
+from lapjoint.answers.branches import Bifurcation, MotionThere
+from lapjoint.campaigns.branch_parts import motion_from, seed_of
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.corrector import corrected
@@ -23,6 +23,7 @@ from lapjoint.orbits.branches.listing import listed
 from lapjoint.orbits.branches.resolving import Resolved, resolved
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Limits, Run, joined
+from lapjoint.orbits.branches.tracing import trace
 
 MOTIONS = json.loads((Path(__file__).parent / "in_doubt.json").read_text(encoding="utf-8"))
 FOLLOWED = Limits(most=50)
@@ -107,3 +108,19 @@ def test_what_a_coarse_solver_steps_over_just_beyond_a_graze_is_there() -> None:
     for kind in ("flip", "fold", "grazing"):
         (value,), (true,) = ([one for one in some if one.kind == kind] for some in (found, known))
         assert abs(value.value - true.value) <= value.error
+
+
+@pytest.mark.thorough
+@in_one_thread
+def test_what_two_finer_solvers_leave_unconfirmed_a_third_one_follows() -> None:
+    """A branch of 4e-5 rad/s between two grazes: with 36 modes it has a fold that is not sure, with 54 one that is."""
+    found = trace(family(), seed_of(MOTIONS["between_two_grazes"]["seed"]), most_multiple=4)
+    assert found is not None
+    branch = found.branch
+    assert branch.ends == ("bifurcation", "bifurcation")
+    assert all(one.error <= AIM * one.value for one in branch.bifurcations)
+    (fold,) = [one for one in branch.bifurcations if one.kind == "fold"]
+    middle = branch.points[len(branch.points) // 2]
+    motion = MotionThere(middle.value, middle.motion.section_point, MOTIONS["between_two_grazes"]["seed"]["count"])
+    known = [one.value for way in both_ways(motion, FOLLOWED, FINER + 1) for one in way if one.kind == "fold"]
+    assert min(abs(one - fold.value) for one in known) <= fold.error
