@@ -106,9 +106,7 @@ class _Stretch:
     def __init__(self, model: Model, state: ContactState, y: FloatArray, t: float, last: int) -> None:
         system = model.system(state)
         self.n, self.t, self.last = system.omega.size, t, last
-        self.unit = np.maximum(
-            system.omega, system.driven.max()
-        )  # of velocities: like entries round less
+        self.unit = np.maximum(system.omega, system.driven.max())  # of velocities: like entries round less
         self.M, self.z = _matrix(system, self.unit, y, t)
         self.fastest = fastest_moving(system, *np.split(y, 2), t)
         self.rows = np.zeros((2, model.sign.size, self.z.size))
