@@ -24,7 +24,6 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import motion_at
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.springing import spring_of, springing
-from lapjoint.orbits.branches.switching import repeats_in_half
 
 SAID = json.loads((Path(__file__).parent / "beside_its_mother.json").read_text(encoding="utf-8"))
 VALUE, ERROR = 110.0301795394, 2.64e-4  # rad/s; regression: by analytic selves, as the file has it
@@ -42,7 +41,7 @@ def test_a_graze_beside_where_the_branch_springs_is_found_by_finite_elements() -
     spring, carrier = spring_of(one.family, place), Carrier(one.family, place)
     assert spring is not None
     (there,) = springing(carrier, spring, other)
-    assert not repeats_in_half(there.new)
+    assert not there.new.repeats_in_half
     from_there = float(np.linalg.norm(there.its.chord(other, there.expected(carrier))))
     carried = float(np.linalg.norm(there.its.chord(other, spring[1].seen_by(other))))
     assert from_there < 0.1 * carried  # distances from where it springs tell what those between solvers do not

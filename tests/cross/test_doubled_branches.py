@@ -27,7 +27,6 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import Again
 from lapjoint.orbits.branches.found_along import motion_at
 from lapjoint.orbits.branches.restored import restored
-from lapjoint.orbits.branches.switching import repeats_in_half
 from lapjoint.orbits.branches.tracing import Seed, Traced, trace
 from lapjoint.orbits.period_map import Derivative, Linearised
 from lapjoint.orbits.refinement import Refinement
@@ -230,4 +229,4 @@ def test_a_bifurcation_that_only_a_finer_solver_has_is_restored_by_that() -> Non
         assert again is not None
         assert isinstance(again.found, Located)
         assert again.family.level >= 2
-        assert not repeats_in_half(again.found.place)
+        assert not again.found.place.repeats_in_half

@@ -28,7 +28,6 @@ from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.springing import Springing, spring_of, springing
-from lapjoint.orbits.branches.switching import repeats_in_half
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 
@@ -199,7 +198,7 @@ class _Search:
 
         One that repeats sooner is of the branch from which that of the first solver springs.
         """
-        if repeats_in_half(found.place):
+        if found.place.repeats_sooner_than(self.motion):
             return False
         mine, family = self._before(0.0), self.selves[i]
         if not self.rivals or mine is None:
@@ -286,7 +285,13 @@ class _Search:
                     return None
                 coarser = found_by(self.selves[i - 1])
                 here = None if coarser is None else found_by(self.selves[i])
-                best = self._stated(i, here, coarser) if here is not None and self._is_nearest(i, here) else None
+                if (
+                    coarser is None
+                    or here is None
+                    or not (self._is_nearest(i - 1, coarser) and self._is_nearest(i, here))
+                ):
+                    continue
+                best = self._stated(i, here, coarser)
                 if best is not None and best.error <= AIM * self.family.scale(best.value):
                     return best
         return None

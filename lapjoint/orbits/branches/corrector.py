@@ -41,6 +41,9 @@ _SETTLED, _HARDLY = 1e-9, 100.0
 """Step of Newton's method, as an arc length, up to which a motion that closes is settled, and how many times as long as
 what is left it must be to matter: beside a motion from which it springs a deviation comes back but for its cube, and
 all motions within a thousandth of its size close."""
+_REPEATS = 1e-6
+"""Distance over its size by which a motion misses to repeat in half the time if it does not: it is 1e-9 for one that
+does."""
 _SLOWEST = 0.7
 """Least share of the residual that a step of Newton's method must take off."""
 
@@ -106,6 +109,26 @@ class Place:
         if self.count % 2 or count % half.least:
             return None
         return half.map.difference(half.marched(self.point, count), self.point) * self.weights
+
+    @property
+    def repeats_in_half(self) -> bool:
+        """Whether it repeats in half the time, and so is one of the branch from which its own would spring."""
+        return self.missed is not None and float(np.linalg.norm(self.missed)) <= _REPEATS
+
+    def repeats_sooner_than(self, other: Place) -> bool:
+        """Whether it repeats in half the time, and another one does not.
+
+        Parameters
+        ----------
+        other : Place
+            The other place, of as many half periods.
+
+        Returns
+        -------
+        bool
+            Then it is of the branch from which that of the other springs, or would.
+        """
+        return self.repeats_in_half and not other.repeats_in_half
 
     def chord(self, family: Family, origin: Place) -> FloatArray:
         """Where this place lies, seen from another, in this place's coordinates, scaled.

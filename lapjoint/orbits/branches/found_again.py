@@ -270,8 +270,9 @@ def is_same(kind: Kind, found: Place, place: Place) -> bool:
     -------
     bool
         Whether they have the same contacts, and the same critical multiplier: the real part of a pair may be -1, too.
+        One that repeats sooner is of another branch.
     """
-    if found.closings != place.closings:
+    if found.closings != place.closings or found.repeats_sooner_than(place):
         return False
     if kind not in ("fold", "neimark-sacker"):
         return bool((np.abs(found.orbit.values + 1) <= _MINUS_ONE).any())
@@ -348,6 +349,8 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
             near = corrected(family, value, guess, place.count) if back else taken_over(family, place)
             mine = None if near is None else near.matching(extremum, duration)
             graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
+            if graze is not None and graze.place.repeats_sooner_than(before.place):
+                continue
             if graze is not None and graze.place.closings[extremum.stop] in closings:
                 beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
                 other = None if beyond is None else just_beyond(family, beyond, rate)

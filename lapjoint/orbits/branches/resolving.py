@@ -29,7 +29,7 @@ from lapjoint.orbits.branches.found_along import Surroundings, motion_at
 from lapjoint.orbits.branches.listing import Listed, among, listed
 from lapjoint.orbits.branches.run import Limits, Run, joined
 from lapjoint.orbits.branches.shooting import taken_over
-from lapjoint.orbits.branches.switching import repeated_near, repeats_in_half, springs_beside, switched
+from lapjoint.orbits.branches.switching import repeated_near, springs_beside, switched
 from lapjoint.orbits.branches.value_errors import AIM
 
 _LISTED = 0.3
@@ -401,7 +401,7 @@ class _Search:
         others = list[Place]()
         for place in self.run.places[:: 1 + len(self.run.places) // _FARTHEST]:
             near = taken_over(finer, place)
-            if near is None or repeats_in_half(near) or not self._is_near(finer, near, place):
+            if near is None or not self._is_near(finer, near, place):
                 continue
             near = near.going_on_from(place)
             if near.closings == place.closings:

@@ -21,7 +21,6 @@ from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import Coming, rates_of
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.shooting import taken_over
-from lapjoint.orbits.branches.switching import repeats_in_half
 
 _FINER = 4
 """Most finer selves of the solver that are asked: a branch that only the second one has is resolved by two more."""
@@ -110,7 +109,7 @@ def _places(family: Family, motion: MotionThere) -> Iterator[tuple[Family, Place
         if own is None:
             return
         place = corrected(own, motion.value, own.adopted(motion.value, motion.point), motion.half_periods)
-        if place is not None and not repeats_in_half(place):
+        if place is not None and not place.repeats_in_half:
             yield own, place
         finer = own.finer(motion.value)
         own = None if finer is None else finer[1]
@@ -137,7 +136,7 @@ def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
         return None if there is None else _listed(family, one, Located(one.kind, there.place))
     near = _towards(family, one, place)
     found = None if near is None else located_graze(family, *near)
-    if near is None or found is None:
+    if near is None or found is None or found.place.repeats_sooner_than(place):
         return None
     found = replace(found, place=found.place.going_on_from(near[0]))
     return _listed(family, one, _graze(one, found, near[2]))

@@ -91,18 +91,20 @@ def taken_over(
     Returns
     -------
     Place, or None
-        None if Newton's method finds none, neither from the first section point nor from several.
+        None if Newton's method finds none, neither from the first section point nor from several, or one of the branch
+        from which that of the motion springs.
     """
     to_map = guess or (lambda point: family.adopted(place.value, point))
     found = corrected(family, place.value, to_map(place.point), place.count, fixed=fixed)
-    if found is not None:
+    if found is not None and not found.repeats_sooner_than(place):
         return found
     try:
         stretches = stretches_of(place)
         if len(stretches) == 1:
             return None
         there = [Stretch(to_map(one.point), one.half_periods) for one in stretches]
-        return _shot(family, place.value, there, place.count, fixed)
+        found = _shot(family, place.value, there, place.count, fixed)
+        return None if found is None or found.repeats_sooner_than(place) else found
     except (SolverError, InputError, np.linalg.LinAlgError):  # a step led out of what can be marched
         return None
 

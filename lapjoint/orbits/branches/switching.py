@@ -37,8 +37,6 @@ may have that 2e-3 apart."""
 _NEARLY = 3e-3
 """Most by which a motion may miss to repeat in half the time, over its size, where one that does is looked for near it:
 solvers are about as far apart."""
-_APART = 1e-6
-"""Distance over its size by which a motion does not repeat in half the time: it is 1e-9 for one that does."""
 _STEPS = 10
 """Most steps of Newton's method."""
 
@@ -111,22 +109,6 @@ def sprung_from(family: Family, near: Place) -> Place | None:
     middle = repeated_near(family, near)
     found = None if middle is None else smooth_finder(flip_of(middle))(family, middle)
     return None if found is None else found.place
-
-
-def repeats_in_half(place: Place) -> bool:
-    """Whether a motion repeats in half of its half periods.
-
-    Parameters
-    ----------
-    place : Place
-        The motion.
-
-    Returns
-    -------
-    bool
-        Whether it does, and so is one of the branch from which its own would spring.
-    """
-    return place.missed is not None and float(np.linalg.norm(place.missed)) <= _APART
 
 
 def springs_beside(family: Family, mother: Place) -> Iterator[Place]:

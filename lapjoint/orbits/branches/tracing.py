@@ -23,7 +23,7 @@ from lapjoint.orbits.branches.locating import flip_of
 from lapjoint.orbits.branches.resolving import Resolved, resolved, unrefined
 from lapjoint.orbits.branches.run import Limits, Run, joined
 from lapjoint.orbits.branches.shooting import taken_over
-from lapjoint.orbits.branches.switching import back_to_where_it_springs, repeats_in_half, sprung_from, switched
+from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung_from, switched
 from lapjoint.orbits.steady_state import periodic_state
 
 _FOLLOWED = 0.4
@@ -179,7 +179,7 @@ def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
 def _coarser(family: Family, place: Place) -> Place | None:
     """A motion of a finer solver by a coarser one; None if that has none that does not repeat sooner."""
     found = taken_over(family, place)
-    return None if found is None or repeats_in_half(found) else found
+    return None if found is None or found.repeats_in_half else found
 
 
 def _part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:
@@ -198,7 +198,7 @@ def _start(family: Family, seed: Seed) -> Place | None:
         found = corrected(family, seed.value, guess, seed.count)
     if not inside or (found is not None and not family.covers(found.value)):
         found = corrected(family, seed.value, guess, seed.count, fixed=True)
-    return None if found is None or (seed.away_from is not None and repeats_in_half(found)) else found
+    return None if found is None or (seed.away_from is not None and found.repeats_in_half) else found
 
 
 def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tuple[Run, Run]:

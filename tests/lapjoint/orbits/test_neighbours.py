@@ -26,8 +26,11 @@ from lapjoint.orbits.branches.listing import Listed, among
 from lapjoint.orbits.branches.resolving import asked_again
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Graze
+from lapjoint.orbits.branches.value_errors import stated
 
 MOTIONS = json.loads((Path(__file__).parent / "neighbours.json").read_text(encoding="utf-8"))
+
+BESIDE_ITS_MOTHER = 682.930386768  # rad/s; regression: the self with 54 modes, along the curve of its own branch
 
 
 def restored_from(own: Family, said: dict[str, Any]) -> Listed:
@@ -95,6 +98,16 @@ def test_a_graze_has_the_contacts_of_one_of_its_sides() -> None:
         finer = known[1]
         again = directly(one.found)(finer, motion_at(one.found))
         assert again is None or again.place.closings[stop] in (7, 8)
+
+
+@in_one_thread
+def test_a_graze_of_a_branch_near_the_one_from_which_it_springs_is_not_taken_for_that_ones() -> None:
+    """Newton's method leads finer solvers from its motion to one that repeats sooner, which grazes 3e-6 beside it."""
+    one = restored_from(family(), MOTIONS["graze_near_its_mother"])
+    assert isinstance(one.found, Graze)
+    assert not motion_at(one.found).repeats_in_half
+    found = stated(one.family, motion_at(one.found), one.found.value, directly(one.found, one.family))
+    assert abs(found.value - BESIDE_ITS_MOTHER) <= found.error
 
 
 @pytest.mark.thorough
