@@ -238,7 +238,17 @@ class Grid:
             if parts.keys() <= Excitation.model_fields.keys():
                 return self.problem.with_excitation(**parts)
             return problem_from_tables(self._untouched | parts)
-        return problem_from_tables(_assigned(self._tables, numbers), _described(self.axes, values))
+        return self._from_tables(_assigned(self._tables, numbers), _described(self.axes, values))
+
+    def _from_tables(self, tables: dict[str, Any], values: str) -> Problem:
+        """The problem that tables hold, which some values lead to."""
+        try:
+            return problem_from_tables(tables, values)
+        except InputError as error:
+            alone = str(error).removeprefix(f"{values}: ")
+            if len(self.axes) == 1 and alone.startswith(f"{self.axes[0].path} = "):
+                raise InputError(alone) from None  # it names the value itself
+            raise
 
     @cached_property
     def _base_fields(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import pytest
@@ -65,6 +66,15 @@ def found(make: Any, *given: Any) -> Any:
         return str(error)
 
 
+def said_once(found: Problem | str, path: str) -> Problem | str:
+    """The same, where a message that names a value is one about that value."""
+    return (
+        found
+        if isinstance(found, Problem)
+        else re.sub(rf"^{re.escape(path)} = \S+: (?={re.escape(path)} = )", "", found)
+    )
+
+
 @pytest.mark.parametrize("problem", [JOINT, LOADED, HARMONICS, STILL], ids=["sine", "loads", "harmonics", "still"])
 @pytest.mark.parametrize("path", PATHS)
 def test_the_problem_at_a_point_is_that_of_its_tables_or_is_refused_as_they_are(problem: Problem, path: str) -> None:
@@ -73,6 +83,7 @@ def test_the_problem_at_a_point_is_that_of_its_tables_or_is_refused_as_they_are(
         for value in VALUES:
             values = (value, 0.01)[: len(paths)]
             made, expected = found(grid.with_values, values), found(by_tables, grid, values)
+            expected = said_once(expected, path) if len(paths) == 1 else expected
             assert made == expected, value
             if isinstance(expected, Problem):
                 assert made.forces == expected.forces
@@ -86,7 +97,7 @@ def test_the_frequency_of_all_excitation_keeps_the_whole_multiples(value: float)
     for path, ratio in zip([*paths, "point_loads.2.angular_frequency"], (1.0, 3.0, 1.0), strict=True):
         assign(tables, path, value * ratio, "")
     made = found(grid.with_values, (value,))
-    assert made == found(problem_from_tables, tables, f"{FREQUENCY} = {value:.10g}")
+    assert made == said_once(found(problem_from_tables, tables, f"{FREQUENCY} = {value:.10g}"), FREQUENCY)
     assert made == found(grid.with_values, (value,))
     assert isinstance(made, str) or made.forces.fundamental == value
     assert LOADED.forces.fundamental == 515.0
