@@ -127,14 +127,20 @@ def located_graze(family: Family, place: Place, extremum: Extremum, rate: float)
     Returns
     -------
     OnExtremum, or None
-        Within `_CLOSE` of the graze, or else a little farther off; None if Newton's method does not lead there.
+        Within `_CLOSE` of the graze, or else a little farther off; None if Newton's method does not lead there, or to a
+        motion that repeats sooner.
     """
     scale = abs(rate)
     end = float(np.copysign(_CLOSE * scale, extremum.value))
     if abs(extremum.value) <= abs(end):
         end = extremum.value
     found = on_extremum(family, place, extremum, end, scale, towards=True)
-    return found if found is not None and found.place.closings == place.closings else None
+    return found if found is not None and _is_of_its_branch(found.place, place) else None
+
+
+def _is_of_its_branch(found: Place, place: Place) -> bool:
+    """Whether a motion has the contacts of the one from which it was found, and does not repeat sooner."""
+    return found.closings == place.closings and not found.repeats_sooner_than(place)
 
 
 def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum | None:
@@ -166,6 +172,8 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
         changed = np.subtract(there.place.closings, graze.place.closings)
         count = int(np.abs(changed).sum())
         if count != abs(int(changed.sum())):  # one contact has come, and another gone: two grazes lie between
+            return None
+        if count != 1 and there.place.repeats_sooner_than(graze.place):  # in both halves: this graze is one's alone
             return None
         if stretches and not _comes_from(family, graze, there, rate):
             return None
@@ -410,7 +418,7 @@ def nearer_to_graze(
 def _at_share(family: Family, beyond: OnExtremum, share: float, rate: float) -> OnExtremum | None:
     """The motion beyond a graze at a share of the distance, with the same contacts."""
     found = on_extremum(family, beyond.place, beyond.extremum, share * beyond.extremum.value, abs(rate))
-    return found if found is not None and found.place.closings == beyond.place.closings else None
+    return found if found is not None and _is_of_its_branch(found.place, beyond.place) else None
 
 
 def _vanishes_sooner(family: Family, place: Place, than: Coming) -> Coming | None:

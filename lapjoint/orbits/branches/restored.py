@@ -136,7 +136,7 @@ def _found(family: Family, one: Bifurcation, place: Place) -> Listed | None:
         return None if there is None else _listed(family, one, Located(one.kind, there.place))
     near = _towards(family, one, place)
     found = None if near is None else located_graze(family, *near)
-    if near is None or found is None or found.place.repeats_sooner_than(place):
+    if near is None or found is None:
         return None
     found = replace(found, place=found.place.going_on_from(near[0]))
     return _listed(family, one, _graze(one, found, near[2]))

@@ -114,13 +114,32 @@ def test_what_a_coarse_solver_steps_over_just_beyond_a_graze_is_there() -> None:
 @in_one_thread
 def test_what_two_finer_solvers_leave_unconfirmed_a_third_one_follows() -> None:
     """A branch of 4e-5 rad/s between two grazes: with 36 modes it has a fold that is not sure, with 54 one that is."""
-    found = trace(family(), seed_of(MOTIONS["between_two_grazes"]["seed"]), most_multiple=4)
+    seed = seed_of(MOTIONS["between_two_grazes"]["seed"])
+    found = trace(family(), seed, most_multiple=4)
     assert found is not None
     branch = found.branch
     assert branch.ends == ("bifurcation", "bifurcation")
     assert all(one.error <= AIM * one.value for one in branch.bifurcations)
     (fold,) = [one for one in branch.bifurcations if one.kind == "fold"]
     middle = branch.points[len(branch.points) // 2]
-    motion = MotionThere(middle.value, middle.motion.section_point, MOTIONS["between_two_grazes"]["seed"]["count"])
+    motion = MotionThere(middle.value, middle.motion.section_point, seed.count)
     known = [one.value for way in both_ways(motion, FOLLOWED, FINER + 1) for one in way if one.kind == "fold"]
     assert min(abs(one - fold.value) for one in known) <= fold.error
+
+
+@in_one_thread
+def test_beyond_a_graze_of_one_half_lies_no_motion_that_lacks_a_contact_in_both() -> None:
+    """Finer solvers went across to the branch from which it springs, and left out a graze and the fold behind it."""
+    seed = seed_of(MOTIONS["beside_its_mother"]["seed"])
+    found = trace(family(), seed, most_multiple=4)
+    assert found is not None
+    branch = found.branch
+    assert branch.ends == ("bifurcation", "bifurcation")
+    middle = branch.points[len(branch.points) // 2]
+    ways = both_ways(MotionThere(middle.value, middle.motion.section_point, seed.count), FOLLOWED)
+    for kind, count in (("grazing", 2), ("fold", 1)):
+        known = [one.value for way in ways for one in way if one.kind == kind]
+        mine = [one for one in branch.bifurcations if one.kind == kind]
+        assert len(mine) == count
+        for one in mine:
+            assert min(abs(value - one.value) for value in known) <= one.error
