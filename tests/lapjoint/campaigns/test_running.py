@@ -405,7 +405,7 @@ BAD: list[tuple[str, dict[str, Any], str]] = [
     ("unknown field", {"axes": [("stops.0.width", [1.0])]}, "unknown key"),
     ("unknown stop", {"axes": [("stops.P9.gap", [1.0])]}, "axis stops.P9.gap: there is no element 'P9'"),
     ("below a number", {"axes": [("damping.ratio.x", [1.0])]}, "axis damping.ratio.x: 'x' is below a single value"),
-    ("bad value", {"axes": [("damping.ratio", [0.1, -0.1])]}, "damping.ratio = -0.1: damping.ratio = -0.1: must be"),
+    ("bad value", {"axes": [("damping.ratio", [0.1, -0.1])]}, "damping.ratio = -0.1: must be"),
     ("off the beam", {"axes": [("stops.0.x", [2.5, 2.6, 2.0])]}, "stops.0.x = 2.6: stops[0].x = 2.6: lies outside"),
     ("not excited", {"axes": [("base_motion.amplitude", [0.0, 0.1])]}, "must have one angular_frequency"),
     ("start", {"start": "left"}, "start = 'left': allowed: rest, up, down, random"),
