@@ -113,6 +113,8 @@ class Place:
     @property
     def repeats_in_half(self) -> bool:
         """Whether it repeats in half the time, and so is one of the branch from which its own would spring."""
+        if sum(self.closings) % 2:  # as many contacts begin in either half: this saves a march
+            return False
         return self.missed is not None and float(np.linalg.norm(self.missed)) <= _REPEATS
 
     def repeats_sooner_than(self, other: Place) -> bool:
