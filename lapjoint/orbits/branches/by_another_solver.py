@@ -284,14 +284,10 @@ class _Search:
                 if self._is_spent:
                     return None
                 coarser = found_by(self.selves[i - 1])
-                here = None if coarser is None else found_by(self.selves[i])
-                if (
-                    coarser is None
-                    or here is None
-                    or not (self._is_nearest(i - 1, coarser) and self._is_nearest(i, here))
-                ):
+                if coarser is None or not self._is_nearest(i - 1, coarser):
                     continue
-                best = self._stated(i, here, coarser)
+                here = found_by(self.selves[i])
+                best = self._stated(i, here, coarser) if here is not None and self._is_nearest(i, here) else None
                 if best is not None and best.error <= AIM * self.family.scale(best.value):
                     return best
         return None

@@ -19,8 +19,9 @@ import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.corrector import Place, jacobian, scaling, settled, shortest, tangent_and_step
+from lapjoint.orbits.branches.corrector import Place, scaling, settled
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.newton_steps import jacobian, shortest, tangent_and_step
 from lapjoint.orbits.newton import RESIDUAL, Orbit
 from lapjoint.problem import FloatArray
 

@@ -18,9 +18,10 @@ import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.corrector import Place, jacobian, place_from, scaling
+from lapjoint.orbits.branches.corrector import Place, place_from, scaling
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extremum, derivatives_of, same_extremum
+from lapjoint.orbits.branches.newton_steps import jacobian
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.orbits.refinement import SAFETY

@@ -173,7 +173,7 @@ def beyond_graze(family: Family, graze: OnExtremum, rate: float) -> OnExtremum |
         count = int(np.abs(changed).sum())
         if count != abs(int(changed.sum())):  # one contact has come, and another gone: two grazes lie between
             return None
-        if count != 1 and there.place.repeats_sooner_than(graze.place):  # in both halves: this graze is one's alone
+        if count != 1 and there.place.repeats_sooner_than(graze.place):  # one half alone grazes here
             return None
         if stretches and not _comes_from(family, graze, there, rate):
             return None

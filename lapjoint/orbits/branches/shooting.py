@@ -23,8 +23,9 @@ import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, newton_step, scaling
+from lapjoint.orbits.branches.corrector import Place, corrected, scaling
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.newton_steps import jacobian, newton_step
 from lapjoint.orbits.half_periods import HalfPeriods, Return
 from lapjoint.problem import FloatArray
 
@@ -95,18 +96,22 @@ def taken_over(
         from which that of the motion springs.
     """
     to_map = guess or (lambda point: family.adopted(place.value, point))
-    found = corrected(family, place.value, to_map(place.point), place.count, fixed=fixed)
-    if found is not None and not found.repeats_sooner_than(place):
-        return found
-    try:
-        stretches = stretches_of(place)
-        if len(stretches) == 1:
+
+    def from_one() -> Place | None:
+        return corrected(family, place.value, to_map(place.point), place.count, fixed=fixed)
+
+    def from_several() -> Place | None:
+        try:
+            stretches = stretches_of(place)
+            if len(stretches) == 1:
+                return None
+            there = [Stretch(to_map(one.point), one.half_periods) for one in stretches]
+            return _shot(family, place.value, there, place.count, fixed)
+        except (SolverError, InputError, np.linalg.LinAlgError):  # a step led out of what can be marched
             return None
-        there = [Stretch(to_map(one.point), one.half_periods) for one in stretches]
-        found = _shot(family, place.value, there, place.count, fixed)
-        return None if found is None or found.repeats_sooner_than(place) else found
-    except (SolverError, InputError, np.linalg.LinAlgError):  # a step led out of what can be marched
-        return None
+
+    found = (way() for way in (from_one, from_several))
+    return next((one for one in found if one is not None and not one.repeats_sooner_than(place)), None)
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,11 @@ import numpy as np
 
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import Place, corrected, jacobian, place_from, scaling, settled
+from lapjoint.orbits.branches.corrector import Place, corrected, place_from, scaling, settled
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import smooth_finder
 from lapjoint.orbits.branches.locating import criteria_of, crosses_minus_one, flip_of, located
+from lapjoint.orbits.branches.newton_steps import jacobian
 from lapjoint.orbits.branches.run import Limits, Run
 from lapjoint.orbits.newton import RESIDUAL
 from lapjoint.problem import FloatArray

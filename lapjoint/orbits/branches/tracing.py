@@ -165,21 +165,15 @@ def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
     none there either, the finer one follows the branch.
     """
     away_from = bifurcation.value, family.adopted(bifurcation.value, bifurcation.point)
-    near = new if own is family else _coarser(family, new)
+    near = new if own is family else taken_over(family, new)
     if near is not None:
         return Seed(near.value, near.point, near.count, away_from)
     with suppress(SolverError):
         for there in follow(own, new, Limits(most=_FARTHER, length=_AWAY)).places[1:]:
-            found = _coarser(family, there)
+            found = taken_over(family, there)
             if found is not None:
                 return Seed(found.value, found.point, found.count)
     return Seed(new.value, new.point, new.count, (bifurcation.value, bifurcation.point), own.level)
-
-
-def _coarser(family: Family, place: Place) -> Place | None:
-    """A motion of a finer solver by a coarser one; None if that has none that does not repeat sooner."""
-    found = taken_over(family, place)
-    return None if found is None or found.repeats_in_half else found
 
 
 def _part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:

@@ -68,11 +68,9 @@ def found(make: Any, *given: Any) -> Any:
 
 def said_once(found: Problem | str, path: str) -> Problem | str:
     """The same, where a message that names a value is one about that value."""
-    return (
-        found
-        if isinstance(found, Problem)
-        else re.sub(rf"^{re.escape(path)} = \S+: (?={re.escape(path)} = )", "", found)
-    )
+    if isinstance(found, Problem):
+        return found
+    return re.sub(rf"^{re.escape(path)} = \S+: (?={re.escape(path)} = )", "", found)
 
 
 @pytest.mark.parametrize("problem", [JOINT, LOADED, HARMONICS, STILL], ids=["sine", "loads", "harmonics", "still"])

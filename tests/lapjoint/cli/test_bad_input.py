@@ -177,7 +177,11 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("over text", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=a,b"), "must be FROM:TO:COUNT or numbers"),
     ("over no count", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=0:1:0"), "a count from 1 to"),
     ("over what is not there", (*NOWHERE, "--out", "c.nc", "--over", "stops.P9.gap=1e-3"), "no element 'P9'"),
-    ("a bad point", (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=0.1,-1"), "lapjoint: damping.ratio = -1"),
+    (
+        "a bad point",
+        (*NOWHERE, "--out", "c.nc", "--over", "damping.ratio=0.1,-1"),
+        "lapjoint: damping.ratio = -1.0: must be",
+    ),
     (
         "no scheduler",
         (*NOWHERE, "--out", "c.nc", "--from", "1", "--to", "2", "--scheduler", "x://y"),

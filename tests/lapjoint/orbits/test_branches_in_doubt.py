@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from finer_curve import FINER, both_ways, family
 
-from lapjoint.answers.branches import Bifurcation, MotionThere
+from lapjoint.answers.branches import Bifurcation, Branch, MotionThere
 from lapjoint.campaigns.branch_parts import motion_from, seed_of
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.bridging import followed
@@ -110,33 +110,33 @@ def test_what_a_coarse_solver_steps_over_just_beyond_a_graze_is_there() -> None:
         assert abs(value.value - true.value) <= value.error
 
 
-@pytest.mark.thorough
-@in_one_thread
-def test_what_two_finer_solvers_leave_unconfirmed_a_third_one_follows() -> None:
-    """A branch of 4e-5 rad/s between two grazes: with 36 modes it has a fold that is not sure, with 54 one that is."""
-    seed = seed_of(MOTIONS["between_two_grazes"]["seed"])
+def traced(which: str) -> tuple[Branch, MotionThere]:
+    """A branch that springs at both ends, from where it springs, with its errors; and its motion in the middle."""
+    seed = seed_of(MOTIONS[which]["seed"])
     found = trace(family(), seed, most_multiple=4)
     assert found is not None
     branch = found.branch
     assert branch.ends == ("bifurcation", "bifurcation")
+    middle = branch.points[len(branch.points) // 2]
+    return branch, MotionThere(middle.value, middle.motion.section_point, seed.count)
+
+
+@pytest.mark.thorough
+@in_one_thread
+def test_what_two_finer_solvers_leave_unconfirmed_a_third_one_follows() -> None:
+    """A branch of 4e-5 rad/s between two grazes: with 36 modes it has a fold that is not sure, with 54 one that is."""
+    branch, middle = traced("between_two_grazes")
     assert all(one.error <= AIM * one.value for one in branch.bifurcations)
     (fold,) = [one for one in branch.bifurcations if one.kind == "fold"]
-    middle = branch.points[len(branch.points) // 2]
-    motion = MotionThere(middle.value, middle.motion.section_point, seed.count)
-    known = [one.value for way in both_ways(motion, FOLLOWED, FINER + 1) for one in way if one.kind == "fold"]
+    known = [one.value for way in both_ways(middle, FOLLOWED, FINER + 1) for one in way if one.kind == "fold"]
     assert min(abs(one - fold.value) for one in known) <= fold.error
 
 
 @in_one_thread
 def test_beyond_a_graze_of_one_half_lies_no_motion_that_lacks_a_contact_in_both() -> None:
     """Finer solvers went across to the branch from which it springs, and left out a graze and the fold behind it."""
-    seed = seed_of(MOTIONS["beside_its_mother"]["seed"])
-    found = trace(family(), seed, most_multiple=4)
-    assert found is not None
-    branch = found.branch
-    assert branch.ends == ("bifurcation", "bifurcation")
-    middle = branch.points[len(branch.points) // 2]
-    ways = both_ways(MotionThere(middle.value, middle.motion.section_point, seed.count), FOLLOWED)
+    branch, middle = traced("beside_its_mother")
+    ways = both_ways(middle, FOLLOWED)
     for kind, count in (("grazing", 2), ("fold", 1)):
         known = [one.value for way in ways for one in way if one.kind == kind]
         mine = [one for one in branch.bifurcations if one.kind == kind]

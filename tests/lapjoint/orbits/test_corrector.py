@@ -15,7 +15,7 @@ from made_map import MadeMap, made_problem
 from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches import corrector
+from lapjoint.orbits.branches import corrector, newton_steps
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.newton import RESIDUAL
@@ -125,8 +125,8 @@ def test_the_tangent_and_the_shortest_step_hold_up_to_a_fold(least: float) -> No
         J = np.column_stack([u @ np.diag(sizes) @ v, u @ rng.uniform(0.5, 2.0, n)])
         F = 1e-5 * rng.standard_normal(n)
         w, s, vt = np.linalg.svd(J)
-        tangent, _ = corrector.tangent_and_step(J, F)
+        tangent, _ = newton_steps.tangent_and_step(J, F)
         assert np.linalg.norm(tangent - (tangent @ vt[-1]) * vt[-1]) <= 1e-9
-        step = corrector.newton_step(J, F, fixed=False)
+        step = newton_steps.newton_step(J, F, fixed=False)
         shortest = -vt[:n].T @ ((w.T @ F) / s)
         assert np.linalg.norm(step - shortest) <= 1e-7 * np.linalg.norm(shortest)
