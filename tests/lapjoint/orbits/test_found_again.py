@@ -7,6 +7,8 @@ and one of the finer solver with the first of them alone.  A hairpin may be shor
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +18,11 @@ from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.errors import SolverError
+from lapjoint.orbits.branches import found_again
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import smooth_finder
+from lapjoint.orbits.branches.found_again import graze_finder, is_same, smooth_finder
+from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.value_errors import AIM, stated
 from lapjoint.orbits.period_map import Derivative, Linearised
 from lapjoint.orbits.refinement import Refinement
@@ -146,3 +150,41 @@ def test_a_fold_that_a_finer_solver_lacks_is_not_another(seed: int, lacks: bool)
     else:
         assert found.error <= AIM
         assert found.value == pytest.approx(value, abs=found.error)
+
+
+def at(*, repeats_sooner: bool) -> Any:
+    """A motion at a bifurcation, or just before a graze."""
+    return SimpleNamespace(
+        value=1.0,
+        tangent=np.zeros(2),
+        closings=(2,),
+        count=4,
+        extrema=SimpleNamespace(duration=1.0),
+        orbit=SimpleNamespace(values=np.array([-1.0 + 0j])),
+        matching=lambda extremum, duration: extremum,
+        moved=lambda family, step: (1.0, None),
+        repeats_sooner_than=lambda other: repeats_sooner,
+    )
+
+
+@pytest.mark.parametrize("kind", ["fold", "flip", "symmetry breaking", "neimark-sacker"])
+def test_what_repeats_sooner_is_another_one(kind: Kind) -> None:
+    """It has the same contacts, and the same critical multiplier."""
+    place = at(repeats_sooner=False)
+    assert is_same(kind, at(repeats_sooner=False), place)
+    assert not is_same(kind, at(repeats_sooner=True), place)
+
+
+@pytest.mark.parametrize("repeating", [0, 1, 4])
+def test_a_graze_that_repeats_sooner_is_looked_for_from_farther_before(
+    repeating: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the first of four places before it Newton's method leads to the branch from which its own springs."""
+    grazes = [SimpleNamespace(place=at(repeats_sooner=i < repeating), value=float(i), left=0.0) for i in range(4)]
+    located, family, extremum = iter(grazes), Any, SimpleNamespace(stop=0)
+    monkeypatch.setattr(found_again, "taken_over", lambda *_: at(repeats_sooner=False))
+    monkeypatch.setattr(found_again, "corrected", lambda *_: at(repeats_sooner=False))
+    monkeypatch.setattr(found_again, "located_graze", lambda *_: next(located))
+    before: Any = SimpleNamespace(extremum=extremum, place=at(repeats_sooner=False), closings_of_sides=((2,), (1,)))
+    found = graze_finder(before, 1.0)(family, at(repeats_sooner=False))
+    assert (None if found is None else found.value) == (None if repeating == 4 else float(repeating))
