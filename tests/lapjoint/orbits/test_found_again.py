@@ -18,7 +18,7 @@ from lapjoint import BaseMotion, Problem
 from lapjoint.answers import FREE, SectionPoint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.errors import SolverError
-from lapjoint.orbits.branches import found_again
+from lapjoint.orbits.branches import found_again, grazing
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import graze_finder, is_same, smooth_finder
@@ -188,3 +188,15 @@ def test_a_graze_that_repeats_sooner_is_looked_for_from_farther_before(
     before: Any = SimpleNamespace(extremum=extremum, place=at(repeats_sooner=False), closings_of_sides=((2,), (1,)))
     found = graze_finder(before, 1.0)(family, at(repeats_sooner=False))
     assert (None if found is None else found.value) == (None if repeating == 4 else float(repeating))
+
+
+@pytest.mark.parametrize("repeats_sooner", [False, True])
+def test_newtons_method_on_an_extremum_that_leads_to_a_motion_that_repeats_sooner_finds_no_graze(
+    repeats_sooner: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there: Any = SimpleNamespace(place=at(repeats_sooner=repeats_sooner), extremum=SimpleNamespace(value=1e-3))
+    monkeypatch.setattr(grazing, "on_extremum", lambda *_, **__: there)
+    expected, family = None if repeats_sooner else there, Any
+    assert grazing.located_graze(family, at(repeats_sooner=False), there.extremum, 1.0) is expected
+    beyond: Any = SimpleNamespace(place=at(repeats_sooner=False), extremum=there.extremum)
+    assert grazing._at_share(family, beyond, 0.5, 1.0) is expected
