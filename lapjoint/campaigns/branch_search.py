@@ -120,7 +120,7 @@ class Search:
     value : int
         Number of the value.
     ahead : int
-        Number of branches that may be under way, or done before one that comes earlier in the sequence.
+        Number of branches that may be under way, be it that some of them wait for a worker.
     at_once : int
         Number of branches that can be followed at the same time: so many are under way if there are any.
     """
@@ -143,6 +143,8 @@ class Search:
         self._begun = False
         self._points = 0
         """Number of points of these, each counted by its period multiple."""
+        self._counted: dict[str, int] = {}
+        """The same of branches that were done before it was their turn, by the names of their parts."""
         self._failures: list[str] = []
         self._over: list[Mapping[str, Any]] = []
 
@@ -208,9 +210,9 @@ class Search:
                 return [part]
             self._open.popleft()
             self._over += [part.seed] if self._spent else []
-        free, before = list[Part](), list[Part]()
+        free, before, room = list[Part](), list[Part](), self._room_beside(found)
         for part in self._open:
-            if not self._has_room:
+            if len(free) >= room:
                 break
             if part.name in self._held and not self._may_be_known(part, before, found):
                 self._held.remove(part.name)
@@ -222,7 +224,7 @@ class Search:
         """An open part that is held, if too few are under way: one that is hardly on the branch of an earlier one."""
         under_way = [part for part in self._open if part.name not in found and part.name not in self._held]
         held = [part for part in self._open if part.name in self._held and part.name not in self._dropped]
-        if self._spent or not held or len(under_way) >= self._at_once:
+        if not held or len(under_way) >= self._at_once or not self._room_beside(found):
             return []
         left = {part.name for part in self._open if part.name not in found} - self._dropped
         far = (part for part in held if self._apart(part, under_way) >= _FAR)
@@ -255,7 +257,7 @@ class Search:
         if self._open and self._open[0].seed is None:
             return []
         parts: list[Part] = []
-        while self._waiting and self._has_room:
+        while self._waiting and self._room_beside(found):
             motion = self._waiting.popleft()
             part = Part(self._value, self._seen, motion.seed)
             if not self._lies_on_one_of(part, self._taken):
@@ -310,16 +312,22 @@ class Search:
                 self._taken[f"{part.name}, part {i}" if i else part.name] = {
                     key: value for key, value in piece.items() if key not in _BESIDE
                 }
-                self._points += sum(int(point["period_multiple"]) for point in piece["points"])
+                self._points += _points_of(piece)
             for kind, value in one["unsprung"]:
                 where = f"{kind} at {self._plan.axis.path} = {value:.9g}"
                 self._fail(f"{where}: no motion was found of the branch that springs there")
             self._waiting += [_Motion(seed, part.number) for seed in one["seeds"]]
 
-    @property
-    def _has_room(self) -> bool:
-        """Whether a further branch may be followed."""
-        return len(self._open) - len(self._held) < self._ahead and not self._spent
+    def _room_beside(self, found: Mapping[str, dict[str, Any]]) -> int:
+        """How many branches more may be under way; none if those that are done leave no effort for any."""
+        done = [part.name for part in self._open if part.name in found]
+        for name in done:
+            if name not in self._counted:
+                self._counted[name] = _points_of(found[name])
+        if self._points + sum(self._counted[name] for name in done) >= self._plan.effort:
+            return 0
+        under_way = sum(part.name not in found and part.name not in self._held for part in self._open)
+        return max(self._ahead - under_way, 0)
 
     @property
     def _spent(self) -> bool:
@@ -339,6 +347,11 @@ class Search:
         value = self._plan.value_of(part.number) if part.seed is None else part.seed["value"]
         what = f"start {part.number}" if part.seed is None else "a motion"
         return f"{what} at {self._plan.axis.path} = {value:.9g}: {reason}"
+
+
+def _points_of(one: Mapping[str, Any]) -> int:
+    """The points of a branch, each counted by its period multiple; none of a start."""
+    return sum(int(point["period_multiple"]) for point in one.get("points", ()))
 
 
 def _curve_of(one: Mapping[str, Any]) -> dict[str, Any]:

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from lapjoint.campaigns.branch_search import Diagram, Part, Search
 
-_AHEAD, _AHEAD_OF_OTHERS = 16, 32
-"""Number of branches for each process, or for workers of an unknown number, that may be under way or done before one
-that comes earlier, at each value of a second number: one branch in thirty takes as long as all others of the thirty."""
+_AHEAD, _AHEAD_OF_OTHERS = 2, 32
+"""Number of branches for each process, or for workers of an unknown number, that may be under way at each value of a
+second number: the second one for each process waits until that has done the first, and the process never for it."""
 
 
 def branch(

@@ -207,3 +207,34 @@ def test_few_branches_are_followed_twice_that_spring_at_neighbours(
         assert len(search.diagram.branches) == pairs + 1
         followed = sum(name.startswith("branch") for name in found)
         assert followed <= pairs + 1 + 2
+
+
+@pytest.mark.parametrize("effort", [1000, 20])
+def test_no_worker_waits_for_a_branch_that_takes_long_nor_follows_many_beyond_the_effort(
+    monkeypatch: pytest.MonkeyPatch, effort: int
+) -> None:
+    """One branch in thirty takes as long as all others of the thirty: here the first takes as long as all others."""
+    own, many, ahead = plan(effort), 200, 4
+
+    def start(plan: BranchPlan, number: int) -> dict[str, Any]:
+        return {"seeds": [{"value": k, "count": 1 + k} for k in range(many)] if number == 0 else []}
+
+    def branch(plan: BranchPlan, seed: dict[str, Any], progress: object, lie: Elsewhere | None) -> dict[str, Any]:
+        curve = {"values": chr(1000 + seed["value"]), "sections": "", "count": seed["count"], "bifurcations": []}
+        assert lie is not None
+        more = {"seeds": [], "unsprung": [], "points": [{"period_multiple": 1}], "own": seed["value"], "ends": []}
+        return curve | more | lie.parts(curve)
+
+    monkeypatch.setattr(branch_search, "solve_start", start)
+    monkeypatch.setattr(branch_search, "solve_branch", branch)
+    monkeypatch.setattr(branch_search, "is_known", lambda plan, seed, one: one.get("own") == seed["value"])
+    search, found = Search(own, 0, ahead, 2), dict[str, dict[str, Any]]()
+    under_way = search.go_on(found)
+    while under_way:
+        part = under_way.pop(-1 if under_way[0].name == "branch 0" else 0)
+        found[part.name] = part.solved(own)
+        if part.name == "branch 0":
+            before = len(found) - 1 - own.size
+        under_way += search.go_on(found)
+    assert before == (many - 1 if effort > many else effort + ahead - 2)
+    assert len(search.diagram.branches) == min(many, effort)
