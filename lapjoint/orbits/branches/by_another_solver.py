@@ -2,15 +2,17 @@
 
 The other solver finds it by its own marches, derivatives and multipliers.  Of its selves, each finer than the one
 before, a finer one begins, as its motion is nearer to that of the first solver; the next coarser one begins from the
-finer one's motion, and how far apart both are gives the error.  The first solver's number decides only which two are
-asked first.  Where none comes from the motion at the bifurcation, they follow the curve from motions beside it, or
-begin at the graze next to it as they have that; they begin there at once where that is very near.
+finer one's motion, and how far apart both are gives the error; if that one alone lacks it, one coarser still does.  The
+first solver's number decides only which two are asked first.  Where none comes from the motion at the bifurcation, they
+follow the curve from motions beside it, or begin at the graze next to it as they have that; they begin there at once
+where that is very near.
 
 A bifurcation that the next finer self of the first solver does not find is looked for in the same way by its selves.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache, cached_property
@@ -118,7 +120,7 @@ class _Search:
             ways.insert(0, ways.pop())
         best: Stated | None = None
         for way in ways:
-            best = way() or best
+            best = _surer(best, way())
             if self._is_spent or (best is not None and np.isfinite(best.error)):
                 break
         return best
@@ -146,13 +148,28 @@ class _Search:
             here = self._at_motion(i) or self._from_coarser(i)
             if here is None or (i < last and (i - 1 in self.missed or self._will_not_do(i, here))):
                 continue
-            best = self._stated(i, here, self._again(i - 1, here)) or best
-            if best is not None and best.error <= AIM * self.family.scale(best.value):
+            best = _surer(self._by_two(i, here), best)
+            if self._is_sure(best):
                 return best
         if best is None and self.found:
             i = max(self.found)
-            best = self._stated(i, self.found[i], self._again(i - 1, self.found[i]))
-        return best if last else self._stated(0, self._at_motion(0), None)
+            best = self._by_two(i, self.found[i])
+        if best is None and not last and (alone := self._at_motion(0)) is not None:
+            return self._stated(0, alone, None)
+        return best
+
+    def _by_two(self, i: int, here: Again) -> Stated:
+        """What a self has found, with its error by the next coarser one, or by one coarser still if that lacks it."""
+        coarser = self._again(i - 1, here)
+        if coarser is None and i > 1 and (farther := self._at_motion(i - 2)) is not None:
+            found = self._stated(i, here, farther, 2)
+            if self._is_sure(found):
+                return found
+        return self._stated(i, here, coarser)
+
+    def _is_sure(self, found: Stated | None) -> bool:
+        """Whether the error is as small as is aimed at."""
+        return found is not None and found.error <= AIM * self.family.scale(found.value)
 
     def _will_not_do(self, i: int, here: Again) -> bool:
         """Whether the next coarser self will differ by too much, as the first solver's number has it."""
@@ -160,13 +177,13 @@ class _Search:
         difference = error * (refinement.ratio**refinement.order - 1)
         return apart_by(refinement, difference) > AIM * self.family.scale(here.value)
 
-    def _stated(self, i: int, here: Again | None, coarser: Again | None) -> Stated | None:
-        """What a self has found, with the error of the next coarser one."""
-        if here is None:
-            return None
+    def _stated(self, i: int, here: Again, coarser: Again | None, by: int = 1) -> Stated:
+        """What a self has found, with the error of one that is coarser by so many."""
         if coarser is None:
             return Stated(here.value, np.inf)
-        bound = apart_by(self.known[i - 1], here.value - coarser.value)
+        between = self.known[i - by : i]
+        ratio, order = math.prod(one.ratio for one in between), min(one.order for one in between)
+        bound = apart_by(Refinement(between[-1].name, ratio, order), here.value - coarser.value)
         return Stated(here.value, bound + here.left + ROUNDING * self.family.scale(here.value))
 
     def _at_motion(self, i: int) -> Again | None:
@@ -242,7 +259,7 @@ class _Search:
                 continue
             coarser = None if i == 0 else self._again(i - 1, here) or self._found_along(i - 1)
             best = self._stated(i, here, coarser)
-            if coarser is not None and best is not None and best.error <= AIM * self.family.scale(best.value):
+            if self._is_sure(best):
                 return best
         return best
 
@@ -288,7 +305,7 @@ class _Search:
                     continue
                 here = found_by(self.selves[i])
                 best = self._stated(i, here, coarser) if here is not None and self._is_nearest(i, here) else None
-                if best is not None and best.error <= AIM * self.family.scale(best.value):
+                if self._is_sure(best):
                     return best
         return None
 
@@ -306,6 +323,13 @@ class _Search:
             place = self.motion if back == 0.0 else corrected(own, value, guess, self.motion.count)
             self.before[back] = None if place is None else Carrier(own, place)
         return self.before[back]
+
+
+def _surer(first: Stated | None, second: Stated | None) -> Stated | None:
+    """Of two answers the one with the smaller error; the first if that is the same."""
+    if first is None or second is None:
+        return first or second
+    return second if second.error < first.error else first
 
 
 @dataclass(frozen=True)

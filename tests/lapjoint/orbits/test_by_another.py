@@ -24,7 +24,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.restored import restored
-from lapjoint.orbits.branches.value_errors import Stated
+from lapjoint.orbits.branches.value_errors import AIM, Stated
 from lapjoint.orbits.refinement import Refinement
 
 AMPLITUDE, LOW, HIGH, AT = "base_motion.amplitude", 0.9, 1.1, 1.0
@@ -55,13 +55,13 @@ def family_of(solver: Made) -> Family:
     return Family(solver, lambda value: grid.with_values((value,)), AMPLITUDE, LOW, HIGH)
 
 
-def found_by_another(blocks: Blocks, solver: Shifted) -> Stated | None:
+def found_by_another(blocks: Blocks, solver: Shifted, finer: int = FINER) -> Stated | None:
     """The Neimark-Sacker bifurcation at `AT`, by a solver that has it elsewhere, or not at all."""
     own, other = family_of(Made(blocks)), family_of(solver)
     place = corrected(own, AT, own.at(AT).map.initial(), 2)
     assert place is not None
     one = Listed(own, Bifurcation("neimark-sacker", AT, 0.0, 0), Located("neimark-sacker", place))
-    return by_another(one, other, FINER)
+    return by_another(one, other, finer)
 
 
 def judge(blocks: Blocks, shift: float) -> None:
@@ -105,6 +105,48 @@ def test_a_neighbour_is_not_taken_for_one_that_the_other_solver_lacks(seed: int)
 
     lacking = Shifted(lambda p: [pair(0.3, angle), neighbour(p)])
     assert found_by_another(lambda p: [pair(float(np.exp(-rate * (p - AT))), angle), neighbour(p)], lacking) is None
+
+
+@dataclass(frozen=True)
+class Patchy(Shifted):
+    """The same, of which some selves lack what is critical."""
+
+    lacks: frozenset[int] = frozenset()
+    level: int = 0
+
+    def period_map(self, problem: Problem) -> MadeMap:
+        """The map at the amplitude of a problem."""
+        if self.level in self.lacks:
+            return Made(lambda p: [pair(0.3, 1.0)] * 2).period_map(problem)
+        return super().period_map(problem)
+
+    def finer(self, problem: Problem) -> tuple[Refinement, Patchy]:
+        """One finer solver."""
+        refinement, finer = super().finer(problem)
+        return refinement, replace(self, shift=finer.shift, level=self.level + 1)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_where_one_self_lacks_a_bifurcation_the_one_before_it_gives_the_error(seed: int) -> None:
+    """Finite elements with 137 and 309 elements had one of the joint's folds, and those with 206 had not."""
+    rng = np.random.default_rng((86, seed))
+    rate, angle = rng.choice([-1, 1]) * rng.uniform(200, 500), rng.uniform(0.5, 2.5)
+    shift = rng.choice([-1, 1]) * 10 ** rng.uniform(-8, -5.6)
+
+    def blocks(p: float) -> list[np.ndarray]:
+        return [pair(float(np.exp(rate * (p - AT))), angle), pair(0.3, 1.0)]
+
+    for lacks, last in ((set(), 2), ({1}, 2), ({2}, 3)):
+        found = found_by_another(blocks, Patchy(blocks, shift, frozenset(lacks)), last)
+        assert found is not None
+        assert abs(found.value - AT) <= found.error <= LEFT * abs(shift)
+    for lacks in ({0, 1}, {1, 2, 3}, {0, 1, 2}):
+        found = found_by_another(blocks, Patchy(blocks, shift, frozenset(lacks)), max(lacks) + 1)
+        assert found is not None
+        assert found.value == pytest.approx(AT, abs=abs(shift))
+        assert np.isinf(found.error)
+    far = found_by_another(blocks, Patchy(blocks, 1e3 * shift, frozenset({1})), 2)
+    assert far is None or np.isinf(far.error) or far.error <= AIM * AT
 
 
 @pytest.mark.parametrize("seed", range(20))
