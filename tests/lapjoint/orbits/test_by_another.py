@@ -17,6 +17,7 @@ from made_map import Blocks, Made, MadeMap, made_problem, of_trace, pair
 from lapjoint import Problem
 from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.branches import by_another_solver
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.corrector import corrected
@@ -147,6 +148,22 @@ def test_where_one_self_lacks_a_bifurcation_the_one_before_it_gives_the_error(se
         assert np.isinf(found.error)
     far = found_by_another(blocks, Patchy(blocks, 1e3 * shift, frozenset({1})), 2)
     assert far is None or np.isinf(far.error) or far.error <= AIM * AT
+
+
+@pytest.mark.parametrize(("error", "value"), [(np.inf, AT), (1e-3, AT + 0.05)])
+def test_what_is_found_along_a_curve_counts_only_if_it_is_surer(
+    monkeypatch: pytest.MonkeyPatch, error: float, value: float
+) -> None:
+    """The finest elements had one of the joint's folds from its motion; along their curve they came to another."""
+
+    def blocks(p: float) -> list[np.ndarray]:
+        return [pair(float(np.exp(300 * (p - AT))), 1.0), pair(0.3, 1.0)]
+
+    monkeypatch.setattr(by_another_solver._Search, "_along", lambda search: Stated(AT + 0.05, error))
+    found = found_by_another(blocks, Patchy(blocks, 1e-6, frozenset({0, 1})), 2)
+    assert found is not None
+    assert found.value == pytest.approx(value, abs=1e-6)
+    assert found.error == error
 
 
 @pytest.mark.parametrize("seed", range(20))
