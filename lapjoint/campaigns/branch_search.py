@@ -222,7 +222,7 @@ class Search:
 
     def _so_as_not_to_idle(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """An open part that is held, if too few are under way: one that is hardly on the branch of an earlier one."""
-        under_way = [part for part in self._open if part.name not in found and part.name not in self._held]
+        under_way = self._under_way(found)
         held = [part for part in self._open if part.name in self._held and part.name not in self._dropped]
         if not held or len(under_way) >= self._at_once or not self._room_beside(found):
             return []
@@ -321,13 +321,14 @@ class Search:
     def _room_beside(self, found: Mapping[str, dict[str, Any]]) -> int:
         """How many branches more may be under way; none if those that are done leave no effort for any."""
         done = [part.name for part in self._open if part.name in found]
-        for name in done:
-            if name not in self._counted:
-                self._counted[name] = _points_of(found[name])
+        self._counted |= {name: _points_of(found[name]) for name in done if name not in self._counted}
         if self._points + sum(self._counted[name] for name in done) >= self._plan.effort:
             return 0
-        under_way = sum(part.name not in found and part.name not in self._held for part in self._open)
-        return max(self._ahead - under_way, 0)
+        return max(self._ahead - len(self._under_way(found)), 0)
+
+    def _under_way(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
+        """Open parts that have been given, and are not done."""
+        return [part for part in self._open if part.name not in found and part.name not in self._held]
 
     @property
     def _spent(self) -> bool:

@@ -130,9 +130,26 @@ def change_with(field: str, value: float, of_base: FloatArray) -> ExcitationChan
     ExcitationChange
         Of these ``H`` forces.
     """
-    if field == FREQUENCY:
-        return ExcitationChange(1 / value, 2 * of_base / value)
-    return ExcitationChange(0.0, of_base / value)
+    sizes = 2 * of_base if field == FREQUENCY else of_base
+    return ExcitationChange(frequency_change(field, value), sizes / value)
+
+
+def frequency_change(field: str, value: float) -> float:
+    """How the frequency of all excitation changes with a number.
+
+    Parameters
+    ----------
+    field : str
+        Path of the number.
+    value : float
+        Its value, in its SI unit.
+
+    Returns
+    -------
+    float
+        Derivative of the logarithm of the frequency, over the unit of the number: 0 if that is not `FREQUENCY`.
+    """
+    return 1 / value if field == FREQUENCY else 0.0
 
 
 _PERIODIC = (BaseMotion, HarmonicsBaseMotion)

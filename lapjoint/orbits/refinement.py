@@ -13,6 +13,7 @@ what does not converge as fast as that.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,3 +55,19 @@ class Refinement:
             In the same unit.
         """
         return np.asarray(SAFETY * (np.abs(differences) + largest / math.expm1(self.order * math.log(self.ratio))))
+
+
+def one_after_other(steps: Sequence[Refinement]) -> Refinement:
+    """Several refinements, each of the finer self of the one before, as one.
+
+    Parameters
+    ----------
+    steps : sequence of Refinement
+        One or more.
+
+    Returns
+    -------
+    Refinement
+        What is known of the finest solver.
+    """
+    return Refinement(steps[-1].name, math.prod(one.ratio for one in steps), min(one.order for one in steps))

@@ -12,7 +12,6 @@ A bifurcation that the next finer self of the first solver does not find is look
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache, cached_property
@@ -31,7 +30,7 @@ from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.springing import Springing, spring_of, springing
 from lapjoint.orbits.branches.value_errors import AIM, Stated, apart_by
-from lapjoint.orbits.refinement import ROUNDING, Refinement
+from lapjoint.orbits.refinement import ROUNDING, Refinement, one_after_other
 
 _BACK = (0.0, 1e-5, 1e-4, 1e-3)
 """Arc lengths before a bifurcation from which it is looked for, in turn: a graze may come before for another solver."""
@@ -143,6 +142,9 @@ class _Search:
 
     def _direct(self) -> Stated | None:
         """From the motion at the bifurcation: by a self and the next finer one, up to the finest."""
+        if not self.known:
+            alone = self._at_motion(0)
+            return None if alone is None else self._stated(0, alone, None)
         best, last = None, len(self.known)
         for i in range(1, last + 1):
             here = self._at_motion(i) or self._from_coarser(i)
@@ -154,8 +156,6 @@ class _Search:
         if best is None and self.found:
             i = max(self.found)
             best = self._by_two(i, self.found[i])
-        if best is None and not last and (alone := self._at_motion(0)) is not None:
-            return self._stated(0, alone, None)
         return best
 
     def _by_two(self, i: int, here: Again) -> Stated:
@@ -181,9 +181,7 @@ class _Search:
         """What a self has found, with the error of one that is coarser by so many."""
         if coarser is None:
             return Stated(here.value, np.inf)
-        between = self.known[i - by : i]
-        ratio, order = math.prod(one.ratio for one in between), min(one.order for one in between)
-        bound = apart_by(Refinement(between[-1].name, ratio, order), here.value - coarser.value)
+        bound = apart_by(one_after_other(self.known[i - by : i]), here.value - coarser.value)
         return Stated(here.value, bound + here.left + ROUNDING * self.family.scale(here.value))
 
     def _at_motion(self, i: int) -> Again | None:

@@ -25,7 +25,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.gap_extrema import Extrema, Extremum, extrema_of, motion_of, stops_of
 from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.orbits.half_periods import Return
-from lapjoint.orbits.parameters import change_with
+from lapjoint.orbits.parameters import frequency_change
 from lapjoint.problem import FloatArray
 
 _BESIDE = 3e-6
@@ -83,8 +83,8 @@ def _exact(family: Family, place: Place) -> Rates:
     at = np.concatenate([here.at, segments.switched[which]])
     tau = np.concatenate([here.time - motion.start[segment], motion.duration[which]])
     moved = moved_events(motion, *change, np.concatenate([segment, which]), stops.place[at], tau)
-    m, excitation = here.time.size, change_with(family.path, place.value, np.empty(0))
-    longer = -excitation.frequency * by_number  # of the logarithm of the duration
+    m = here.time.size
+    longer = -frequency_change(family.path, place.value) * by_number  # of the logarithm of the duration
     with np.errstate(divide="ignore", invalid="ignore"):
         later = -np.concatenate([moved[:m, 1] / moved[:m, 3], moved[m:, 0] / moved[m:, 2]]) / here.duration
     later -= np.concatenate([here.phase, here.switch_phase]) * longer
