@@ -213,11 +213,14 @@ def test_few_branches_are_followed_twice_that_spring_at_neighbours(
 def test_no_worker_waits_for_a_branch_that_takes_long_nor_follows_many_beyond_the_effort(
     monkeypatch: pytest.MonkeyPatch, effort: int
 ) -> None:
-    """One branch in thirty takes as long as all others of the thirty: here the first takes as long as all others."""
+    """One branch in thirty takes as long as all others of the thirty: here the first takes as long as all others.
+
+    The second may lie on the first, and waits for it, be it that a worker idles then as the effort is spent.
+    """
     own, many, ahead = plan(effort), 200, 4
 
     def start(plan: BranchPlan, number: int) -> dict[str, Any]:
-        return {"seeds": [{"value": k, "count": 1 + k} for k in range(many)] if number == 0 else []}
+        return {"seeds": [{"value": k, "count": max(k, 1)} for k in range(many)] if number == 0 else []}
 
     def branch(plan: BranchPlan, seed: dict[str, Any], progress: object, lie: Elsewhere | None) -> dict[str, Any]:
         curve = {"values": chr(1000 + seed["value"]), "sections": "", "count": seed["count"], "bifurcations": []}

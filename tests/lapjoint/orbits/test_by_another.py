@@ -26,7 +26,7 @@ from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.value_errors import AIM, Stated
-from lapjoint.orbits.refinement import Refinement
+from lapjoint.orbits.refinement import SAFETY, Refinement
 
 AMPLITUDE, LOW, HIGH, AT = "base_motion.amplitude", 0.9, 1.1, 1.0
 ORDER, RATIO = 2.0, 1.5
@@ -141,6 +141,7 @@ def test_where_one_self_lacks_a_bifurcation_the_one_before_it_gives_the_error(se
         found = found_by_another(blocks, Patchy(blocks, shift, frozenset(lacks)), last)
         assert found is not None
         assert abs(found.value - AT) <= found.error <= LEFT * abs(shift)
+        assert found.error == pytest.approx(SAFETY * abs(shift), rel=1e-2, abs=1e-8)  # the coarser one's error is known
     for lacks in ({0, 1}, {1, 2, 3}, {0, 1, 2}):
         found = found_by_another(blocks, Patchy(blocks, shift, frozenset(lacks)), max(lacks) + 1)
         assert found is not None
@@ -148,6 +149,17 @@ def test_where_one_self_lacks_a_bifurcation_the_one_before_it_gives_the_error(se
         assert np.isinf(found.error)
     far = found_by_another(blocks, Patchy(blocks, 1e3 * shift, frozenset({1})), 2)
     assert far is None or np.isinf(far.error) or far.error <= AIM * AT
+
+
+def test_what_a_solver_without_finer_selves_finds_has_no_error() -> None:
+    def blocks(p: float) -> list[np.ndarray]:
+        return [pair(float(np.exp(300 * (p - AT))), 1.0), pair(0.3, 1.0)]
+
+    found = found_by_another(blocks, Shifted(blocks, 1e-6), 0)
+    assert found is not None
+    assert found.value == pytest.approx(AT + 1e-6, abs=1e-8)
+    assert np.isinf(found.error)
+    assert found_by_another(blocks, Patchy(blocks, 1e-6, frozenset({0})), 0) is None
 
 
 @pytest.mark.parametrize(("error", "value"), [(np.inf, AT), (1e-3, AT + 0.05)])
