@@ -4,8 +4,8 @@ The other solver finds it by its own marches, derivatives and multipliers.  Of i
 before, a finer one begins, as its motion is nearer to that of the first solver; the next coarser one begins from the
 finer one's motion, and how far apart both are gives the error; if that one alone lacks it, one coarser still does.  The
 first solver's number decides only which two are asked first.  Where none comes from the motion at the bifurcation, they
-follow the curve from motions beside it, or begin at the graze next to it as they have that; they begin there at once
-where that is very near.
+begin on the other side if it is a graze, follow the curve from motions beside it, or begin at the graze next to it as
+they have that; they begin there at once where that is very near.
 
 A bifurcation that the next finer self of the first solver does not find is looked for in the same way by its selves.
 """
@@ -13,8 +13,8 @@ A bifurcation that the next finer self of the first solver does not find is look
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
-from functools import cache, cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import NEAR, Again, comes_back, leads_back
 from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at, same_graze
 from lapjoint.orbits.branches.found_beside import Beside
+from lapjoint.orbits.branches.grazing import seen_from_beyond
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
@@ -42,13 +43,14 @@ _CLOSE = 2e-5
 have most of them some 1e-5 apart."""
 _ALONG = 2
 """Number of the first self that follows the curve, the coarsest being 0: of coarser ones it often leads elsewhere."""
-_FINER = 5
-"""Most finer selves that are asked unless said otherwise: for the paper's joint, 40, 61, 91, 137, 206 and 309 elements.
-Where a graze is near, the finer ones cost less than what the coarser ones look for in vain."""
+_FINER, _FOLLOWED = 6, 5
+"""Most finer selves that are asked unless said otherwise, and which is the last that follows its own curve: for the
+paper's joint, 40, 61, 91, 137, 206, 309 and 464 elements.  Where a graze is near, the finer ones cost less than what
+the coarser ones look for in vain; the last has a flip 7.6e-8 rad/s from a fold that only one other has."""
 
 
 def by_another(
-    one: Listed, family: Family, finer: int = _FINER, followed: int = _FINER, marches: float = np.inf
+    one: Listed, family: Family, finer: int = _FINER, followed: int = _FOLLOWED, marches: float = np.inf
 ) -> Stated | None:
     """A bifurcation's value, with its error, by another solver.
 
@@ -84,7 +86,7 @@ class _Search:
     one: Listed
     family: Family
     finer: int = _FINER
-    followed: int = _FINER
+    followed: int = _FOLLOWED
     marches: float = np.inf
     before: dict[float, Carrier | None] = field(default_factory=dict)
     """Motions of the first solver before the bifurcation, by the arc length to it."""
@@ -105,16 +107,16 @@ class _Search:
         while len(self.known) < self.finer and (finer := self.selves[-1].finer(self.motion.value)) is not None:
             self.known.append(finer[0])
             self.selves.append(finer[1])
-        self.marches += sum(family.marches for family in self.selves)
+        self.marches += self._marched
 
     def run(self) -> Stated | None:
-        """From the motion at the bifurcation, along the curve of the other solver, or from a graze beside it.
+        """From the motion at it, or beyond it, along the curve of the other solver, or from a graze beside it.
 
         A finer self of the first solver has looked for it from that motion already.  Where a graze is closer than the
         solvers have it to each other, it is looked for from there at once.
         """
-        own = self.family.is_a_self_of(self.one.family)
-        ways = [self._along, self._beside] if own else [self._direct, self._along, self._beside]
+        ways = [] if self._is_own else [self._direct, self._from_beyond]
+        ways += [self._along, self._beside]
         if self._is_close_to_a_graze:
             ways.insert(0, ways.pop())
         best: Stated | None = None
@@ -125,9 +127,19 @@ class _Search:
         return best
 
     @property
+    def _is_own(self) -> bool:
+        """Whether finer selves of the first solver are asked."""
+        return self.family.is_a_self_of(self.one.family)
+
+    @property
     def _is_spent(self) -> bool:
         """Whether there have been as many marches as there may be."""
-        return sum(family.marches for family in self.selves) >= self.marches
+        return self._marched >= self.marches
+
+    @property
+    def _marched(self) -> int:
+        """How many marches all selves have made so far."""
+        return sum(family.marches for family in self.selves)
 
     @property
     def _is_close_to_a_graze(self) -> bool:
@@ -288,24 +300,54 @@ class _Search:
         return spring_of(self.one.family, self.motion)
 
     def _beside(self) -> Stated | None:
-        """Beside a graze: by a self and the next finer one that agree, each from the graze as it has that."""
+        """Beside a graze: by a self and the next coarser one that has it too, each from the graze as it has that."""
         one, way = self.one.found, self.one.way
         assert one is not None
         for graze in () if way is None else way.grazes:
             if isinstance(one, Graze) and same_graze(one, graze):
                 continue
-            found_by = cache(Beside(self.one.family, one, graze).found_by)
-            for i in range(1, len(self.known) + 1):
-                if self._is_spent:
-                    return None
-                coarser = found_by(self.selves[i - 1])
-                if coarser is None or not self._is_nearest(i - 1, coarser):
-                    continue
-                here = found_by(self.selves[i])
-                best = self._stated(i, here, coarser) if here is not None and self._is_nearest(i, here) else None
-                if self._is_sure(best):
-                    return best
+            best = self._from_graze(Beside(self.one.family, one, graze))
+            if best is not None or self._is_spent:
+                return best
         return None
+
+    def _from_graze(self, beside: Beside) -> Stated | None:
+        """Beside one graze; None if no two selves have it, or they do not agree."""
+        there = dict[int, Again]()
+        for i, family in enumerate(self.selves):
+            coarser = [k for k in self._coarser(i) if k in there]
+            begun = i - 1 in there and i - 2 not in there  # another self is asked in any case
+            if (self._is_spent and not begun) or (i == len(self.known) and not coarser):
+                break
+            here = beside.found_by(family)
+            if here is None or not self._is_nearest(i, here):
+                continue
+            there[i] = here
+            found = self._stated(i, here, there[coarser[0]], i - coarser[0]) if coarser else None
+            if self._is_sure(found):
+                return found
+        return None
+
+    def _coarser(self, i: int) -> tuple[int, ...]:
+        """By which selves a self's error may be known, the nearer first: one may lack what both beside it have.
+
+        Those of the first solver have one such self already, which is why they are asked.
+        """
+        return tuple(k for k in ((i - 1,) if self._is_own else (i - 1, i - 2)) if k >= 0)
+
+    def _from_beyond(self) -> Stated | None:
+        """A graze from its other side, where the motion has the contact that comes there.
+
+        On that side the number goes as a root of the penetration, on the other smoothly.
+        """
+        graze = self.one.found
+        if not isinstance(graze, Graze) or not graze.before.touched:
+            return None
+        seen = seen_from_beyond(self.one.family, graze)
+        if seen is None:
+            return None
+        there = replace(self.one, found=seen)
+        return _Search(there, self.family, self.finer, self.followed, self.marches - self._marched)._direct()
 
     def _kept(self, i: int, found: Again | None) -> Again | None:
         if found is not None:

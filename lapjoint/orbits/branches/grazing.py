@@ -12,6 +12,8 @@ again where q = 1/2; every solver leaves about the same, so that no refinement s
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from lapjoint.orbits.branches.corrector import Place
@@ -371,6 +373,31 @@ def just_beyond(family: Family, beyond: OnExtremum, rate: float) -> OnExtremum |
         As `located_graze`.
     """
     return located_graze(family, beyond.place, beyond.extremum, rate)
+
+
+def seen_from_beyond(family: Family, graze: Graze) -> Graze | None:
+    """A graze as the curve comes to it from its other side.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    graze : Graze
+        The graze.
+
+    Returns
+    -------
+    Graze, or None
+        With a motion a little beyond as the one just before it; None if there is none beyond.
+    """
+    beyond = beyond_graze(family, graze.before, graze.rate)
+    if beyond is None:
+        return None
+    place, value = beyond.place, beyond.extremum.value
+    rate = float(place.tangent[-1]) * family.scale(place.value) / beyond.rate
+    if rate * value > 0:  # it leads away
+        place, rate = place.turned(), -rate
+    return replace(graze, value=beyond.value, before=replace(beyond, place=place), rate=rate, left=beyond.left)
 
 
 def nearer_to_graze(

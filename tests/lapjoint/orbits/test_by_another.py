@@ -22,6 +22,7 @@ from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_again import Again
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.restored import restored
@@ -176,6 +177,75 @@ def test_what_is_found_along_a_curve_counts_only_if_it_is_surer(
     assert found is not None
     assert found.value == pytest.approx(value, abs=1e-6)
     assert found.error == error
+
+
+@dataclass(frozen=True)
+class OneGraze:
+    """A branch with one graze beside a bifurcation, and nothing to follow."""
+
+    grazes: tuple[object, ...] = (None,)
+    sides: tuple[object, ...] = ()
+
+
+class MadeBeside:
+    """What selves find beside a graze: the bifurcation as each has it, but for some that lack it."""
+
+    def __init__(self, own: Family, one: Located, lacks: frozenset[int]) -> None:
+        self.own, self.one, self.lacks, self.asked = own, one, lacks, list[int]()
+
+    def found_by(self, family: Family) -> Again | None:
+        """What one self finds."""
+        self.asked.append(family.level)
+        family.marches += 1
+        shift = family.zones[0].solver.shift
+        return None if family.level in self.lacks else Again(self.one.place, AT + shift)
+
+
+def beside(
+    lacks: frozenset[int], shift: float, own_selves: bool, marches: float = np.inf
+) -> tuple[Stated | None, list[int]]:
+    """What selves say of a bifurcation that each finds only beside a graze, and which of them have been asked."""
+
+    def blocks(p: float) -> list[np.ndarray]:
+        return [pair(float(np.exp(300 * (p - AT))), 1.0), pair(0.3, 1.0)]
+
+    other = family_of(Shifted(blocks, shift))
+    own = other if own_selves else family_of(Made(blocks))
+    place = corrected(own, AT, own.at(AT).map.initial(), 2)
+    assert place is not None
+    one = Located("neimark-sacker", place)
+    made = MadeBeside(own, one, lacks)
+    listed = Listed(own, Bifurcation("neimark-sacker", AT, 0.0, 0), one, way=OneGraze())
+    search = by_another_solver._Search(listed, other, 3, 3, marches)
+    return search._from_graze(made), made.asked
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_beside_a_graze_one_self_may_lack_what_both_beside_it_have(seed: int) -> None:
+    """Finite elements with 206 and 464 elements had one of the joint's flips, and those with 309 had not."""
+    rng = np.random.default_rng((87, seed))
+    shift = rng.choice([-1, 1]) * 10 ** rng.uniform(-8, -5.6)
+    for lacks, asked in (((), [0, 1]), ((1,), [0, 1, 2]), ((0,), [0, 1, 2]), ((0, 2), [0, 1, 2, 3])):
+        found, whom = beside(frozenset(lacks), shift, own_selves=False)
+        assert found is not None
+        assert whom == asked
+        assert abs(found.value - AT) <= found.error <= LEFT * abs(shift)
+    for lacks, asked in (((0, 1), [0, 1, 2, 3]), ((1, 2), [0, 1, 2]), ((0, 1, 2), [0, 1, 2]), ((1, 2, 3), [0, 1, 2])):
+        found, whom = beside(frozenset(lacks), shift, own_selves=False)
+        assert (found is not None) == (lacks == (0, 1))
+        assert whom == asked  # the finest is not asked where nothing tells its error
+    for lacks, asked in (((0,), [0, 1, 2]), ((1,), [0, 1, 2, 3]), ((0, 2), [0, 1, 2])):
+        found, whom = beside(frozenset(lacks), shift, own_selves=True)
+        assert (found is not None) == (lacks != (0, 2))  # of the first solver, two must agree that follow each other
+        assert whom == asked
+
+
+def test_beside_a_graze_a_pair_that_is_begun_is_asked_though_the_marches_are_spent() -> None:
+    for own_selves in (False, True):
+        assert beside(frozenset(), 1e-3, own_selves, marches=1)[1] == [0, 1]
+        assert beside(frozenset({0}), 1e-3, own_selves, marches=1)[1] == [0]
+        assert beside(frozenset({0}), 1e-3, own_selves, marches=2)[1] == [0, 1, 2]
+        assert beside(frozenset(), 1e-3, own_selves, marches=0)[1] == []
 
 
 @pytest.mark.parametrize("seed", range(20))

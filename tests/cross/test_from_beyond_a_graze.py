@@ -1,0 +1,122 @@
+"""A graze whose motion touches the stop already is found by another solver from its other side.
+
+Under modal damping the number goes as a root of the penetration on the side that touches, and multipliers grow without
+bound towards the graze; on the other side the map is smooth.  Three motions are those of a file of `lapjoint branch`
+for the paper's joint with a quarter of its damping: with a multiplier of 1.2e5, one that misses to repeat in half its
+time by 6e-7 of its size, and one by 2e-4.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from branch_witness import drawn
+from finer_curve import HIGH, LOW, family
+
+import analytic
+import fe_lapjoint
+from lapjoint import branch
+from lapjoint.answers.branches import Bifurcation
+from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.campaigns.branch_dataset import KINDS
+from lapjoint.campaigns.branch_parts import motion_from
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.branches.by_another_solver import _Search, by_another
+from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.grazing import seen_from_beyond
+from lapjoint.orbits.branches.listing import Listed
+from lapjoint.orbits.branches.restored import restored
+from lapjoint.orbits.branches.run import Graze
+
+TOUCHED = json.loads((Path(__file__).parent / "touched_at_grazes.json").read_text(encoding="utf-8"))
+FINER = 3  # selves of the finite elements, up to 137 elements
+SEED, FEW, MANY = 77, range(8), range(60)
+MODES, ELEMENTS, SELVES = 8, 16, 2
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("which", range(len(TOUCHED)))
+@in_one_thread
+def test_finite_elements_find_a_graze_that_they_do_not_find_from_its_motion(which: int) -> None:
+    said: dict[str, Any] = TOUCHED[which]
+    value, error, own = said["value"], said["error"], family()
+    there = Bifurcation("grazing", value, error, 0, said["stop"], said["after"], motion=motion_from(said["motion"]))
+    one = restored(own, there)
+    assert one is not None
+    other = Family(fe_lapjoint.Solver(), own.problem_at, FREQUENCY, LOW, HIGH)
+    direct = _Search(one, other, FINER, FINER)._direct()
+    assert direct is None or np.isinf(direct.error)
+    found = by_another(one, other, FINER, FINER)
+    assert found is not None
+    assert abs(found.value - value) <= found.error + error
+    assert found.error <= 1e-5 * value
+
+
+def grazes(index: int) -> Iterator[tuple[Listed, Family]]:
+    """Those of a random joint whose motion touches, and that go on beyond; with the finite elements' maps."""
+    one = drawn(SEED, index)
+    found = branch(one.problem, one.path, one.low, one.high, options={"n_modes": MODES}, max_points=200, effort=200)
+    grid = Grid(one.problem, (Axis(one.path, (one.low, one.high)),))
+    own, other = (
+        Family(solver, lambda value: grid.with_values((value,)), one.path, one.low, one.high)
+        for solver in (analytic.Solver(n_modes=MODES), fe_lapjoint.Solver(elements=ELEMENTS))
+    )
+    for i in np.flatnonzero(found.bifurcation_kind.values == KINDS.index("grazing")):
+        said = found.isel(bifurcation=i)
+        value, error, stop = float(said.bifurcation_value), float(said.bifurcation_error), int(said.bifurcation_stop)
+        motion = motion_from(json.loads(str(said.bifurcation_motion.values)))
+        there = restored(
+            own, Bifurcation("grazing", value, error, 0, stop, str(said.bifurcation_after.values), motion=motion)
+        )
+        assert there is not None
+        assert isinstance(there.found, Graze)
+        if there.found.before.touched and there.found.kind in ("persists", "folds"):
+            yield there, other
+
+
+def judge(indices: range) -> int:
+    """How many grazes finite elements find from beyond, each within both errors, and as from the motion before it."""
+    count = 0
+    for index in indices:
+        for one, other in grazes(index):
+            search = _Search(one, other, SELVES, SELVES)
+            beyond, direct, said = search._from_beyond(), search._direct(), one.bifurcation
+            assert beyond is not None, (index, said.value)
+            assert abs(beyond.value - said.value) <= beyond.error + said.error, (index, said.value)
+            if direct is not None:
+                assert abs(beyond.value - direct.value) <= beyond.error + direct.error, (index, said.value)
+            count += 1
+    return count
+
+
+@in_one_thread
+def test_grazes_of_a_few_random_joints_are_found_from_either_side() -> None:
+    assert judge(FEW)
+
+
+@pytest.mark.thorough
+@in_one_thread
+def test_grazes_of_random_joints_are_found_from_either_side() -> None:
+    assert judge(MANY) >= 10
+
+
+@in_one_thread
+def test_from_beyond_a_graze_is_where_it_is() -> None:
+    """Seen from beyond, and from there again, it has the number that it has, and the motion the other contacts."""
+    for index in FEW:
+        for one, _ in grazes(index):
+            assert isinstance(one.found, Graze)
+            seen = seen_from_beyond(one.family, one.found)
+            assert seen is not None
+            assert not seen.before.touched
+            assert seen.value == pytest.approx(one.found.value, abs=2 * one.found.left + 1e-8 * abs(one.found.value))
+            assert set(seen.before.closings_of_sides) == set(one.found.before.closings_of_sides)
+            again = seen_from_beyond(one.family, seen)
+            assert again is not None
+            assert again.before.touched
+            assert again.before.place.closings == one.found.before.place.closings
