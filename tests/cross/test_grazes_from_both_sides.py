@@ -45,8 +45,8 @@ def grazes(n_modes: int) -> list[Graze]:
 @pytest.mark.parametrize("n_modes", [16, 24])
 def test_a_graze_has_one_value_from_both_sides(n_modes: int) -> None:
     smooth, touched = grazes(n_modes)
-    assert smooth.before.left == 0.0 < touched.before.left
-    assert smooth.left == touched.left == 0.0
+    assert smooth.before.left <= 1e-11 * smooth.value < 1e-7 * smooth.value < touched.before.left
+    assert max(smooth.left, touched.left) <= 1e-11 * smooth.value
     assert abs(touched.before.value - smooth.value) > 1e-6 * smooth.value  # what the straight line misses it by
     assert touched.value == pytest.approx(smooth.value, rel=1e-10)
 

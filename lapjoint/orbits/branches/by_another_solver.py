@@ -115,7 +115,7 @@ class _Search:
         A finer self of the first solver has looked for it from that motion already.  Where a graze is closer than the
         solvers have it to each other, it is looked for from there at once.
         """
-        ways = [] if self._is_own else [self._direct, self._from_beyond]
+        ways = [] if self._is_own else [self._from_beyond, self._direct]
         ways += [self._along, self._beside]
         if self._is_close_to_a_graze:
             ways.insert(0, ways.pop())

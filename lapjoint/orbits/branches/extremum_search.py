@@ -77,6 +77,8 @@ class OnExtremum:
     """Derivative of the number along the curve by the extremum's value, SI unit over m."""
     close: bool = True
     """Whether it is as near to its target as is aimed at."""
+    bent: float = 0.0
+    """By how much the tangent misses the way to the graze, over that way, on the smooth side."""
 
     @property
     def value(self) -> float:
@@ -97,8 +99,9 @@ class OnExtremum:
 
     @property
     def left(self) -> float:
-        """What may be left of the way to there, in the same unit: nothing on the smooth side of the graze."""
-        return SAFETY * abs(self.rate * self.extremum.value) if self.touched else 0.0
+        """What may be left of the way to there, in the same unit: as much as the way, or a share on the smooth side."""
+        share = 1.0 if self.touched else self.bent
+        return SAFETY * abs(self.rate * self.extremum.value) * share if share else 0.0
 
 
 def on_extremum(
@@ -183,6 +186,7 @@ class _Search:
         self._column, self._slope = np.zeros(0), 0.0
         self._tries, self._miss = 0, np.inf
         self._bend: float | None = None
+        self._first: tuple[float, float] | None = None
 
     def run(self, extremum: Extremum) -> OnExtremum | None:
         """Find it from the extremum of the place where it begins."""
@@ -193,6 +197,8 @@ class _Search:
             on_target = abs(good.extremum.value - self._target) <= _ON_TARGET * abs(self._target)
             on_target &= good.residual <= RESIDUAL
             J, bordered = self._bordered(good, on_target)
+            if self._first is None:
+                self._first = good.extremum.value, float(np.linalg.norm(self._along(good, bordered)))
             if on_target:
                 return self._found(good, J, bordered)
             if self._tries and self._way(good) <= _CLOSE_ENOUGH and self._towards and good.residual <= RESIDUAL:
@@ -273,10 +279,26 @@ class _Search:
 
     def _found(self, now: _Guess, J: FloatArray, bordered: FloatArray) -> OnExtremum:
         """The motion of a guess that closes."""
-        unit = np.append(np.zeros(now.r.size), 1 / self._scale)
-        rate = float(np.linalg.solve(bordered, unit)[-1]) * self._family.scale(now.value)
+        along = self._along(now, bordered)
+        rate = float(along[-1]) * self._family.scale(now.value)
         place = place_from(now.value, now.point, now.residual, now.found, J, now.weights)
-        return OnExtremum(place, now.extremum, rate)
+        return OnExtremum(place, now.extremum, rate, bent=self._bent(now, float(np.linalg.norm(along))))
+
+    def _along(self, now: _Guess, bordered: FloatArray) -> FloatArray:
+        """How a motion of the curve changes with the extremum's value, scaled, per m, shape ``(n + 1,)``."""
+        return np.asarray(np.linalg.solve(bordered, np.append(np.zeros(now.r.size), 1 / self._scale)))
+
+    def _bent(self, now: _Guess, length: float) -> float:
+        """By how much the tangent misses the way to the graze, over that way, given the arc length per m.
+
+        With the value as h + h' s + c s^2, its rates here and where the search began give c; the value need not vanish.
+        """
+        assert self._first is not None
+        here, (there, before) = now.extremum.value, self._first
+        if not self._towards or abs(there) <= abs(here):
+            return 0.0
+        root = 1 - here / (there - here) * ((length / before) ** 2 - 1)
+        return abs(2 / (1 + math.sqrt(root)) - 1) if root > 0 else math.inf
 
 
 class _Patient(_Search):

@@ -352,7 +352,7 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
             if graze is not None and graze.place.repeats_sooner_than(before.place):
                 continue
             if graze is not None and graze.place.closings[extremum.stop] in closings:
-                beyond = beyond_graze(family, graze, rate) if graze.left > 0 else None
+                beyond = beyond_graze(family, graze, rate) if graze.touched else None
                 other = None if beyond is None else just_beyond(family, beyond, rate)
                 best = sharper(family, graze, other, rate)
                 return Again(graze.place, best.value, best.left, _graze_shift(graze, duration))

@@ -331,7 +331,7 @@ def across(
     if beyond is None:
         return Graze(extremum.stop, graze.value, "ends", graze, soon.rate, index, graze.left), ()
     inside = _stays_inside(before, beyond, soon.rate)
-    other = None if inside and graze.left == 0.0 else just_beyond(family, beyond, soon.rate)
+    other = None if inside and not graze.touched else just_beyond(family, beyond, soon.rate)
     best, after = sharper(family, graze, other, soon.rate), beyond.place.going_on_from(here)
     if _leads_back(family, before, after):
         return None

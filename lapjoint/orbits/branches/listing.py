@@ -46,6 +46,8 @@ class Listed:
     """The motions at others of its kind nearby, as far as they are known, for which another solver may take it."""
     asked: bool = False
     """Whether finer solvers have been asked for it again, in vain."""
+    sure: bool = True
+    """As `Stated.sure`."""
 
     @property
     def index(self) -> int:
@@ -61,6 +63,11 @@ class Listed:
     def unconfirmed(self) -> bool:
         """Whether it was found, and finer solvers do not say how surely."""
         return self.doubtful and self.found is not None
+
+    @property
+    def to_be_asked(self) -> bool:
+        """Whether finer solvers are to be asked for it again: at most two agree so far, and may by chance."""
+        return not self.asked and (self.unconfirmed or not self.sure)
 
     @property
     def springing(self) -> Place | None:
@@ -212,7 +219,7 @@ def _named(family: Family, run: Run, one: Located | Graze, beside: tuple[int, in
     index, after = (one.index, one.kind) if isinstance(one, Graze) else (beside[1], "")
     motion = MotionThere(place.value, place.point, place.count)
     found = Bifurcation(kind, known.value, known.error, index, stop, after, _impulses(place), motion)
-    return Listed(family, found, one, Way(family, run, *beside))
+    return Listed(family, found, one, Way(family, run, *beside), sure=known.sure)
 
 
 def _impulses(place: Place) -> tuple[float, ...]:

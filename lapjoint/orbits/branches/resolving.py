@@ -164,7 +164,7 @@ def resolved(
 def _all_asked_again(found: Resolved) -> Resolved:
     """The same after what is in doubt has been asked for again."""
     own = found.bifurcations
-    asked = [asked_again(among(one, own)) if one.unconfirmed and not one.asked else one for one in own]
+    asked = [asked_again(among(one, own)) if one.to_be_asked else one for one in own]
     return replace(found, bifurcations=asked)
 
 
@@ -204,7 +204,7 @@ def _resolved(
 
 
 def asked_again(one: Listed, marches: float = np.inf) -> Listed:
-    """A bifurcation with its error by finer solvers among themselves, if it has none.
+    """A bifurcation with its error by finer solvers among themselves, if it has none, or one that may be by chance.
 
     One of them did not find it.  So the others must agree well: that there is nothing they would say by a large error.
     Where they do not come to it from motions of the branch, they may from those of a closer look around it.
@@ -221,12 +221,12 @@ def asked_again(one: Listed, marches: float = np.inf) -> Listed:
     Listed
         The same where it has an error, is not resolved, or they do not agree.
     """
-    if one.found is None or not one.unconfirmed:
+    if one.found is None or not (one.unconfirmed or not one.sure):
         return one
     for way in (one.way, Surroundings(one.family, motion_at(one.found))):
         known = by_another(replace(one, way=way), one.family, _ASKED, _FOLLOWED, marches)
         if known is not None and known.error <= AIM * one.family.scale(known.value):
-            return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error))
+            return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error), sure=True)
     return replace(one, asked=True)
 
 
@@ -324,7 +324,7 @@ class _Search:
             if found is None:
                 return None
             first, last, there = found
-            within = (one for one in self.bifurcations if first <= one.index <= last and not one.doubtful)
+            within = (one for one in self.bifurcations if first <= one.index <= last and not one.doubtful and one.sure)
             known = [one.bifurcation for one in within]
             narrow = _NARROW * finer.scale(there.places[0].value)
             return Part(first, last, _resolved(finer, there, self.levels - level, known=known, narrow=narrow))
@@ -448,7 +448,7 @@ def _with_less_than(doubt: tuple[int, float], part: Part) -> Part | None:
     for i, one in enumerate(own):
         if _doubt(own) < doubt or vain > doubt[0]:
             break
-        if one.unconfirmed and not one.asked:
+        if one.unconfirmed and one.to_be_asked:
             own[i] = asked_again(among(one, own), most)
             vain += own[i].doubtful
     return replace(part, found=replace(part.found, bifurcations=own)) if _doubt(own) < doubt else None

@@ -38,6 +38,8 @@ class Stated:
     """The number, in its SI unit."""
     error: float
     """Its error, in the same unit; infinite where none can be stated."""
+    sure: bool = True
+    """Whether the finer solver that is asked about two that agree has it, if there is one."""
 
 
 def apart_by(refinement: Refinement, difference: float) -> float:
@@ -80,7 +82,7 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
         next, where that is larger, with what its motion leaves of the way to a graze.  It is infinite where one of them
         does not find it.
     """
-    error, scale = np.inf, family.scale(value)
+    error, scale, sure = np.inf, family.scale(value), True
     try:
         for _ in range(_MOST):
             finer = family.finer(value)
@@ -92,13 +94,14 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
             bound = apart_by(finer[0], found.value - value)
             family, place, value = finer[1], found.place, found.value
             if bound <= AIM * scale:
-                bound = max(bound, _by_one_more(family, found, finder))
+                more = _by_one_more(family, found, finder)
+                bound, sure = max(bound, more or 0.0), more is not None
             error = bound + found.left + ROUNDING * scale
             if bound <= AIM * scale:
                 break
     except (InputError, SolverError):
         error = np.inf
-    return Stated(value, error)
+    return Stated(value, error, sure)
 
 
 def _same(family: Family, place: Place, value: float, finer: Family, finder: Finder) -> Again | None:
@@ -127,8 +130,8 @@ def _same(family: Family, place: Place, value: float, finer: Family, finder: Fin
     return found if same or abs(back.value - value) <= SHARE_BACK * apart else None
 
 
-def _by_one_more(family: Family, found: Again, finder: Finder) -> float:
-    """The error of what two solvers agree on, by the next finer solver; 0 if that does not find it.
+def _by_one_more(family: Family, found: Again, finder: Finder) -> float | None:
+    """The error of what two solvers agree on, by the next finer solver; None if that does not find it.
 
     Where its motion has other contacts, as it has the graze earlier, it locates it.
     """
@@ -141,5 +144,7 @@ def _by_one_more(family: Family, found: Again, finder: Finder) -> float:
             there = _same(family, found.place, found.value, finer[1], finder)
         except (InputError, SolverError):
             there = None
-        shift = 0.0 if there is None else there.value - found.value
+        if there is None:
+            return None
+        shift = there.value - found.value
     return apart_by(finer[0], shift)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from finer_curve import FINER, both_ways, family
 
@@ -19,10 +20,12 @@ from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import motion_at
+from lapjoint.orbits.branches.grazing import beyond_graze, just_beyond, located_graze, sharper
 from lapjoint.orbits.branches.listing import listed
 from lapjoint.orbits.branches.resolving import Resolved, resolved
 from lapjoint.orbits.branches.restored import restored
-from lapjoint.orbits.branches.run import Limits, Run, joined
+from lapjoint.orbits.branches.run import Graze, Limits, Run, joined
+from lapjoint.orbits.branches.shooting import taken_over
 from lapjoint.orbits.branches.tracing import trace
 
 MOTIONS = json.loads((Path(__file__).parent / "in_doubt.json").read_text(encoding="utf-8"))
@@ -143,3 +146,40 @@ def test_beyond_a_graze_of_one_half_lies_no_motion_that_lacks_a_contact_in_both(
         assert len(mine) == count
         for one in mine:
             assert min(abs(value - one.value) for value in known) <= one.error
+
+
+@in_one_thread
+def test_what_two_selves_have_alike_by_chance_finer_ones_state() -> None:
+    """They had a flip within 9e-8 rad/s; finer ones, which did not find it from there, have it 7.6e-6 beside that."""
+    branch, middle = traced("by_chance")
+    known = [one.value for way in both_ways(middle, FOLLOWED) for one in way if one.kind == "flip"]
+    (flip,) = [one for one in branch.bifurcations if one.kind == "flip"]
+    assert min(abs(value - flip.value) for value in known) <= flip.error <= AIM * flip.value
+
+
+@in_one_thread
+def test_a_curve_that_turns_before_it_touches_leaves_what_it_may() -> None:
+    """Coarse selves come to a graze; by finer ones the extremum turns 4e-10 m short of it.
+
+    Their straight lines from there differ by 9e-5 rad/s, nine times the error that two of them would give.
+    """
+    branch, _ = traced("turns_before_it_touches")
+    *_, graze = [one for one in branch.bifurcations if one.kind == "grazing"]
+    one = restored(family(), graze)
+    assert one is not None
+    assert isinstance(one.found, Graze)
+    finer, place, rate = family().self_at(2), motion_at(one.found), one.found.rate
+    own = taken_over(finer, place)
+    assert own is not None
+    extremum = own.matching(one.found.before.extremum, place.extrema.duration)
+    assert extremum is not None
+    before = located_graze(finer, own, extremum, rate)
+    assert before is not None
+    beyond = beyond_graze(finer, before, rate)
+    assert beyond is not None
+    nearest = just_beyond(finer, beyond, rate)
+    assert nearest is not None
+    assert not nearest.touched
+    assert np.isinf(nearest.left)
+    assert sharper(finer, before, nearest, rate) is before
+    assert abs(graze.value - nearest.value) <= 2 * graze.error <= 2 * AIM * graze.value

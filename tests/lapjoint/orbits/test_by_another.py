@@ -17,7 +17,7 @@ from made_map import Blocks, Made, MadeMap, made_problem, of_trace, pair
 from lapjoint import Problem
 from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches import by_another_solver
+from lapjoint.orbits.branches import by_another_solver, resolving
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.corrector import corrected
@@ -177,6 +177,37 @@ def test_what_is_found_along_a_curve_counts_only_if_it_is_surer(
     assert found is not None
     assert found.value == pytest.approx(value, abs=1e-6)
     assert found.error == error
+
+
+@pytest.mark.parametrize(
+    ("answer", "value", "error"),
+    [(Stated(AT + 2e-6, 1e-7), AT + 2e-6, 1e-7), (Stated(AT + 2e-6, 1e-3), AT, 1e-9), (None, AT, 1e-9)],
+)
+def test_what_two_may_have_alike_by_chance_is_asked_for_again_once(
+    monkeypatch: pytest.MonkeyPatch, answer: Stated | None, value: float, error: float
+) -> None:
+    """What finer selves are sure of takes its place, and nothing else does."""
+    asked = list[object]()
+
+    def by_finer(one: Listed, *_: object) -> Stated | None:
+        asked.append(one)
+        return answer
+
+    monkeypatch.setattr(resolving, "by_another", by_finer)
+    own = family_of(Made(lambda p: [pair(float(np.exp(300 * (p - AT))), 1.0), pair(0.3, 1.0)]))
+    place = corrected(own, AT, own.at(AT).map.initial(), 2)
+    assert place is not None
+    said = Bifurcation("neimark-sacker", AT, 1e-9, 0)
+    sure = Listed(own, said, Located("neimark-sacker", place))
+    assert resolving.asked_again(sure) is sure
+    assert not sure.to_be_asked
+    assert not asked
+    unsure = replace(sure, sure=False)
+    assert unsure.to_be_asked
+    again = resolving.asked_again(unsure)
+    assert asked
+    assert (again.bifurcation.value, again.bifurcation.error) == (value, error)
+    assert not again.to_be_asked
 
 
 @dataclass(frozen=True)

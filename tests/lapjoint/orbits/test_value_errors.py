@@ -15,9 +15,9 @@ from made_map import Blocks, Made, MadeMap, made_problem, pair
 
 from lapjoint import Problem
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import smooth_finder
+from lapjoint.orbits.branches.found_again import Again, smooth_finder
 from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.value_errors import AIM, Stated, stated
 from lapjoint.orbits.refinement import Refinement
@@ -122,3 +122,22 @@ def test_a_neighbour_on_which_finer_solvers_agree_is_not_stated(level: int) -> N
         )
         found = stated_of("flip", solver, AT)
         assert found.error == np.inf or abs(found.value - AT) <= found.error
+
+
+@pytest.mark.parametrize(("lacks", "selves", "sure"), [((), 4, True), ((2,), 4, False), ((3,), 4, True), ((), 2, True)])
+def test_what_the_third_self_lacks_is_not_sure(lacks: tuple[int, ...], selves: int, sure: bool) -> None:
+    """Two agree, and may by chance; where there is no third one, none is to be asked."""
+    shifts = (3e-8, 2e-8, 1e-8, 0.0)[:selves]
+    solver = Irregular(blocks_of("flip", 20.0), shifts)
+    grid = Grid(made_problem(LOW), (Axis(AMPLITUDE, (LOW, HIGH)),))
+    family = Family(solver, lambda number: grid.with_values((number,)), AMPLITUDE, LOW, HIGH)
+    place = corrected(family, AT, family.at(AT).map.initial(), 2)
+    assert place is not None
+
+    def finder(own: Family, place: Place) -> Again | None:
+        return None if own.level in lacks else Again(place, AT + shifts[own.level])
+
+    found = stated(family, place, AT + shifts[0], finder)
+    assert found.value == AT + shifts[1]
+    assert found.error <= AIM
+    assert found.sure == sure
