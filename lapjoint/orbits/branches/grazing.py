@@ -6,8 +6,9 @@ extremum has a given value are looked for, for values ever nearer to zero, from 
 then for one beyond.
 
 The number at the graze is p - (dp/dh*) h* from the nearest motion.  On the smooth side that leaves the square of the
-arc length, or more where the curve is about to turn (`OnExtremum.bent`).  On the other p - p* goes as a power q < 1 of h*, and (1/q - 1) times what is taken off is left, as much
-again where q = 1/2; every solver leaves about the same, so that no refinement shows it.
+arc length, or more where the curve is about to turn (`OnExtremum.bent`).  On the other p - p* goes as a power q < 1 of
+h*, and (1/q - 1) times what is taken off is left, as much again where q = 1/2; every solver leaves about the same, so
+that no refinement shows it.
 """
 
 from __future__ import annotations
