@@ -197,7 +197,7 @@ class _Search:
             on_target = abs(good.extremum.value - self._target) <= _ON_TARGET * abs(self._target)
             on_target &= good.residual <= RESIDUAL
             J, bordered = self._bordered(good, on_target)
-            if self._first is None:
+            if self._towards and self._first is None:
                 self._first = good.extremum.value, float(np.linalg.norm(self._along(good, bordered)))
             if on_target:
                 return self._found(good, J, bordered)
@@ -293,9 +293,8 @@ class _Search:
 
         With the value as h + h' s + c s^2, its rates here and where the search began give c; the value need not vanish.
         """
-        assert self._first is not None
-        here, (there, before) = now.extremum.value, self._first
-        if not self._towards or abs(there) <= abs(here):
+        here, (there, before) = now.extremum.value, self._first or (0.0, 0.0)
+        if abs(there) <= abs(here):
             return 0.0
         root = 1 - here / (there - here) * ((length / before) ** 2 - 1)
         return abs(2 / (1 + math.sqrt(root)) - 1) if root > 0 else math.inf
