@@ -343,11 +343,14 @@ class _Search:
         graze = self.one.found
         if not isinstance(graze, Graze) or not graze.before.touched:
             return None
-        seen = seen_from_beyond(self.one.family, graze)
-        if seen is None:
+        try:
+            seen = seen_from_beyond(self.one.family, graze)
+            if seen is None:
+                return None
+            there = replace(self.one, found=seen)
+            return _Search(there, self.family, self.finer, self.followed, self.marches - self._marched)._direct()
+        except (InputError, SolverError):  # the motion before it is left
             return None
-        there = replace(self.one, found=seen)
-        return _Search(there, self.family, self.finer, self.followed, self.marches - self._marched)._direct()
 
     def _kept(self, i: int, found: Again | None) -> Again | None:
         if found is not None:
