@@ -180,7 +180,10 @@ def test_a_graze_that_repeats_sooner_is_looked_for_from_farther_before(
     repeating: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """From the first of four places before it Newton's method leads to the branch from which its own springs."""
-    grazes = [SimpleNamespace(place=at(repeats_sooner=i < repeating), value=float(i), left=0.0) for i in range(4)]
+    grazes = [
+        SimpleNamespace(place=at(repeats_sooner=i < repeating), value=float(i), left=0.0, touched=False)
+        for i in range(4)
+    ]
     located, family, extremum = iter(grazes), Any, SimpleNamespace(stop=0)
     monkeypatch.setattr(found_again, "taken_over", lambda *_: at(repeats_sooner=False))
     monkeypatch.setattr(found_again, "corrected", lambda *_: at(repeats_sooner=False))
