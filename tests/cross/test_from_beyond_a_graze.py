@@ -27,6 +27,7 @@ from lapjoint.campaigns.branch_dataset import KINDS
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.by_another_solver import _Search, by_another
+from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.grazing import seen_from_beyond
 from lapjoint.orbits.branches.listing import Listed
@@ -105,6 +106,17 @@ def test_grazes_of_random_joints_are_found_from_either_side() -> None:
     assert judge(MANY) >= 10
 
 
+def nearer(family: Family, graze: Graze, share: float) -> bool:
+    """Whether the curve comes nearer to a graze by a share of the way to it, along its tangent."""
+    before = graze.before
+    step = share * abs(before.extremum.value / graze.rate)
+    place = corrected(family, *before.place.moved(family, step * before.place.tangent), before.place.count)
+    assert place is not None
+    there = place.matching(before.extremum, before.place.extrema.duration)
+    assert there is not None
+    return abs(there.value) < abs(before.extremum.value)
+
+
 @in_one_thread
 def test_from_beyond_a_graze_is_where_it_is() -> None:
     """Seen from beyond, and from there again, it has the number that it has, and the motion the other contacts."""
@@ -114,6 +126,9 @@ def test_from_beyond_a_graze_is_where_it_is() -> None:
             seen = seen_from_beyond(one.family, one.found)
             assert seen is not None
             assert not seen.before.touched
+            assert seen.before.bent == 0.0  # it has been come to across the graze, which tells nothing of how it bends
+            assert nearer(one.family, seen, 0.1)
+            assert not nearer(one.family, seen, -0.1)
             assert seen.value == pytest.approx(one.found.value, abs=2 * one.found.left + 1e-8 * abs(one.found.value))
             assert set(seen.before.closings_of_sides) == set(one.found.before.closings_of_sides)
             again = seen_from_beyond(one.family, seen)

@@ -17,15 +17,19 @@ from made_map import Blocks, Made, MadeMap, made_problem, of_trace, pair
 from lapjoint import Problem
 from lapjoint.answers.branches import Bifurcation, MotionThere
 from lapjoint.campaigns import Axis, Grid
+from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches import by_another_solver, resolving
 from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.by_another_solver import by_another
 from lapjoint.orbits.branches.corrector import corrected
+from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import Again
+from lapjoint.orbits.branches.gap_extrema import Extremum
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.locating import Kind
 from lapjoint.orbits.branches.restored import restored
+from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.branches.value_errors import AIM, Stated
 from lapjoint.orbits.refinement import SAFETY, Refinement
 
@@ -208,6 +212,46 @@ def test_what_two_may_have_alike_by_chance_is_asked_for_again_once(
     assert asked
     assert (again.bifurcation.value, again.bifurcation.error) == (value, error)
     assert not again.to_be_asked
+    whole = resolving._all_asked_again(resolving.Resolved([place], [sure, unsure], [own], ("", "")))
+    assert [(one.bifurcation.value, one.bifurcation.error) for one in whole.bifurcations] == [
+        (AT, 1e-9),
+        (value, error),
+    ]
+
+
+def touched_graze() -> tuple[Listed, Family]:
+    """A graze that a made motion touches; only how it is looked for from beyond matters."""
+    own, other = (family_of(Made(lambda p: [pair(0.3, 1.0), pair(0.3, 1.0)])) for _ in range(2))
+    place = corrected(own, AT, own.at(AT).map.initial(), 2)
+    assert place is not None
+    place.__dict__["closings"] = (1,)
+    before = OnExtremum(place, Extremum(0, 0.1, 1e-9, True, 0), 1.0)
+    assert before.touched
+    return Listed(own, Bifurcation("grazing", AT, 0.0, 0, 0), Graze(0, AT, "persists", before, -1.0, 1)), other
+
+
+@pytest.mark.parametrize("error", [SolverError("lost"), InputError("left")])
+def test_a_graze_that_is_not_found_beyond_is_looked_for_from_before(
+    monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def lost(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(by_another_solver, "seen_from_beyond", lost)
+    monkeypatch.setattr(by_another_solver._Search, "_direct", lambda _: Stated(AT, 1e-7))
+    assert by_another(*touched_graze()) == Stated(AT, 1e-7)
+
+
+def test_what_is_left_of_the_marches_is_for_a_graze_seen_from_beyond() -> None:
+    """Seen so, the search is another one."""
+    left = list[float]()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(by_another_solver, "seen_from_beyond", lambda _, graze: graze)
+        patch.setattr(by_another_solver._Search, "_direct", lambda it: left.append(it.marches - it._marched))
+        search = by_another_solver._Search(*touched_graze(), 1, 1, 100.0)
+        search.family.marches += 30
+        assert search._from_beyond() is None
+    assert left == [70.0]
 
 
 @dataclass(frozen=True)
