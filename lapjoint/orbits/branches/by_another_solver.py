@@ -212,13 +212,22 @@ class _Search:
     def _is_it(self, i: int, near: Place, found: Again) -> bool:
         """Whether what a self finds is the bifurcation, and not a neighbour: from there, the first solver finds it."""
         beyond = self._contacts_beyond(found.place)
-        if beyond is None or not self._is_nearest(i, found):
+        if beyond is None:
+            return False
+        if not self._is_nearest(i, found):
+            self._forget_coarser(i)
             return False
         way = float(np.linalg.norm(found.place.chord(self.selves[i], near)))
         there = Carrier(self.selves[i], found.place)
         sure = 0.0 if beyond else NEAR if isinstance(self.one.found, Graze) else _SURE
         own = self.one.family
         return comes_back(way, own, self.motion, lambda: there.carried(own), self.from_motion, sure)
+
+    def _forget_coarser(self, i: int) -> None:
+        """Take for missed what coarser selves than one that comes to a rival have found: it may be that rival."""
+        for k in [k for k in self.found if k < i]:
+            del self.found[k]
+            self.missed.add(k)
 
     def _is_nearest(self, i: int, found: Again, spring: Springing | None = None) -> bool:
         """Whether what a self has found is nearer to the first solver's motion than to those at its rivals.

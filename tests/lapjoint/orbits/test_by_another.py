@@ -219,6 +219,23 @@ def test_what_two_may_have_alike_by_chance_is_asked_for_again_once(
     ]
 
 
+@pytest.mark.parametrize("from_one", [1, 2, 3])
+def test_what_coarse_selves_find_does_not_count_where_finer_ones_come_to_a_rival(
+    monkeypatch: pytest.MonkeyPatch, from_one: int
+) -> None:
+    """Coarse finite elements had the neighbour of a fold 2.2e-4 rad/s off, which finer ones told from it."""
+
+    def blocks(p: float) -> list[np.ndarray]:
+        return [pair(float(np.exp(300 * (p - AT))), 1.0), pair(0.3, 1.0)]
+
+    far = Patchy(blocks, 1e-4)  # too far apart for a sure answer by the coarse ones
+    found = found_by_another(blocks, far, 3)
+    assert found is not None
+    assert abs(found.value - AT) <= found.error
+    monkeypatch.setattr(by_another_solver._Search, "_is_nearest", lambda _, i, *rest: i < from_one)
+    assert found_by_another(blocks, far, 3) is None
+
+
 def touched_graze() -> tuple[Listed, Family]:
     """A graze that a made motion touches; only how it is looked for from beyond matters."""
     own, other = (family_of(Made(lambda p: [pair(0.3, 1.0), pair(0.3, 1.0)])) for _ in range(2))
