@@ -18,13 +18,13 @@ import pytest
 from branch_witness import drawn
 from finer_curve import HIGH, LOW, family
 
-import analytic
 import fe_lapjoint
 from lapjoint import branch
 from lapjoint.answers.branches import Bifurcation
-from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.campaigns import FREQUENCY
 from lapjoint.campaigns.branch_dataset import KINDS
-from lapjoint.campaigns.branch_parts import motion_from
+from lapjoint.campaigns.branch_parts import family_of, motion_from
+from lapjoint.campaigns.confirm_plan import confirm_plan
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.by_another_solver import _Search, by_another
 from lapjoint.orbits.branches.corrector import corrected
@@ -62,22 +62,17 @@ def grazes(index: int) -> Iterator[tuple[Listed, Family]]:
     """Those of a random joint whose motion touches, and that go on beyond; with the finite elements' maps."""
     one = drawn(SEED, index)
     found = branch(one.problem, one.path, one.low, one.high, options={"n_modes": MODES}, max_points=200, effort=200)
-    grid = Grid(one.problem, (Axis(one.path, (one.low, one.high)),))
-    own, other = (
-        Family(solver, lambda value: grid.with_values((value,)), one.path, one.low, one.high)
-        for solver in (analytic.Solver(n_modes=MODES), fe_lapjoint.Solver(elements=ELEMENTS))
-    )
-    for i in np.flatnonzero(found.bifurcation_kind.values == KINDS.index("grazing")):
-        said = found.isel(bifurcation=i)
-        value, error, stop = float(said.bifurcation_value), float(said.bifurcation_error), int(said.bifurcation_stop)
-        motion = motion_from(json.loads(str(said.bifurcation_motion.values)))
-        there = restored(
-            own, Bifurcation("grazing", value, error, 0, stop, str(said.bifurcation_after.values), motion=motion)
-        )
-        assert there is not None
-        assert isinstance(there.found, Graze)
-        if there.found.before.touched and there.found.kind in ("persists", "folds"):
-            yield there, other
+    if not (found.bifurcation_kind.values == KINDS.index("grazing")).any():
+        return
+    plan = confirm_plan(found, "fe", {"elements": ELEMENTS})
+    own, other = family_of(plan.branches.at(0)), family_of(plan.other.at(0))
+    for row in plan.rows:
+        if row.kind == "grazing" and found.bifurcation_after.values[row.number] in ("persists", "folds"):
+            there = restored(own, row.bifurcation)
+            assert there is not None
+            assert isinstance(there.found, Graze)
+            if there.found.before.touched:
+                yield there, other
 
 
 def judge(indices: range) -> int:

@@ -3,9 +3,9 @@
 The other solver finds it by its own marches, derivatives and multipliers.  Of its selves, each finer than the one
 before, a finer one begins, as its motion is nearer to that of the first solver; the next coarser one begins from the
 finer one's motion, and how far apart both are gives the error; if that one alone lacks it, one coarser still does.  The
-first solver's number decides only which two are asked first.  Where none comes from the motion at the bifurcation, they
-begin on the other side if it is a graze, follow the curve from motions beside it, or begin at the graze next to it as
-they have that; they begin there at once where that is very near.
+first solver's number decides only which two are asked first.  Where the motion touches at a graze already, they begin
+on its other side.  Where none comes from the motion at the bifurcation, they follow the curve from motions beside it,
+or begin at the graze next to it as they have that; they begin there at once where that is very near.
 
 A bifurcation that the next finer self of the first solver does not find is looked for in the same way by its selves.
 """
@@ -110,7 +110,7 @@ class _Search:
         self.marches += self._marched
 
     def run(self) -> Stated | None:
-        """From the motion at it, or beyond it, along the curve of the other solver, or from a graze beside it.
+        """From beyond it, from the motion at it, along the curve of the other solver, or from a graze beside it.
 
         A finer self of the first solver has looked for it from that motion already.  Where a graze is closer than the
         solvers have it to each other, it is looked for from there at once.

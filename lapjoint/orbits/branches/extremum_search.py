@@ -101,7 +101,7 @@ class OnExtremum:
     def left(self) -> float:
         """What may be left of the way to there, in the same unit: as much as the way, or a share on the smooth side."""
         share = 1.0 if self.touched else self.bent
-        return SAFETY * abs(self.rate * self.extremum.value) * share if share else 0.0
+        return SAFETY * abs(self.rate * self.extremum.value) * share
 
 
 def on_extremum(
@@ -293,9 +293,10 @@ class _Search:
 
         With the value as h + h' s + c s^2, its rates here and where the search began give c; the value need not vanish.
         """
-        here, (there, before) = now.extremum.value, self._first or (0.0, 0.0)
-        if abs(there) <= abs(here):
+        here = now.extremum.value
+        if self._first is None or abs(self._first[0]) <= abs(here):
             return 0.0
+        there, before = self._first
         root = 1 - here / (there - here) * ((length / before) ** 2 - 1)
         return abs(2 / (1 + math.sqrt(root)) - 1) if root > 0 else math.inf
 

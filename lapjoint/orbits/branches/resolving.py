@@ -219,9 +219,9 @@ def asked_again(one: Listed, marches: float = np.inf) -> Listed:
     Returns
     -------
     Listed
-        The same where it has an error, is not resolved, or they do not agree.
+        The same where it has an error that is sure, is not resolved, or they do not agree.
     """
-    if one.found is None or not (one.unconfirmed or not one.sure):
+    if one.found is None or (one.sure and not one.unconfirmed):
         return one
     for way in (one.way, Surroundings(one.family, motion_at(one.found))):
         known = by_another(replace(one, way=way), one.family, _ASKED, _FOLLOWED, marches)
@@ -448,7 +448,7 @@ def _with_less_than(doubt: tuple[int, float], part: Part) -> Part | None:
     for i, one in enumerate(own):
         if _doubt(own) < doubt or vain > doubt[0]:
             break
-        if one.unconfirmed and one.to_be_asked:
+        if one.unconfirmed and not one.asked:
             own[i] = asked_again(among(one, own), most)
             vain += own[i].doubtful
     return replace(part, found=replace(part.found, bifurcations=own)) if _doubt(own) < doubt else None

@@ -80,7 +80,7 @@ def stated(family: Family, place: Place, value: float, finder: Finder) -> Stated
     Stated
         By the finest solver that located it; its error is that of the one before it, or its own by one motion of the
         next, where that is larger, with what its motion leaves of the way to a graze.  It is infinite where one of them
-        does not find it.
+        does not find it, and not sure where only the one that is asked last does not.
     """
     error, scale, sure = np.inf, family.scale(value), True
     try:
