@@ -22,7 +22,7 @@ from analytic.march.compiled import (
 )
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
-from analytic.march.tangent import flow, new_switching, saltation
+from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from lapjoint.compiled_arrays import put, zeros
 from lapjoint.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -63,6 +63,7 @@ def advance_periods(
     slots: IntArray,
     sections: FloatArray,
     now: FloatArray,
+    level: FloatArray,
     sizes: FloatArray,
     most: int,
 ) -> tuple[int, FloatArray]:
@@ -89,6 +90,8 @@ def advance_periods(
     now : FloatArray, shape (2 N, m)
         Deviations (dq, dv) at the time of `motion`, before a pending switch, kg^1/2 m and kg^1/2 m/s, as columns, if
         there are any; changed in place.
+    level : FloatArray, shape (P, m)
+        At which level each stop switches next with these, m; changed in place, and anything at the start of a period.
     sizes : FloatArray, shape (count,) or (0,)
         If it has room, it takes the size of the one deviation at the end of each period, kg^1/2 m, after which that is
         scaled to 1.
@@ -104,7 +107,7 @@ def advance_periods(
     """
     carried, depth = now.shape[1] > 0, bool(np.bool_(False))
     q_old, v_old = motion.q.copy(), motion.v.copy()
-    switching = new_switching(motion.q.size, now.shape[1])
+    switching, own = new_switching(level, motion.q.size), zeros(0)
     while motion.counts[PERIODS] < count:
         slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
         if carried:
@@ -118,6 +121,8 @@ def advance_periods(
             rate, q, v = motion.time[1], motion.q, motion.v
             saltation(tables, slot, stop, work.theta, rate, q_old, v_old, q, v, n, m, now, then, switching)
             now = then
+        if carried:
+            set_levels(tables, motion.counts[SLOT], stop >= 0, work.theta, motion.q, motion.v, now, own, switching)
         if not leave(tables, None, None, motion, work, period, 0.0, depth):
             return STUCK, now
         if carried:

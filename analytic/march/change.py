@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from analytic.march.oscillator import SPLIT
 from analytic.march.tables import IntArray, Tables
-from analytic.march.tangent import write_rates
+from analytic.march.tangent import Switching, beyond_modes, write_rates
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.by_reference import by_reference
 from lapjoint.compiled_arrays import bool_zeros, complex_zeros, zeros
@@ -124,7 +124,7 @@ def add_switch_change(
     t: float,
     theta: ComplexArray,
     rate: float,
-    jump: FloatArray,
+    work: Switching,
     now: FloatArray,
 ) -> None:
     """Add what a switch and its passage change by themselves to the last of some deviations after it, in place.
@@ -141,21 +141,16 @@ def add_switch_change(
         exp(i theta_h), without unit, then.
     rate : float
         With which h', m/s.
-    jump : ndarray, shape (2 N,)
-        What a switch later by a second changes, as `analytic.march.tangent.saltation` writes it.
+    work : Switching
+        With what `analytic.march.tangent.saltation` has written; its `delay` is added to.
     now : ndarray, shape (2 N_new, m)
         Deviations (dq, dv) just after the switch, likewise.
     """
-    u, last = tables.position[k], now.shape[1] - 1
-    n_old, n_new = tables.modes[old], tables.modes[tables.next_slot[old, k]]
+    u, last, n_new = tables.position[k], now.shape[1] - 1, tables.modes[tables.next_slot[old, k]]
     onto = tables.carry_residual[old, k]
-    z = 0.0
-    for h in range(theta.size):
-        own = tables.forced[old, u, h]
-        for i in range(n_old):
-            own -= tables.weight[old, u, i] * tables.harmonic[old, h, i]
-        z += (own * theta[h] * complex(change.size[h], t * change.omega * tables.omega[h])).imag
-    delay = z * (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
+    z = _own_change(tables, change, old, u, t, theta)
+    delay, jump = z * (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate, work.jump
+    work.delay[last] += delay
     for j in range(n_new):
         x, y = jump[j] * delay, jump[n_new + j] * delay
         for h in range(theta.size):
@@ -165,6 +160,43 @@ def add_switch_change(
             y += onto[1 + h, j] * omega * ((change.omega + size) * cosine - sine * turned)
         now[j, last] += x
         now[n_new + j, last] += y
+
+
+@njit_inner()
+def _own_change(tables: Tables, change: Change, slot: int, u: int, t: float, theta: ComplexArray) -> float:
+    """Derivative of the displacement at a position of stops that is no mode's, m over the number's unit."""
+    z = 0.0
+    for h in range(theta.size):
+        turned = complex(change.size[h], t * change.omega * tables.omega[h])
+        z += (beyond_modes(tables, slot, u, h) * theta[h] * turned).imag
+    return z
+
+
+@njit_inner()
+def own_changes(tables: Tables, change: Change, slot: int, t: float, theta: ComplexArray) -> FloatArray:
+    """How much gap functions change by themselves, while the motion stays where it is.
+
+    Parameters
+    ----------
+    tables, change : Tables, Change
+        The states of the joint, and how its harmonics change.
+    slot : int
+        The state.
+    t : float
+        When, s from the start of the march.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, then.
+
+    Returns
+    -------
+    FloatArray, shape (P,)
+        Derivatives, m over the unit of the number.
+    """
+    own = zeros(tables.sign.size)
+    for k in range(own.size):
+        z = _own_change(tables, change, slot, tables.position[k], t, theta)
+        own[k] = -tables.sign[k] * z if tables.closed[slot, k] else tables.sign[k] * z
+    return own
 
 
 @njit_inner()

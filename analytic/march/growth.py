@@ -60,8 +60,11 @@ def march_linearised(
     """
     motion, work, now, status = begun(joint, begin, 0.0), new_work(joint.tables), deviations.copy(), MISSING_SWITCH
     total, none = np.zeros((1, motion.total.size)), (np.zeros(0, dtype=np.int64), np.zeros((0, 2, motion.q.size)))
+    level, sizes = np.zeros((motion.total.size, now.shape[1])), np.zeros(0)
     while status != DONE:
-        status, now = advance_periods(joint.tables, motion, work, end, 1, total, *none, now, np.zeros(0), MOST_SWITCHES)
+        status, now = advance_periods(
+            joint.tables, motion, work, end, 1, total, *none, now, level, sizes, MOST_SWITCHES
+        )
         settle_status(joint, motion, status, MOST_SWITCHES)
     return ended(joint, motion), now
 
@@ -106,10 +109,10 @@ def measure_growth(
     motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
     penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)
     coordinates, sizes, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
-    now = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
+    now, level = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period), np.zeros((motion.total.size, 1))
     while status != DONE:
         status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, sizes, max_switches
+            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, max_switches
         )
         settle_status(joint, motion, status, max_switches)
     march = joint, ended(joint, motion), penetration.sum(axis=0), int(motion.counts[SWITCHES]), slots, coordinates

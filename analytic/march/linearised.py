@@ -6,11 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.change import Change, add_end_change, add_forced_change, add_switch_change, changes_of_answers
+from analytic.march.change import (
+    Change,
+    add_end_change,
+    add_forced_change,
+    add_switch_change,
+    changes_of_answers,
+    own_changes,
+)
 from analytic.march.compiled import Log
 from analytic.march.march import March
 from analytic.march.tables import Tables
-from analytic.march.tangent import flow, new_switching, saltation
+from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from analytic.march.terms import set_phases
 from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
@@ -105,15 +112,18 @@ def _carry(
     `both`, ``(2, 2 N, m)``, has them at the start, the first `units` by it and the other by the number; `starts`,
     ``(K, 2 N, m)``, takes those at the start of the segment `first`, and of others after it.
 
-    Where fast modes have died out, those of the others are all that is left.  Then a unit of each of these is carried
-    on instead, which are fewer columns, and is multiplied by what there was of them, `since`, where it is wanted.
+    Where fast modes have died out, those of the others are all that is left, and the level at which the next stop
+    switches.  Then a unit of each of these is carried on instead, which are fewer columns, and is multiplied by what
+    there was of them, `since`, where it is wanted.
     """
     here, then, since, changes = both[0], both[1], zeros((0, units)), complex_zeros((0, 0, 0))
-    now, theta = zeros(here.shape), complex_zeros(tables.omega.size)
-    work = new_switching(tables.kind.shape[1], here.shape[1])
+    now, theta, own = zeros(here.shape), complex_zeros(tables.omega.size), zeros(0)
+    work = new_switching(zeros((tables.sign.size, here.shape[1])), tables.kind.shape[1])
     set_phases(tables, log.start[0], theta)
     if change is not None:
         changes = changes_of_answers(tables, change, log.slot)
+        own = own_changes(tables, change, log.slot[0], log.start[0], theta)
+    set_levels(tables, log.slot[0], False, theta, log.q[0], log.v[0], here, own, work)
     for i in range(log.slot.size):
         slot, n, left = log.slot[i], tables.modes[log.slot[i]], log.slot.size - 1 - i
         if change is not None:  # what it does to the forced motion does not flow
@@ -121,8 +131,14 @@ def _carry(
         if first <= i < first + starts.shape[0]:
             _write(here[: 2 * n], units, since, starts[i - first])
         live = flow(tables, slot, log.end[i] - log.start[i], here, now)
-        if left >= _WORTH_IT and 2 * live <= _FEWER * units:
-            since, now, units = _left_of(now, units, since, n, live), _units(now, units, n, live), 2 * live
+        if left >= _WORTH_IT and 2 * live + 1 <= _FEWER * units:
+            level = work.level[log.stop[i]] if log.stop[i] >= 0 else zeros(now.shape[1])
+            since, begin = _left_of(now, level, units, since, n, live), _units(now, units, n, live)
+            work = new_switching(zeros((tables.sign.size, begin.shape[1])), tables.kind.shape[1])
+            if log.stop[i] >= 0:
+                work.level[log.stop[i], 2 * live] = 1.0
+                put(work.level[log.stop[i], 2 * live + 1 :], level[units:])
+            now, units = begin, 2 * live + 1
             here, then = zeros(now.shape), zeros(now.shape)
         set_phases(tables, log.end[i], theta)  # when the next segment starts
         if change is not None:
@@ -132,11 +148,16 @@ def _carry(
             q_old, v_old, q_new, v_new = log.q_end[i], log.v_end[i], log.q[i + 1], log.v[i + 1]
             saltation(tables, slot, k, theta, rate, q_old, v_old, q_new, v_new, live, units, now, then, work)
             if change is not None:
-                add_switch_change(tables, change, slot, k, t, theta, rate, work.jump, then)
+                add_switch_change(tables, change, slot, k, t, theta, rate, work, then)
             here, then = then, here
         elif left > 0:
             for j in range(2 * n):
                 put(here[j], now[j])
+        if left > 0:
+            if change is not None:
+                own = own_changes(tables, change, log.slot[i + 1], log.end[i], theta)
+            q, v = log.q[i + 1], log.v[i + 1]
+            set_levels(tables, log.slot[i + 1], log.stop[i] >= 0, theta, q, v, here, own, work)
     i = log.slot.size - 1
     if change is not None:
         add_end_change(tables, log.slot[i], theta, later, log.q_end[i], log.v_end[i], now)
@@ -145,9 +166,10 @@ def _carry(
 
 
 @njit_inner()
-def _left_of(now: FloatArray, units: int, since: FloatArray, n: int, live: int) -> FloatArray:
-    """What there is of the deviations of the first `live` modes, ``(2 live, m)``."""
-    left = zeros((2 * live, units))
+def _left_of(now: FloatArray, level: FloatArray, units: int, since: FloatArray, n: int, live: int) -> FloatArray:
+    """What there is of deviations of the first `live` modes, and of their `level`, ``(m,)``: ``(2 live + 1, m)``."""
+    left = zeros((2 * live + 1, units))
+    put(left[2 * live], level[:units])
     for j in range(live):
         put(left[j], now[j, :units])
         put(left[live + j], now[n + j, :units])
@@ -166,12 +188,12 @@ def _times(left: FloatArray, since: FloatArray) -> FloatArray:
 
 @njit_inner()
 def _units(now: FloatArray, units: int, n: int, live: int) -> FloatArray:
-    """Units of the deviations of the first `live` modes as columns, and then those of `now` behind its `units`."""
-    begin = zeros((now.shape[0], 2 * live + now.shape[1] - units))
+    """Units of the first `live` modes' deviations as columns, none for the level, then `now` behind its `units`."""
+    begin = zeros((now.shape[0], 2 * live + 1 + now.shape[1] - units))
     for j in range(live):
         begin[j, j] = begin[n + j, live + j] = 1.0
     for j in range(2 * n):
-        put(begin[j, 2 * live :], now[j, units:])
+        put(begin[j, 2 * live + 1 :], now[j, units:])
     return begin
 
 

@@ -58,7 +58,7 @@ def advance_many(
     n = motion.q.size
     penetration, slot = zeros((1, motion.total.size)), int_zeros(0)
     section, deviations, sizes = zeros((0, 2, n)), zeros((2 * n, 0)), zeros(0)
-    goes_on = begin[1] == 1
+    level, goes_on = zeros((motion.total.size, 0)), begin[1] == 1
     for i in range(begin[0], which.size):
         row = which[i]
         if not goes_on:
@@ -71,7 +71,7 @@ def advance_many(
                 motion.last_switch[k], motion.total[k] = 0.0, 0.0
         goes_on = False
         status, deviations = advance_periods(
-            tables, motion, work, period, count, penetration, slot, section, deviations, sizes, most
+            tables, motion, work, period, count, penetration, slot, section, deviations, level, sizes, most
         )
         if status != DONE:
             return status, i

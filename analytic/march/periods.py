@@ -93,10 +93,10 @@ def march_periods(
     rows, size = count if record else 0, motion.q.size
     penetration, slots = np.zeros((1, motion.total.size)), np.zeros(rows, dtype=np.int64)
     coordinates, status = np.zeros((rows, 2, size)), MISSING_SWITCH
-    now, sizes = np.zeros((2 * size, 0)), np.zeros(0)
+    now, level, sizes = np.zeros((2 * size, 0)), np.zeros((motion.total.size, 0)), np.zeros(0)
     while status != DONE:
         status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, sizes, max_switches
+            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, max_switches
         )
         settle_status(joint, motion, status, max_switches)
     end = ended(joint, motion)

@@ -2,11 +2,19 @@ r"""How small deviations from a motion travel: closed-form flow within a state, 
 
 A deviation dy = (dq, dv) is carried over a switch by
 
-    dy_new = [ J + (J f_old + b - f_new) (grad h . -1 / h') ] dy_old
+    dy_new = J dy_old + (J f_old + b - f_new) dt,    dt = (dc - grad h . dy_old) / h'
 
-where J is the linear part of the passage, b the rate of its time-dependent part, f the rates of y on both sides,
-and h the gap function whose root sets the time of the switch.  Under modal damping f jumps at a switch even though
-the spring force does not.
+where J is the linear part of the passage, b the rate of its time-dependent part, f the rates of y on both sides, dt
+by how much later a deviation switches, and h the gap function, which sets the time of the switch where it comes to c.
+Under modal damping f jumps at a switch even though the spring force does not.
+
+That level c is 0, but where the modes of a state make something above 0 of it when the state begins, as either those
+before or these are truncated, c is that, see `analytic.march.segment`.  So a deviation has its own level,
+
+    dc = grad h . dy_new + h' dt,
+
+with the gap function, its rate and the deviation just after the switch at which the state began.  With few modes that
+is a thousandth of the whole derivative.
 """
 
 from __future__ import annotations
@@ -147,6 +155,8 @@ class Switching(NamedTuple):
 
     delay: FloatArray
     """By how much later each deviation switches, s, shape ``(m,)``."""
+    level: FloatArray
+    """dc, m, of each stop's next switch, shape ``(P, m)``."""
     before: FloatArray
     """Rates of the motion just before a switch, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``."""
     after: FloatArray
@@ -156,22 +166,22 @@ class Switching(NamedTuple):
 
 
 @njit_inner()
-def new_switching(modes: int, columns: int) -> Switching:
+def new_switching(level: FloatArray, modes: int) -> Switching:
     """Scratch arrays for the switches of a march.
 
     Parameters
     ----------
+    level : FloatArray, shape (P, m)
+        At which level each stop switches next, m, for most deviations ``m``.
     modes : int
         Most modes of a state.
-    columns : int
-        Most deviations.
 
     Returns
     -------
     Switching
-        Filled with zeros.
+        Besides `level`, filled with zeros.
     """
-    return Switching(zeros(columns), zeros(2 * modes), zeros(2 * modes), zeros(2 * modes))
+    return Switching(zeros(level.shape[1]), level, zeros(2 * modes), zeros(2 * modes), zeros(2 * modes))
 
 
 @njit_inner()
@@ -212,7 +222,8 @@ def saltation(
     then : ndarray, shape (2 N_new, m)
         Takes the deviations just after it.
     work : Switching
-        Its `jump` takes what a switch later by a second changes.
+        Its `delay` and `jump` take how much later each deviation switches, and what a second of that changes; its
+        `level` is read, and to be written anew by `set_levels`.
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
@@ -223,7 +234,7 @@ def saltation(
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
     S = tables.carry[old, k][:n_new]
     for c in range(m):
-        delay[c] = 0.0
+        delay[c] = work.level[k, c] / rate
     for i in range(n_old):
         weight = late * mode[i]
         for c in range(0 if i < live else whole, m):
@@ -254,6 +265,99 @@ def saltation(
         for c in range(m):
             then[j, c] += x * delay[c]
             then[n_new + j, c] += y * delay[c]
+
+
+@njit_inner()
+def set_levels(
+    tables: Tables,
+    slot: int,
+    switched: bool,
+    theta: ComplexArray,
+    q: FloatArray,
+    v: FloatArray,
+    now: FloatArray,
+    own: FloatArray,
+    work: Switching,
+) -> None:
+    """Write at which levels deviations switch next, at the beginning of a state.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot : int
+        The state.
+    switched : bool
+        Whether it begins with a switch.
+    theta : ComplexArray, shape (H,)
+        exp(i theta_h), without unit, then.
+    q, v : FloatArray, shape (N,)
+        The motion then, kg^1/2 m and kg^1/2 m/s.
+    now : FloatArray, shape (2 N, m)
+        Deviations (dq, dv) then, kg^1/2 m and kg^1/2 m/s, as columns.
+    own : FloatArray, shape (P,) or (0,)
+        What the gap functions change besides with the last of these, m over the unit of a number; empty for nothing.
+    work : Switching
+        Its `level` is written; its `delay` says by how much later each began the state, if that was with a switch.
+    """
+    level, m = work.level, now.shape[1]
+    for k in range(tables.sign.size):
+        h, rise = _gap_function(tables, slot, k, theta, q, v)
+        for c in range(m):
+            level[k, c] = 0.0
+        if h <= 0:
+            continue
+        orientation = -tables.sign[k] if tables.closed[slot, k] else tables.sign[k]
+        mode = tables.weight[slot, tables.position[k]]
+        for c in range(m if switched else 0):
+            level[k, c] = rise * work.delay[c]
+        for i in range(tables.modes[slot]):
+            weight = orientation * mode[i]
+            for c in range(m):
+                level[k, c] += weight * now[i, c]
+        if own.size > 0:
+            level[k, m - 1] += own[k]
+
+
+@njit_inner()
+def _gap_function(
+    tables: Tables, slot: int, k: int, theta: ComplexArray, q: FloatArray, v: FloatArray
+) -> tuple[float, float]:
+    """The gap function of a stop, m, and its rate, m/s; see `analytic.march.segment`."""
+    u = tables.position[k]
+    z, z1 = tables.constant[slot, u], 0.0
+    for i in range(tables.modes[slot]):
+        z += tables.weight[slot, u, i] * q[i]
+        z1 += tables.weight[slot, u, i] * v[i]
+    for h in range(theta.size):
+        wave = beyond_modes(tables, slot, u, h) * theta[h]
+        z += wave.imag
+        z1 += tables.omega[h] * wave.real
+    if tables.closed[slot, k]:
+        return tables.gap[k] - tables.sign[k] * z, -tables.sign[k] * z1
+    return tables.sign[k] * z - tables.gap[k], tables.sign[k] * z1
+
+
+@njit_inner()
+def beyond_modes(tables: Tables, slot: int, u: int, h: int) -> complex:
+    """Complex amplitude of the displacement at a position of stops, by a harmonic, that is no mode's.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slot, u, h : int
+        The state, the position, and the harmonic.
+
+    Returns
+    -------
+    complex
+        m.
+    """
+    own: complex = tables.forced[slot, u, h]
+    for i in range(tables.modes[slot]):
+        own -= tables.weight[slot, u, i] * tables.harmonic[slot, h, i]
+    return own
 
 
 @njit_inner()

@@ -1,0 +1,123 @@
+"""The derivative of a march is that of the march as it is, however few modes it has: judged by differences.
+
+With few modes what a switch leaves out is large.  A derivative that holds only for all modes is off by a thousandth
+then, while a motion that converges to a periodic one shows nothing of it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import analytic
+from analytic.march import march_linearised
+from analytic.march.coordinates import Coordinates
+from analytic.march.joint import Joint
+from analytic.period_map import PeriodMap
+from lapjoint import FREE, Problem
+from lapjoint.answers import SectionPoint
+from lapjoint.problem import FloatArray, HarmonicsBaseMotion
+from tests.helpers.population import harmonic_joint, joint, stiffened_joint
+
+STEP = 1e-6
+"""Difference of two starts over the size of the motion."""
+SMOOTH = 1e-3
+"""Most by which the differences ahead and back may differ, over their size: else a stop is grazed between."""
+LEFT = 1e-5
+"""Most by which the derivative may differ from them, over its size."""
+KINDS = {"as they are": joint, "stiffer": stiffened_joint, "harmonics": harmonic_joint}
+
+
+def drawn(kind: str, seed: int) -> tuple[PeriodMap, SectionPoint]:
+    """A joint with few modes, and a motion of it."""
+    rng = np.random.default_rng((93, seed))
+    period_map = analytic.Solver(n_modes=int(rng.integers(5, 25))).period_map(KINDS[kind](93, seed))
+    return period_map, period_map.march(period_map.initial(), 2 * int(rng.integers(1, 12))).end
+
+
+def one_sided(period_map: PeriodMap, point: SectionPoint, ends: list[SectionPoint]) -> tuple[FloatArray, FloatArray]:
+    """Differences of ends, in the modes of a point: of the second from the first, and of the first from the third."""
+    here, ahead, back = (period_map.difference(end, point) for end in ends)
+    return ahead - here, here - back
+
+
+def is_off(period_map: PeriodMap, ahead: FloatArray, back: FloatArray, derivative: FloatArray) -> float | None:
+    """How far a derivative is from two one-sided differences, over its size; None where they differ themselves."""
+    size = period_map.norm(derivative)
+    if period_map.norm(ahead - back) > SMOOTH * size:
+        return None
+    return period_map.norm((ahead + back) / 2 - derivative) / size
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_marches_from_starts_beside_end_as_the_derivative_says(kind: str) -> None:
+    told, with_contacts = 0, 0
+    for seed in range(40):
+        period_map, point = drawn(kind, seed)
+        found, rng = period_map.linearised(point, 2), np.random.default_rng((94, seed))
+        units, size = 1 / period_map.unit_norms(point.coordinates.size), period_map.size(point)
+        here = period_map.march(point, 2)
+        for _ in range(3):
+            deviation = rng.standard_normal(units.size)
+            way = STEP * size * deviation * units / np.linalg.norm(deviation)
+            ends = [period_map.march(period_map.moved(point, sign * way), 2).end for sign in (1, -1)]
+            ahead, back = one_sided(period_map, point, [here.end, *ends])
+            off = is_off(period_map, ahead, back, found.matrix @ way)
+            assert off is None or off <= LEFT, (seed, off)
+            told += off is not None
+        with_contacts += here.switches > 0
+    assert told >= 100
+    assert with_contacts >= 25
+
+
+def at_frequency(problem: Problem, omega: float) -> Problem:
+    """The same problem at another angular frequency of its base."""
+    base = problem.base_motion
+    assert base is not None
+    loads = tuple(load.model_copy(update={"angular_frequency": omega}) for load in problem.point_loads)
+    return problem.replace(base_motion=base.model_copy(update={"angular_frequency": omega}), point_loads=loads)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_marches_at_frequencies_beside_end_as_the_derivative_says(kind: str) -> None:
+    told = 0
+    for seed in range(40):
+        period_map, point = drawn(kind, seed)
+        problem = period_map.problem
+        if isinstance(problem.base_motion, HarmonicsBaseMotion) and problem.point_loads:
+            continue  # two numbers make one frequency there
+        found = period_map.linearised_by("base_motion.angular_frequency", point, 2)
+        assert found is not None
+        assert found.by_number is not None
+        omega, solver = (
+            problem.require_excitation_frequency("test"),
+            analytic.Solver(n_modes=period_map.joint.counts[0]),
+        )
+        here, ends = period_map.march(point, 2).end, []
+        step = STEP * omega
+        for there in (omega + step, omega - step):
+            beside = solver.period_map(at_frequency(problem, there))
+            ends.append(beside.march(beside.adopted(point), 2).end)
+        ahead, back = one_sided(period_map, point, [here, *ends])
+        off = is_off(period_map, ahead, back, found.by_number * step)
+        assert off is None or off <= LEFT, (seed, off)
+        told += off is not None
+    assert told >= 25
+
+
+def test_a_march_that_has_to_learn_its_switches_carries_the_same_deviations() -> None:
+    """It comes back from compiled code at each switch that it does not know yet, and goes on from there."""
+    begin, learned = Coordinates(FREE, np.zeros(9), np.zeros(9)), np.zeros(2, dtype=int)
+    for seed in range(20):
+        problem, ends = stiffened_joint(96, seed), []
+        for i in range(2):
+            met = Joint(problem, 9, 9)
+            known = np.count_nonzero(met.tables.next_slot >= 0)
+            period = 2 * math.pi / problem.require_excitation_frequency("test")
+            ends.append(march_linearised(met, begin, 3 * period, np.eye(18))[1])
+            learned[i] += np.count_nonzero(met.tables.next_slot >= 0) - known
+        assert np.array_equal(ends[0], ends[1]), seed
+    assert learned[0] > 20
+    assert learned[1] == 0
