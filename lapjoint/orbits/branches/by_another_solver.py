@@ -20,6 +20,7 @@ import numpy as np
 
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.carrier import Carrier
+from lapjoint.orbits.branches.closing import begun_anywhere
 from lapjoint.orbits.branches.corrector import Place, corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import NEAR, Again, comes_back, leads_back
@@ -102,7 +103,6 @@ class _Search:
         self.motion, self.direct = motion_at(self.one.found), directly(self.one.found)
         # Where the other solver's motion is not critical yet:
         self.from_motion = directly(self.one.found, self.one.family, like=self.motion)
-        self.rivals = [Carrier(self.one.family, rival) for rival in self.one.rivals]
         self.selves, self.known = [self.family], list[Refinement]()
         while len(self.known) < self.finer and (finer := self.selves[-1].finer(self.motion.value)) is not None:
             self.known.append(finer[0])
@@ -125,6 +125,12 @@ class _Search:
             if self._is_spent or (best is not None and np.isfinite(best.error)):
                 break
         return best
+
+    @cached_property
+    def _motions(self) -> list[list[Carrier]]:
+        """The first solver's motion at the bifurcation, and those at its rivals, each begun anywhere."""
+        places = (self.motion, *self.one.rivals)
+        return [[Carrier(self.one.family, one) for one in begun_anywhere(place)] for place in places]
 
     @property
     def _is_own(self) -> bool:
@@ -236,13 +242,16 @@ class _Search:
         """
         if found.place.repeats_sooner_than(self.motion):
             return False
-        mine, family = self._before(0.0), self.selves[i]
-        if not self.rivals or mine is None:
+        if not self.one.rivals:
             return True
-        motions = (mine, *self.rivals)
-        seen = [one.seen_by(family) if spring is None else spring.expected(one) for one in motions]
-        ways = [found.place.chord(family, there) for there in seen]
-        return int(np.argmin([np.linalg.norm(way) for way in ways])) == 0
+        family = self.selves[i]
+
+        def away(one: Carrier) -> float:
+            there = one.seen_by(family) if spring is None else spring.expected(one)
+            return float(np.linalg.norm(found.place.chord(family, there)))
+
+        mine, *others = (min(map(away, motion)) for motion in self._motions)
+        return mine <= min(others)
 
     def _contacts_beyond(self, place: Place) -> bool | None:
         """Whether a motion has the contacts of those beyond the graze, instead of before; None if it has neither."""

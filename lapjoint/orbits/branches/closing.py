@@ -55,9 +55,26 @@ def images_of(half: HalfPeriods, point: SectionPoint, count: int) -> list[Sectio
         The one that is given is the first.
     """
     found = [point]
-    for _ in range(1, count // half.least if count % 2 == 0 else 1):
+    for _ in range(1, count // half.least):
         found.append(half.marched(found[-1], half.least))
     return found
+
+
+def begun_anywhere(place: Place) -> tuple[Place, ...]:
+    """A motion, and its mirror image where the problem is its own, from each of the section points on.
+
+    Parameters
+    ----------
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    tuple of Place
+        The one that is given is the first; the others are as marches from there have them, which leave unstable ones.
+    """
+    _, *others = images_of(place.half_periods, place.point, place.count)
+    return place, *(place.beginning_at(point) for point in others)
 
 
 @dataclass(frozen=True)
@@ -74,9 +91,7 @@ class Start:
     @cached_property
     def _about(self) -> tuple[Place, ...]:
         """About the place at each of the motion's section points, as an unstable motion is left soon."""
-        first = self.place
-        points = images_of(first.half_periods, first.point, first.count)[1:] if not self.itself else []
-        return first, *(first.beginning_at(point) for point in points)
+        return (self.place,) if self.itself else begun_anywhere(self.place)
 
     @cached_property
     def _exact(self) -> dict[int, Place]:
