@@ -35,6 +35,7 @@ from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Graze
 
 TOUCHED = json.loads((Path(__file__).parent / "touched_at_grazes.json").read_text(encoding="utf-8"))
+BEYOND_TWO = json.loads((Path(__file__).parent / "two_contacts_beyond.json").read_text(encoding="utf-8"))
 FINER = 3  # selves of the finite elements, up to 137 elements
 SEED, FEW, MANY = 77, range(8), range(60)
 MODES, ELEMENTS, SELVES = 8, 16, 2
@@ -46,9 +47,7 @@ MODES, ELEMENTS, SELVES = 8, 16, 2
 def test_finite_elements_find_a_graze_that_they_do_not_find_from_its_motion(which: int) -> None:
     said: dict[str, Any] = TOUCHED[which]
     value, error, own = said["value"], said["error"], family()
-    there = Bifurcation("grazing", value, error, 0, said["stop"], said["after"], motion=motion_from(said["motion"]))
-    one = restored(own, there)
-    assert one is not None
+    one = listed(said, own)
     other = Family(fe_lapjoint.Solver(), own.problem_at, FREQUENCY, LOW, HIGH)
     direct = _Search(one, other, FINER, FINER)._direct()
     assert direct is None or np.isinf(direct.error)
@@ -56,6 +55,34 @@ def test_finite_elements_find_a_graze_that_they_do_not_find_from_its_motion(whic
     assert found is not None
     assert abs(found.value - value) <= found.error + error
     assert found.error <= 1e-5 * value
+
+
+def listed(said: dict[str, Any], own: Family) -> Listed:
+    """A graze of a file, with the motion there."""
+    bifurcation = Bifurcation(
+        "grazing", said["value"], said["error"], 0, said["stop"], said["after"], motion=motion_from(said["motion"])
+    )
+    one = restored(own, bifurcation)
+    assert one is not None
+    return one
+
+
+def test_a_motion_beyond_that_lacks_two_contacts_is_not_one_beyond_this_graze() -> None:
+    """At 111.99574 rad/s; from there elements came to another graze, at 111.99549, and said so to 2e-6."""
+    one = listed(BEYOND_TWO, family())
+    assert isinstance(one.found, Graze)
+    assert seen_from_beyond(one.family, one.found) is None
+
+
+@pytest.mark.thorough
+@in_one_thread
+def test_finite_elements_find_a_graze_beyond_which_two_contacts_are_lacking() -> None:
+    own = family()
+    one = listed(BEYOND_TWO, own)
+    found = by_another(one, Family(fe_lapjoint.Solver(), own.problem_at, FREQUENCY, LOW, HIGH))
+    assert found is not None
+    assert abs(found.value - BEYOND_TWO["value"]) <= 1e-4
+    assert found.error <= 1e-5 * found.value
 
 
 def grazes(index: int) -> Iterator[tuple[Listed, Family]]:

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 import analytic
 import fe_lapjoint
-from lapjoint import History, ModalDamping, Problem
+from lapjoint import History, ModalDamping, Problem, paper_joint
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.compiled_watch import terms_at_points
 from lapjoint.orbits.finite_differences import FiniteDifferences
@@ -51,6 +51,9 @@ ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
     ("out of reach", WIDE, MESH),
 )
 """All kinds: with one switch at a stop and with several, with a mirror image, of several periods, without contact."""
+FEW = tuple((ratio, omega) for ratio in (0.02, 0.05) for omega in (120.0, 160.0, 222.0, 300.0, 400.0, 500.0))
+"""Damping ratios of the paper's joint, and frequencies of its base, rad/s, at which five modes leave out so much that a
+stop may switch beyond its gap, and back there: the derivative is then known from differences only if it knows that."""
 BESIDE = 1e-7  # of the orbit's size: how far beside it neighbours begin; its square is lost, and rounding over it
 DERIVED = 1e-5  # relative: what differences over so little leave of a derivative
 BY_SAMPLES = 0.05  # relative: parabolas between 64 samples in half a period, which `FiniteDifferences` draws
@@ -414,6 +417,29 @@ def wanders(it: Known) -> Iterator[Criterion]:
         yield Criterion(f"{it.label}: {name} of a march from rest", "1", one, low, high, "by its definition")
 
 
+def few_modes() -> Iterator[Criterion]:
+    """The derivative of a march with few modes, whole and one deviation of it, where much is left out at switches."""
+    told, whole, growth = 0, 0.0, 0.0
+    for ratio, omega in FEW:
+        it = known("few modes", paper_joint(angular_frequency=omega, damping_ratio=ratio), MODAL)
+        if it is None:
+            continue
+        map_, count, plain = it.half_periods.map, it.orbit.half_periods, FiniteDifferences(it.half_periods.map)
+        assert isinstance(map_, Follows)
+        own, other = (one.linearised(it.orbit.point, count).matrix for one in (it.half_periods.tangent, plain))
+        whole = max(whole, float(np.abs(own - other).max() / np.abs(own).max()))
+        unit = it.deviation / map_.norm(it.deviation)
+        grown = map_.followed(it.orbit.point, unit, PERIODS).growth
+        expected = sum(plain.followed(it.orbit.point, sign * unit, PERIODS).growth for sign in (1, -1)) / 2
+        growth, told = max(growth, float(np.abs(grown - expected).max())), told + 1
+    name, reason = f"the paper's joint, {MODAL.name}", f"at {len(FEW)} frequencies and damping ratios"
+    yield Criterion(f"{name}: motions that repeat", "1", told, len(FEW) / 2, len(FEW), reason)
+    reason = "over its largest entry, the largest of these motions"
+    yield Criterion(f"{name}: derivative less that by finite differences", "1", whole, 0.0, DERIVED, reason)
+    reason = "the largest of these motions and of three periods"
+    yield Criterion(f"{name}: growth in a period less that of marches beside", "1", growth, 0.0, DERIVED, reason)
+
+
 def damping_rates() -> Iterator[Check]:
     """The lowest damping rate of modes that are damped, by which the search knows how long a transient may last."""
     ratios = ModalDamping(ratio=RATIOS)
@@ -431,7 +457,7 @@ def damping_rates() -> Iterator[Check]:
 
 def run(level: Level, say: Say) -> CaseResult:
     """All orbits."""
-    items: list[Check | Criterion] = [*damping_rates(), *chords()]
+    items: list[Check | Criterion] = [*damping_rates(), *chords(), *few_modes()]
     for label, problem, solver in ORBITS:
         it = known(label, problem, solver)
         name, reason = f"{label}, {solver.name}: a fixed point (1: yes)", "where the march ends, Newton's method closes"

@@ -214,4 +214,12 @@ ANALYTIC = (
         old="-tables.sign[k]) / rate",
         new="-tables.sign[k]) * 0.9 / rate",
     ),
+    Fault(
+        "analytic-saltation-level-ignored",
+        "a term dropped",
+        "analytic.march.tangent",
+        "A deviation is taken to switch back at the gap where truncated modes have the march do so beyond it.",
+        old="delay[c] = work.level[k, c] / rate",
+        new="delay[c] = 0.0",
+    ),
 )

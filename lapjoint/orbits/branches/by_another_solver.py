@@ -26,7 +26,7 @@ from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import NEAR, Again, comes_back, leads_back
 from lapjoint.orbits.branches.found_along import Approach, Starts, along, directly, motion_at, same_graze
 from lapjoint.orbits.branches.found_beside import Beside
-from lapjoint.orbits.branches.grazing import seen_from_beyond
+from lapjoint.orbits.branches.grazing import one_contact_apart, seen_from_beyond
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.passings import rates_of
 from lapjoint.orbits.branches.run import Graze
@@ -255,10 +255,9 @@ class _Search:
 
     def _contacts_beyond(self, place: Place) -> bool | None:
         """Whether a motion has the contacts of those beyond the graze, instead of before; None if it has neither."""
-        apart = np.abs(np.subtract(place.closings, self.motion.closings))
-        if not apart.any():
+        if place.closings == self.motion.closings:
             return False
-        return True if isinstance(self.one.found, Graze) and apart.sum() == apart[self.one.found.stop] == 1 else None
+        return True if isinstance(self.one.found, Graze) and one_contact_apart(self.one.found, place) else None
 
     def _again(self, i: int, finer: Again) -> Again | None:
         """What a self finds from the motion of the next finer one."""

@@ -389,16 +389,36 @@ def seen_from_beyond(family: Family, graze: Graze) -> Graze | None:
     Returns
     -------
     Graze, or None
-        With a motion a little beyond as the one just before it; None if there is none beyond.
+        With a motion a little beyond as the one just before it; None if there is none beyond, or another contact comes
+        or goes on the way, so that it need not be this graze to which the curve comes from there.
     """
     beyond = beyond_graze(family, graze.before, graze.rate)
-    if beyond is None:
+    if beyond is None or not one_contact_apart(graze, beyond.place):
         return None
     place, value = beyond.place, beyond.extremum.value
     rate = float(place.tangent[-1]) * family.scale(place.value) / beyond.rate
     if rate * value > 0:  # it leads away
         place, rate = place.turned(), -rate
     return replace(graze, value=beyond.value, before=replace(beyond, place=place), rate=rate, left=beyond.left)
+
+
+def one_contact_apart(graze: Graze, place: Place) -> bool:
+    """Whether a motion has one contact of the stop that is grazed more or less than that at the graze, and no other.
+
+    Parameters
+    ----------
+    graze : Graze
+        The graze.
+    place : Place
+        The motion.
+
+    Returns
+    -------
+    bool
+        Whether it is so.
+    """
+    apart = np.abs(np.subtract(place.closings, graze.before.place.closings))
+    return bool(apart[graze.stop] == apart.sum() == 1)
 
 
 def nearer_to_graze(
