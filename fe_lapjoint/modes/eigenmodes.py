@@ -13,6 +13,8 @@ from lapjoint.problem import Beam, FloatArray, Problem, Stop, Support
 
 _SOFT = 0.1
 """Of EI / m L^4: where springs hold a rigid-body motion with an omega^2 below this, it is a soft mode."""
+_APART, _MIXED = 1e-6, 1e-3
+"""Least relative distance of two omega^2, and largest share of one mode in another, for which first order is enough."""
 _ROUNDS = 4
 """Iterations for a soft mode; each multiplies its error by (omega^2 / that of bending)^2, at most 1e-4."""
 
@@ -128,6 +130,7 @@ def _eigenmodes(
     r = rigid.shape[1]
     joined = _joined(assembly, M, assembly.stiffness(state), bool(r))
     vectors = _orthonormal(np.concatenate([rigid, joined[:, r:]], axis=1), M)
+    vectors = _orthonormal(_turned(assembly, rows, k, vectors, r), M)
     square = _rayleigh(assembly, rows, k, vectors)
     if r:
         square[:r], vectors[:, :r] = _soft(assembly, rows, k, vectors, square, r)
@@ -138,6 +141,24 @@ def _eigenmodes(
     omega[: assembly.rigid_modes(state)] = 0.0
     omega.flags.writeable = vectors.flags.writeable = False
     return omega, vectors
+
+
+def _turned(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: FloatArray, r: int) -> FloatArray:
+    """Modes with what rounding of the stiffness has mixed into each of the others taken out, but for `r` soft ones.
+
+    Curvatures lose digits as h^-2 where the stiffness loses them as h^-4: with 464 elements of a cantilever the first
+    mode has 1e-7 of others in it before, and 1e-11 after.  With g_i the curvatures and forces of springs of mode i, it
+    holds (g_i . g_j) / (omega_i^2 - omega_j^2) of mode j, to first order.
+    """
+    g = np.vstack([assembly.curvature @ vectors, np.sqrt(k)[:, None] * (rows @ vectors)])
+    products = g.T @ g
+    square = np.diag(products)
+    apart = square[None, :] - square[:, None]
+    told = np.abs(apart) > _APART * np.maximum(square[None, :], square[:, None])
+    mixed = np.where(told, products, 0.0) / np.where(told, apart, 1.0)
+    mixed[:, :r] = mixed[:r] = 0.0
+    mixed[np.abs(mixed) > _MIXED] = 0.0
+    return np.asarray(vectors + vectors @ mixed)
 
 
 def _rayleigh(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: FloatArray) -> FloatArray:
