@@ -27,8 +27,10 @@ from lapjoint.campaigns.branch_parts import family_of, motion_from
 from lapjoint.campaigns.confirm_plan import confirm_plan
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.by_another_solver import _Search, by_another
+from lapjoint.orbits.branches.carrier import Carrier
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.found_beside import Beside
 from lapjoint.orbits.branches.grazing import seen_from_beyond
 from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.restored import restored
@@ -36,6 +38,7 @@ from lapjoint.orbits.branches.run import Graze
 
 TOUCHED = json.loads((Path(__file__).parent / "touched_at_grazes.json").read_text(encoding="utf-8"))
 BEYOND_TWO = json.loads((Path(__file__).parent / "two_contacts_beyond.json").read_text(encoding="utf-8"))
+BESIDE = json.loads((Path(__file__).parent / "beside_a_touched_graze.json").read_text(encoding="utf-8"))
 FINER = 3  # selves of the finite elements, up to 137 elements
 SEED, FEW, MANY = 77, range(8), range(60)
 MODES, ELEMENTS, SELVES = 8, 16, 2
@@ -83,6 +86,23 @@ def test_finite_elements_find_a_graze_beyond_which_two_contacts_are_lacking() ->
     assert found is not None
     assert abs(found.value - BEYOND_TWO["value"]) <= 1e-4
     assert found.error <= 1e-5 * found.value
+
+
+@in_one_thread
+def test_a_flip_beside_a_graze_that_is_touched_is_found_from_beyond_that() -> None:
+    """4e-7 of its arc length from the graze, of which elements have the motion only if they come across it."""
+    own = family()
+    flip = Bifurcation("flip", BESIDE["value"], BESIDE["error"], 0, motion=motion_from(BESIDE["motion"]))
+    one = restored(own, flip)
+    assert one is not None
+    assert one.found is not None
+    assert one.way is not None
+    (graze,) = one.way.grazes
+    elements = Family(fe_lapjoint.Solver(elements=100), own.problem_at, FREQUENCY, LOW, HIGH)
+    assert Carrier(one.family, graze.before.place).carried(elements) is None
+    found = Beside(one.family, one.found, graze).found_by(elements)
+    assert found is not None
+    assert abs(found.value - BESIDE["value"]) <= 1e-6 * found.value
 
 
 def grazes(index: int) -> Iterator[tuple[Listed, Family]]:

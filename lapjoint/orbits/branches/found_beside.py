@@ -19,6 +19,7 @@ from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import Again, comes_back, with_same_contacts
 from lapjoint.orbits.branches.found_along import around, directly, motion_at
+from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, seen_from_beyond
 from lapjoint.orbits.branches.run import Graze
 
 _SURE = 0.1
@@ -41,6 +42,34 @@ class Beside:
         """The graze once more by the solver that has it: a curve may be followed from the motion there."""
         return directly(self.graze)(self.own, self.graze.before.place)
 
+    @cached_property
+    def _seen(self) -> Graze | None:
+        """The graze from its other side, if the motion before it touches already."""
+        return seen_from_beyond(self.own, self.graze) if self.graze.before.touched else None
+
+    def _graze_by(self, family: Family) -> Again | None:
+        """The graze by another solver, from the motion before it, or as that comes to it from its other side."""
+        mine, find = self.graze.before.place, directly(self.graze)
+        if family.is_a_self_of(self.own):
+            return find(family, mine)
+        near = Carrier(self.own, mine).carried(family)
+        its = None if near is None else find(family, near)
+        if its is None:
+            near = self._across(family)
+            its = None if near is None else find(family, near)
+        return its
+
+    def _across(self, family: Family) -> Place | None:
+        """A motion before the graze by another solver, which has gone across it from beyond."""
+        seen = self._seen
+        near = None if seen is None else Carrier(self.own, seen.before.place).carried(family)
+        if seen is None or near is None:
+            return None
+        extremum = near.matching(seen.before.extremum, seen.before.place.extrema.duration)
+        there = None if extremum is None else located_graze(family, near, extremum, seen.rate)
+        other = None if there is None else beyond_graze(family, there, seen.rate)
+        return other.place if other is not None and other.place.closings == self.graze.before.place.closings else None
+
     def found_by(self, family: Family) -> Again | None:
         """The bifurcation by another solver.
 
@@ -61,17 +90,16 @@ class Beside:
 
     def _found_by(self, family: Family) -> Again | None:
         motion, mine = motion_at(self.one), self.graze.before.place
-        near = mine if family.is_a_self_of(self.own) else Carrier(self.own, mine).carried(family)
-        its = None if near is None else directly(self.graze)(family, near)
+        its = self._graze_by(family)
         if its is None or self._again is None:
             return None
         own = self._again.place
         length = float(np.linalg.norm(mine.chord(self.own, motion)))
-        ahead = _FromGraze(self.one, self.own, own, family, its.place, length)
+        ahead = _FromGraze(self.one, self.own, self.own, own, family, its.place, length)
         found = ahead.found_from(motion)
         if found is None:
             return None
-        back = _FromGraze(self.one, family, its.place, self.own, own, length)
+        back = _FromGraze(self.one, self.own, family, its.place, self.own, own, length)
         way = float(np.linalg.norm(found.place.chord(family, ahead.guess(motion))))
         same = comes_back(
             way, self.own, motion, lambda: found.place, lambda _, place: back.found_from(place), _SURE * length
@@ -85,6 +113,8 @@ class _FromGraze:
 
     one: Located | Graze
     """The bifurcation."""
+    first: Family
+    """The period maps of the solver that has this."""
     own: Family
     """The period maps of the one."""
     origin: Place
@@ -108,5 +138,5 @@ class _FromGraze:
         """The bifurcation, from where the one has it."""
         guess, motion = self.guess(place), motion_at(self.one)
         near = with_same_contacts(self.other, guess, like=motion)
-        found = None if near is None else directly(self.one, self.own, like=motion)(self.other, near)
+        found = None if near is None else directly(self.one, self.first, like=motion)(self.other, near)
         return found or around(self.one, self.other, near or self.there, guess, self.length)
