@@ -41,12 +41,13 @@ def free_seed(family: Family, value: float) -> Seed | None:
         orbit = find_orbit(half, half.map.initial(), half.least, math.inf)
         if orbit is None:
             return None
-        found = corrected(family, value, family.adopted(value, orbit.point), half.least, fixed=True)
+        count = family.at(value).least  # out of reach, stops may mirror each other that do not where they are
+        found = corrected(family, value, family.adopted(value, orbit.point), count, fixed=True)
     except SolverError:
         return None
     if found is None or any(found.closings) or any(found.point.state.closed):
         return None
-    return Seed(value, found.point, half.least)
+    return Seed(value, found.point, count)
 
 
 def _out_of_reach(problem: Problem) -> Problem:
