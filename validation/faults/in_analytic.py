@@ -131,7 +131,7 @@ ANALYTIC = (
         "analytic.march.modal_state",
         "Contact states are kept for all problems that differ in their damping, too.",
         old="return Family(still, places)",
-        new="key = beam, supports, stops, steps, places\n"
+        new="key = structure.beam, structure.supports, structure.stops, steps, places\n"
         "    return globals().setdefault('_KEPT', {}).setdefault(key, Family(still, places))",
     ),
     Fault(

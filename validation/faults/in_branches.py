@@ -66,8 +66,8 @@ BRANCHES = (
         "an error estimate too small",
         "lapjoint.orbits.branches.value_errors",
         "The error of a bifurcation is that of rounding, whatever a finer solver says.",
-        old="bound = apart_by(",
-        new="bound = 0.0 * apart_by(",
+        old="return float(refinement.bounds(apart, np.abs(apart))[0])",
+        new="return float(0.0 * refinement.bounds(apart, np.abs(apart))[0])",
     ),
     Fault(
         "branch-flip-early",
