@@ -129,7 +129,12 @@ def judge(indices: range) -> int:
         for one, other in grazes(index):
             search = _Search(one, other, SELVES, SELVES)
             beyond, direct, said = search._from_beyond(), search._direct(), one.bifurcation
-            assert beyond is not None, (index, said.value)
+            if beyond is None:  # several contacts go there at once, and so it is looked for from before it alone
+                assert isinstance(one.found, Graze)
+                assert seen_from_beyond(one.family, one.found) is None, (index, said.value)
+                assert direct is not None, (index, said.value)
+                assert abs(direct.value - said.value) <= direct.error + said.error, (index, said.value)
+                continue
             assert abs(beyond.value - said.value) <= beyond.error + said.error, (index, said.value)
             if direct is not None:
                 assert abs(beyond.value - direct.value) <= beyond.error + direct.error, (index, said.value)
