@@ -146,10 +146,9 @@ def add_switch_change(
     now : ndarray, shape (2 N_new, m)
         Deviations (dq, dv) just after the switch, likewise.
     """
-    u, last, n_new = tables.position[k], now.shape[1] - 1, tables.modes[tables.next_slot[old, k]]
-    onto = tables.carry_residual[old, k]
-    z = _own_change(tables, change, old, u, t, theta)
-    delay, jump = z * (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate, work.jump
+    last, n_new = now.shape[1] - 1, tables.modes[tables.next_slot[old, k]]
+    onto, jump = tables.carry_residual[old, k], work.jump
+    delay = -_own_change(tables, change, old, k, t, theta) / rate
     work.delay[last] += delay
     for j in range(n_new):
         x, y = jump[j] * delay, jump[n_new + j] * delay
@@ -163,13 +162,14 @@ def add_switch_change(
 
 
 @njit_inner()
-def _own_change(tables: Tables, change: Change, slot: int, u: int, t: float, theta: ComplexArray) -> float:
-    """Derivative of the displacement at a position of stops that is no mode's, m over the number's unit."""
-    z = 0.0
+def _own_change(tables: Tables, change: Change, slot: int, k: int, t: float, theta: ComplexArray) -> float:
+    """How much a stop's gap function changes by what is no mode's, m over the number's unit."""
+    u, z = tables.position[k], 0.0
     for h in range(theta.size):
         turned = complex(change.size[h], t * change.omega * tables.omega[h])
         z += (beyond_modes(tables, slot, u, h) * theta[h] * turned).imag
-    return z
+    own: float = -tables.sign[k] * z if tables.closed[slot, k] else tables.sign[k] * z
+    return own
 
 
 @njit_inner()
@@ -194,8 +194,7 @@ def own_changes(tables: Tables, change: Change, slot: int, t: float, theta: Comp
     """
     own = zeros(tables.sign.size)
     for k in range(own.size):
-        z = _own_change(tables, change, slot, tables.position[k], t, theta)
-        own[k] = -tables.sign[k] * z if tables.closed[slot, k] else tables.sign[k] * z
+        own[k] = _own_change(tables, change, slot, k, t, theta)
     return own
 
 

@@ -109,7 +109,8 @@ def measure_growth(
     motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
     penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)
     coordinates, sizes, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
-    now, level = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period), np.zeros((motion.total.size, 1))
+    now = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
+    level = np.zeros((motion.total.size, 1))
     while status != DONE:
         status, now = advance_periods(
             joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, max_switches

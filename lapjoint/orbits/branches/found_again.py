@@ -12,7 +12,7 @@ from lapjoint.orbits.branches.corrector import STEEP, Place, corrected
 from lapjoint.orbits.branches.critical_search import Ahead, Critical, change_beside, critical_motion, one_step
 from lapjoint.orbits.branches.extremum_search import OnExtremum
 from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.grazing import beyond_graze, just_beyond, located_graze, nearer_to_graze, sharper
+from lapjoint.orbits.branches.grazing import beyond_graze, graze_near, just_beyond, nearer_to_graze, sharper
 from lapjoint.orbits.branches.locating import Kind, criteria_of, located
 from lapjoint.orbits.branches.shooting import taken_over
 
@@ -347,8 +347,7 @@ def graze_finder(before: OnExtremum, rate: float) -> Finder:
         for back in _BACK:
             value, guess = place.moved(family, -back * place.tangent)
             near = corrected(family, value, guess, place.count) if back else taken_over(family, place)
-            mine = None if near is None else near.matching(extremum, duration)
-            graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
+            graze = None if near is None else graze_near(family, near, before, rate)
             if graze is not None and graze.place.repeats_sooner_than(before.place):
                 continue
             if graze is not None and graze.place.closings[extremum.stop] in closings:
@@ -381,8 +380,7 @@ def hides_something(family: Family, before: OnExtremum, rate: float, after: Plac
         Whether multipliers are not on the same sides of the unit circle just beyond, farther, and where it goes on.
     """
     near = taken_over(family, before.place)
-    mine = None if near is None else near.matching(before.extremum, before.place.extrema.duration)
-    graze = None if near is None or mine is None else located_graze(family, near, mine, rate)
+    graze = None if near is None else graze_near(family, near, before, rate)
     if graze is None:
         return False
     if graze.place.closings == after.closings:  # this solver has it on the other side of its graze

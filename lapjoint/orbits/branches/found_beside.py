@@ -19,7 +19,7 @@ from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import Again, comes_back, with_same_contacts
 from lapjoint.orbits.branches.found_along import around, directly, motion_at
-from lapjoint.orbits.branches.grazing import beyond_graze, located_graze, seen_from_beyond
+from lapjoint.orbits.branches.grazing import beyond_graze, graze_near, seen_from_beyond
 from lapjoint.orbits.branches.run import Graze
 
 _SURE = 0.1
@@ -65,8 +65,7 @@ class Beside:
         near = None if seen is None else Carrier(self.own, seen.before.place).carried(family)
         if seen is None or near is None:
             return None
-        extremum = near.matching(seen.before.extremum, seen.before.place.extrema.duration)
-        there = None if extremum is None else located_graze(family, near, extremum, seen.rate)
+        there = graze_near(family, near, seen.before, seen.rate)
         other = None if there is None else beyond_graze(family, there, seen.rate)
         return other.place if other is not None and other.place.closings == self.graze.before.place.closings else None
 

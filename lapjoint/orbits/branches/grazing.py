@@ -141,6 +141,29 @@ def located_graze(family: Family, place: Place, extremum: Extremum, rate: float)
     return found if found is not None and _is_of_its_branch(found.place, place) else None
 
 
+def graze_near(family: Family, near: Place, like: OnExtremum, rate: float) -> OnExtremum | None:
+    """The motion just before a graze that another solver has.
+
+    Parameters
+    ----------
+    family : Family
+        The period maps.
+    near : Place
+        A motion by these near the graze.
+    like : OnExtremum
+        The motion just before it by the other solver.
+    rate : float
+        Change of the extremum's value with the arc length before it, m.
+
+    Returns
+    -------
+    OnExtremum, or None
+        As `located_graze` has it; None, too, if the motion has no such extremum.
+    """
+    extremum = near.matching(like.extremum, like.place.extrema.duration)
+    return None if extremum is None else located_graze(family, near, extremum, rate)
+
+
 def _is_of_its_branch(found: Place, place: Place) -> bool:
     """Whether a motion has the contacts of the one from which it was found, and does not repeat sooner."""
     return found.closings == place.closings and not found.repeats_sooner_than(place)

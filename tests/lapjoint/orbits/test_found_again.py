@@ -187,7 +187,7 @@ def test_a_graze_that_repeats_sooner_is_looked_for_from_farther_before(
     located, family, extremum = iter(grazes), Any, SimpleNamespace(stop=0)
     monkeypatch.setattr(found_again, "taken_over", lambda *_: at(repeats_sooner=False))
     monkeypatch.setattr(found_again, "corrected", lambda *_: at(repeats_sooner=False))
-    monkeypatch.setattr(found_again, "located_graze", lambda *_: next(located))
+    monkeypatch.setattr(grazing, "located_graze", lambda *_: next(located))
     before: Any = SimpleNamespace(extremum=extremum, place=at(repeats_sooner=False), closings_of_sides=((2,), (1,)))
     found = graze_finder(before, 1.0)(family, at(repeats_sooner=False))
     assert (None if found is None else found.value) == (None if repeating == 4 else float(repeating))
