@@ -8,6 +8,7 @@ import queue
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
+from concurrent.futures import Future as Answer
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
@@ -140,14 +141,12 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}
-    finished: queue.Queue[tuple[Any, Solved | BaseException]] = queue.Queue()
+    finished: queue.Queue[tuple[Any, Answer[Solved]]] = queue.Queue()
 
     def collect(future: Any) -> None:
-        """Fetch an answer, in a thread of dask: it may be lost with its worker, and then be waited for in vain."""
-        try:
-            finished.put((future, future.result()))
-        except BaseException as error:
-            finished.put((future, error))
+        """Ask for an answer, and do not wait: this thread is shared by all clients, and the answer may be lost."""
+        answer = asyncio.run_coroutine_threadsafe(client.gather(future, asynchronous=True), client.loop.asyncio_loop)
+        answer.add_done_callback(lambda answer: finished.put((future, answer)))
 
     def submit(batch: Batch, alone: bool = False) -> None:
         """Submit a batch, or its first cell only if it is `alone`."""
@@ -158,15 +157,15 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
     for batch in batches:
         submit(batch)
     while submitted:
-        future, solved = _next(client, finished)
+        future, answer = _next(client, finished)
         batch, alone = submitted.pop(future)
-        if isinstance(solved, KilledWorker):
+        try:
+            solved = answer.result()
+        except KilledWorker:
             if not alone:
                 submit(batch, alone=True)
                 continue
             solved = given_up(plan, batch, "the workers that solved it died")
-        elif isinstance(solved, BaseException):
-            raise solved
         for more in deliver(solved):
             submit(more)
         left = after(batch, len(solved.points), solved.section)

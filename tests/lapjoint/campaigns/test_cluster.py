@@ -232,24 +232,28 @@ def test_a_cluster_that_dies_ends_the_sweep_with_a_message(
 
 @pytest.mark.thorough
 def test_answers_that_are_lost_with_their_workers_are_not_waited_for(
-    doomed: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    doomed: Cluster, cluster: Cluster, tmp_path: Path
 ) -> None:
-    """All points are solved, and no answer has been fetched, when the workers are killed."""
-    from distributed import Future
+    """All points are solved, and no answer has been fetched, when the workers are killed; another cluster goes on."""
+    from distributed import Client
 
-    monkeypatch.setattr("lapjoint.campaigns.cluster.ALONE", 2.0)
-    monkeypatch.setattr("lapjoint.campaigns.cluster.LOOK", 0.5)
-    fetch = Future.result
+    fetch = Client.gather
 
-    def too_late(answer: Any) -> Any:
+    def too_late(client: Any, answer: Any, **options: Any) -> Any:
         wait_until_idle(doomed.address)
         for group in doomed.workers:
             kill_group(group)
-        return fetch(answer)
+        return fetch(client, answer, **options)
 
-    monkeypatch.setattr(Future, "result", too_late)
-    with pytest.raises(SolverError, match="all workers of the scheduler are gone"):
-        sweep(JOINT, AXES, solver="counting", scheduler=doomed.address, out=tmp_path / "curve.nc")
+    given: dict[str, Any] = {"solver": "counting", "out": tmp_path / "curve.nc"}
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("lapjoint.campaigns.cluster.ALONE", 2.0)
+        patched.setattr("lapjoint.campaigns.cluster.LOOK", 0.5)
+        patched.setattr(Client, "gather", too_late)
+        with pytest.raises(SolverError, match="all workers of the scheduler are gone"):
+            sweep(JOINT, AXES, scheduler=doomed.address, **given)
+    found = sweep(JOINT, AXES, scheduler=cluster.address, **given)
+    assert (found.outcome.values == 1).all()
 
 
 def wait_until_idle(address: str) -> None:
