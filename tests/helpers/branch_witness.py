@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from dense_march import dense_march, fastest_moving
@@ -47,6 +47,7 @@ _CLOSED = 1e-7  # of the motion's size, and of its period: by so much the marche
 _DEEP = 1e-6  # of a motion's largest displacement: contacts less deep may be seen by one march, and not by the other
 _GRAZES = 1e-3  # of the number: a motion is at a graze
 _BESIDE = 1e-9  # of a motion's period
+_ONE = 1e-9  # of the number, and of impulses: bifurcations are located to so much
 _SAMPLES = 40  # in the shortest period of a mode
 _AT_ONCE = 1_000_000  # samples that are looked at: all of a motion with fast modes would fill the memory
 
@@ -101,7 +102,7 @@ def witnessed(solver: AnySolver, seed: int, index: int, errors: bool = False) ->
     branch = first_branch(family, errors)
     if branch is None:
         return Witnessed((), 0, 0, (), ())
-    faults, pushed = [*unnamed(branch), *short(family, branch)], 0
+    faults, pushed = [*unnamed(branch), *listed_twice(branch), *short(family, branch)], 0
     for i in rng.permutation(len(branch.points))[:DRAWN].tolist():
         point = branch.points[i]
         map_ = map_of(family, point)
@@ -150,6 +151,14 @@ def unnamed(branch: Branch) -> Iterator[str]:
         outside = [int(np.count_nonzero(np.abs(one.motion.multipliers) > 1)) for one in (a, b)]
         if outside[0] != outside[1]:
             yield f"{where}: {outside[0]} and {outside[1]} multipliers outside the circle, and no bifurcation"
+
+
+def listed_twice(branch: Branch) -> Iterator[str]:
+    """Bifurcations that have the number and the impulses of another one of their kind and stop."""
+    for a, b in combinations([one for one in branch.bifurcations if one.kind != "unresolved"], 2):
+        near = (a.kind, a.stop) == (b.kind, b.stop) and abs(a.value - b.value) <= _ONE * abs(a.value)
+        if near and np.allclose(a.impulses, b.impulses, rtol=_ONE):
+            yield f"{a.kind} at {a.value:.12g} before points {a.index} and {b.index}"
 
 
 def short(family: Family, branch: Branch) -> Iterator[str]:

@@ -7,6 +7,7 @@ of them is looked for between two neighbouring places: near the chord, and then 
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -294,16 +295,16 @@ class Marks:
         for index, mark in self._marks.items():
             back = mark.back(places[i], places[i + 1], connected) if i > index else None
             if back is not None:
-                return self._once_around(places, index) or (i, back)
+                return self._once_around(places, index, i) or (i, back)
         return None
 
-    def _once_around(self, places: Sequence[Place], index: int) -> tuple[int, Place] | None:
-        """Where a curve that comes back to a mark did so before, as it may be on a ring since long; None if not so."""
-        passed, away = False, self._from(places[index])
-        for k in range(index - 1):
-            there = away.back(places[k], places[k + 1])
-            if there is not None and passed:
-                return k, there
-            if there is not None:
-                passed, away.farthest = True, 0.0
-        return (index - 1, places[index]) if passed and away.farthest > SAME else None
+    def _once_around(self, places: Sequence[Place], index: int, i: int) -> tuple[int, Place] | None:
+        """Where a curve that comes back to a mark came back to where it entered the ring, maybe long before.
+
+        Behind a part that was left out it may enter a ring anywhere; from there on, all places lie on it.
+        """
+        ring = places[index : i + 2]
+        entered = bisect_left(range(index), True, key=lambda k: has_been_at(self._family, ring, places[k]))
+        away = self._from(places[entered])
+        returns = ((k, away.back(places[k], places[k + 1])) for k in range(entered, i + 1))
+        return next(((k, there) for k, there in returns if there is not None), None)

@@ -21,6 +21,7 @@ from lapjoint.answers.branches import Bifurcation
 from lapjoint.errors import SolverError
 from lapjoint.orbits.branches.bridging import followed
 from lapjoint.orbits.branches.by_another_solver import by_another
+from lapjoint.orbits.branches.coinciding import doubted
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place
 from lapjoint.orbits.branches.family import Family
@@ -172,6 +173,8 @@ def _as_followed(family: Family, run: Run, *, errors: bool, known: Sequence[Bifu
     """A curve as it was followed, of which some bifurcations may be known."""
     places = run.places
     found = listed(family, run, errors, known)
+    if errors:
+        found = doubted(found)
     return Resolved(places, found, [family] * len(places), (run.begin, run.end), run.elsewhere)
 
 

@@ -7,7 +7,7 @@ bifurcation had the number of a neighbour, with a small error: finite elements h
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,9 +20,10 @@ from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches import grazing
+from lapjoint.orbits.branches.coinciding import doubted
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import directly, motion_at
-from lapjoint.orbits.branches.listing import Listed, among
+from lapjoint.orbits.branches.listing import Listed, among, number_of
 from lapjoint.orbits.branches.resolving import asked_again
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Graze
@@ -120,3 +121,29 @@ def test_what_two_bifurcations_would_be_is_the_nearer_one() -> None:
     assert not np.isfinite(found[0].error)
     assert found[1].value == pytest.approx(167.6591961, rel=1e-7)
     assert found[1].error <= 1e-5 * found[1].value
+
+
+@in_one_thread
+@pytest.mark.parametrize(
+    ("pair", "coincide"),
+    [
+        ("one_graze_from_either_side", True),
+        ("two_grazes_of_a_short_branch", False),
+        ("two_folding_grazes", False),
+        ("two_grazes", False),
+        ("two_flips", False),
+    ],
+)
+def test_of_two_bifurcations_that_a_finer_solver_has_at_one_motion_one_has_no_error(pair: str, coincide: bool) -> None:
+    """Some are nearer to each other than its errors, and stay apart."""
+    own = family()
+    both = [with_its_error(restored_from(own, said)) for said in MOTIONS[pair]]
+    found = [np.isfinite(one.bifurcation.error) for one in doubted(both)]
+    assert found.count(False) == coincide
+
+
+def with_its_error(one: Listed) -> Listed:
+    """The same as its branch has it."""
+    assert one.found is not None
+    known = stated(one.family, motion_at(one.found), number_of(one.found), directly(one.found, one.family))
+    return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error), sure=known.sure)
