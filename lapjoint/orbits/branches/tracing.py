@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import tee
 
 import numpy as np
 
@@ -123,7 +124,7 @@ def trace(
     for one in found.bifurcations:
         place = one.springing
         if place is not None and place.count * 2 <= 2 * most_multiple:
-            new = _sprung(family, one.family, place, _FINER if errors else 0)
+            new = _sprung(family, one, place, _FINER if errors else 0)
             if new is None:
                 unsprung.append(one.bifurcation)
             else:
@@ -145,16 +146,32 @@ def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) ->
     return None if mother is None else (mother.value, mother.point)
 
 
-def _sprung(family: Family, own: Family, place: Place, finer: int) -> Seed | None:
-    """The seed of a branch that springs at a place by a solver, or by so many finer ones; None if none has a motion."""
-    new = switched(own, place)
-    if new is not None:
-        return _seed(family, own, place, new)
+def _sprung(family: Family, bifurcation: Listed, at: Place, finer: int) -> Seed | None:
+    """The seed of a branch that springs from a bifurcation; None if neither its solver nor so many finer ones have one.
+
+    A branch that is looked for more closely may be narrower than a solver's error; then that says nothing of it.
+    """
+    own, number = bifurcation.family, bifurcation.bifurcation
+    usual, closer = tee(_with_finer(own, at, finer))
+    for selves, closely in ((usual, False), (closer, True)):
+        for one, there in selves:
+            if closely and not abs(there.value - number.value) <= number.error:
+                continue
+            new = switched(one, there, closely=closely)
+            if new is not None and not new.repeats_in_half:
+                return _seed(family, one, there, new)
+    return None
+
+
+def _with_finer(own: Family, place: Place, finer: int) -> Iterator[tuple[Family, Place]]:
+    """A solver and so many finer ones, each with where it has a bifurcation, as long as they find it."""
+    yield own, place
     known, again = own.finer(place.value) if finer else None, None
     if known is not None:
         with suppress(SolverError, InputError):
             again = smooth_finder(flip_of(place))(known[1], place)
-    return None if known is None or again is None else _sprung(family, known[1], again.place, finer - 1)
+    if known is not None and again is not None:
+        yield from _with_finer(known[1], again.place, finer - 1)
 
 
 def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
@@ -166,12 +183,12 @@ def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
     """
     away_from = bifurcation.value, family.adopted(bifurcation.value, bifurcation.point)
     near = new if own is family else taken_over(family, new)
-    if near is not None:
+    if near is not None and not near.repeats_in_half:
         return Seed(near.value, near.point, near.count, away_from)
     with suppress(SolverError):
         for there in follow(own, new, Limits(most=_FARTHER, length=_AWAY)).places[1:]:
             found = taken_over(family, there)
-            if found is not None:
+            if found is not None and not found.repeats_in_half:
                 return Seed(found.value, found.point, found.count)
     return Seed(new.value, new.point, new.count, (bifurcation.value, bifurcation.point), own.level)
 

@@ -8,17 +8,23 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 from finer_curve import family
 
+from lapjoint.answers.branches import Bifurcation
 from lapjoint.campaigns.branch_parts import motion_from
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.corrector import Place, corrected
+from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Limits
+from lapjoint.orbits.branches.switching import switched
 
 BESIDE = motion_from(json.loads((Path(__file__).parent / "beside_its_mother.json").read_text(encoding="utf-8")))
 AROUND = Limits(most=30)
+CLOSE = json.loads((Path(__file__).parent / "springs_beside_a_graze.json").read_text(encoding="utf-8"))
 SOONER = 1e-6  # of its size: what a motion that repeats sooner misses at most, by far
 
 
@@ -37,3 +43,19 @@ def test_a_branch_ends_at_the_one_from_which_it_springs() -> None:
         assert run.end == "bifurcation"
         assert all(missed(one) > SOONER for one in run.places)
         assert abs(run.places[-1].value - BESIDE.value) < 1e-3
+
+
+@pytest.mark.parametrize("said", CLOSE)
+def test_a_branch_that_soon_ends_where_its_mother_grazes_is_found(said: dict[str, Any]) -> None:
+    """Two flips of a diagram were told of as followed by nothing; both branches end at grazes that elements confirm."""
+    motion = motion_from(said["motion"])
+    assert motion is not None
+    flip = restored(family(), Bifurcation("flip", motion.value, np.inf, 0, motion=motion))
+    assert flip is not None
+    assert flip.springing is not None
+    assert switched(flip.family, flip.springing) is None
+    new = switched(flip.family, flip.springing, closely=True)
+    assert new is not None
+    run = follow(flip.family, new, AROUND)
+    assert run.end == "bifurcation"
+    assert run.grazes[-1].value == pytest.approx(said["graze_of_its_mother"], rel=1e-7)
