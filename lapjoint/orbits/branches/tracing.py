@@ -149,7 +149,8 @@ def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) ->
 def _sprung(family: Family, bifurcation: Listed, at: Place, finer: int) -> Seed | None:
     """The seed of a branch that springs from a bifurcation; None if neither its solver nor so many finer ones have one.
 
-    A branch that is looked for more closely may be narrower than a solver's error; then that says nothing of it.
+    A branch that is looked for more closely may be narrower than a solver's error; then that says nothing of it.  So it
+    is followed by the solver that finds it.
     """
     own, number = bifurcation.family, bifurcation.bifurcation
     usual, closer = tee(_with_finer(own, at, finer))
@@ -158,8 +159,11 @@ def _sprung(family: Family, bifurcation: Listed, at: Place, finer: int) -> Seed 
             if closely and not abs(there.value - number.value) <= number.error:
                 continue
             new = switched(one, there, closely=closely)
-            if new is not None and not new.repeats_in_half:
-                return _seed(family, one, there, new)
+            if new is None or new.repeats_in_half:
+                continue
+            if closely:
+                return Seed(new.value, new.point, new.count, (there.value, there.point), one.level)
+            return _seed(family, one, there, new)
     return None
 
 
