@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import tee
 
 import numpy as np
 
@@ -150,20 +149,18 @@ def _sprung(family: Family, bifurcation: Listed, at: Place, finer: int) -> Seed 
     """The seed of a branch that springs from a bifurcation; None if neither its solver nor so many finer ones have one.
 
     A branch that is looked for more closely may be narrower than a solver's error; then that says nothing of it.  So it
-    is followed by the solver that finds it.
+    is followed by the one of them that has the bifurcation nearest to where it is stated.
     """
-    own, number = bifurcation.family, bifurcation.bifurcation
-    usual, closer = tee(_with_finer(own, at, finer))
-    for selves, closely in ((usual, False), (closer, True)):
-        for one, there in selves:
-            if closely and not abs(there.value - number.value) <= number.error:
-                continue
-            new = switched(one, there, closely=closely)
-            if new is None or new.repeats_in_half:
-                continue
-            if closely:
-                return Seed(new.value, new.point, new.count, (there.value, there.point), one.level)
+    own, number, selves = bifurcation.family, bifurcation.bifurcation, list[tuple[Family, Place]]()
+    for one, there in _with_finer(own, at, finer):
+        new = switched(one, there)
+        if new is not None and not new.repeats_in_half:
             return _seed(family, one, there, new)
+        selves.append((one, there))
+    for one, there in sorted(selves, key=lambda pair: abs(pair[1].value - number.value)):
+        new = switched(one, there, closely=True) if abs(there.value - number.value) <= number.error else None
+        if new is not None and not new.repeats_in_half:
+            return Seed(new.value, new.point, new.count, (there.value, there.point), one.level)
     return None
 
 
