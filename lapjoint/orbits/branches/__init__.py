@@ -5,8 +5,9 @@
 `gap_extrema` (inner loops in `compiled_extrema`); `jumping` finds the motion beyond what cannot be followed, and
 `bridging` goes past where the curve is lost.  `bifurcations` are found between neighbours, and put into a list by
 `listing`.  `value_errors` states their errors: `found_again` has a finer solver find one from the motion there, by
-Newton's method in `critical_search` or `extremum_search`; what is in doubt after that `resolving` has it follow, and
-what is in doubt still `by_another_solver` looks for by pairs of ever finer solvers, from that motion or by
-`found_along` along their own curves.  `switching` gives what springs from a bifurcation.  `tracing` puts a branch
-together from a motion; `seeds` finds such motions, and tells new ones from known ones.
+Newton's method in `critical_search` or `extremum_search`; of two that it has at one motion `coinciding` doubts
+one.  What is in doubt after that `resolving` has it follow, and what is in doubt still `by_another_solver` looks for by
+pairs of ever finer solvers, from that motion or by `found_along` along their own curves.  `switching` gives what
+springs from a bifurcation.  `tracing` puts a branch together from a motion; `seeds` finds such motions, and tells new
+ones from known ones.
 """
