@@ -67,6 +67,9 @@ _ROUGH = 1e-4
 though it does not close: that saves a march.  Of 321 such, no modulus was 0.3 % off that on the curve."""
 _TELLS = 0.01
 """Distance of all its moduli from 1, at least: then no multiplier passes the circle on the way to the curve."""
+_STRAIGHT = 0.5
+"""Cosine of the angles between a chord and both tangents at its ends from which on what does not see these in opposite
+directions is not between them: Newton's method led beyond one, and what lies there was listed twice."""
 _VANISHES = 1e-4
 """Value of a test function up to which it vanishes: at a jump of the multipliers, of truncated modes, it does not."""
 _JUMPS = 0.01
@@ -342,12 +345,14 @@ def _passes(now: float, then: float, bound: float, steps: float) -> bool:
 
 def _middle(family: Family, first: Place, last: Place) -> Place | None:
     """The place between two, which need not close if it tells; None if there is none, or they are one."""
-    length = float(np.linalg.norm(last.chord(family, first)))
+    ahead, back = last.chord(family, first), first.chord(family, last)
+    length = float(np.linalg.norm(ahead))
     if length <= LOCATED:
         return None
+    straight = min(float(ahead @ last.tangent), -float(back @ first.tangent)) >= _STRAIGHT * length
 
     def alike(place: Place) -> bool:
-        return place.closings == first.closings
+        return place.closings == first.closings and (not straight or lies_between(family, first, last, place))
 
     def tells(place: Place, off: float) -> bool:
         return off <= _ROUGH * length and alike(place) and bool((np.abs(place.orbit.moduli - 1) > _TELLS).all())
