@@ -41,6 +41,12 @@ def test_no_branch_of_a_few_random_joints_is_false(solver: AnySolver, errors: bo
     check((index, witnessed(solver, QUICK_SEED, index, errors)) for index in indices)
 
 
+@pytest.mark.thorough
+def test_a_motion_beyond_two_places_is_not_halfway_between_them() -> None:
+    """Two tori were listed twice, as what lies beyond was looked through again; the population below found it."""
+    assert not witnessed(SOLVERS[1], SEED, 31).faults
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("solver", "errors"), [(SOLVERS[0], False), (SOLVERS[0], True), (SOLVERS[1], False)])
 def test_no_branch_of_random_joints_is_false(solver: AnySolver, errors: bool) -> None:
