@@ -90,4 +90,4 @@ def test_numbers_are_extremal_at_folds_of_random_joints() -> None:
 @pytest.mark.slow
 @in_one_thread
 def test_numbers_are_extremal_at_folds_of_many_random_joints() -> None:
-    assert judge(MANY) >= 150
+    assert judge(MANY) >= 60
