@@ -8,7 +8,6 @@ import queue
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from concurrent.futures import Future as Answer
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
@@ -141,11 +140,14 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}
-    finished: queue.Queue[tuple[Any, Answer[Solved]]] = queue.Queue()
+    finished: queue.Queue[tuple[Any, asyncio.Task[Solved]]] = queue.Queue()
 
     def collect(future: Any) -> None:
         """Ask for an answer, and do not wait: this thread is shared by all clients, and the answer may be lost."""
-        answer = asyncio.run_coroutine_threadsafe(client.gather(future, asynchronous=True), client.loop.asyncio_loop)
+        client.loop.add_callback(fetch, future)  # of a client that is closed, nothing comes of it
+
+    def fetch(future: Any) -> None:
+        answer = asyncio.ensure_future(client.gather(future, asynchronous=True))
         answer.add_done_callback(lambda answer: finished.put((future, answer)))
 
     def submit(batch: Batch, alone: bool = False) -> None:
@@ -161,6 +163,8 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
         batch, alone = submitted.pop(future)
         try:
             solved = answer.result()
+        except asyncio.CancelledError:
+            raise CancelledError from None
         except KilledWorker:
             if not alone:
                 submit(batch, alone=True)
