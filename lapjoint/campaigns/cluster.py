@@ -140,15 +140,17 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}
-    finished: queue.Queue[tuple[Any, asyncio.Task[Solved]]] = queue.Queue()
+    finished: queue.Queue[tuple[Any, Solved | Exception]] = queue.Queue()
 
     def collect(future: Any) -> None:
         """Ask for an answer, and do not wait: this thread is shared by all clients, and the answer may be lost."""
         client.loop.add_callback(fetch, future)  # of a client that is closed, nothing comes of it
 
-    def fetch(future: Any) -> None:
-        answer = asyncio.ensure_future(client.gather(future, asynchronous=True))
-        answer.add_done_callback(lambda answer: finished.put((future, answer)))
+    async def fetch(future: Any) -> None:
+        try:
+            finished.put((future, await client.gather(future, asynchronous=True)))
+        except Exception as error:
+            finished.put((future, error))
 
     def submit(batch: Batch, alone: bool = False) -> None:
         """Submit a batch, or its first cell only if it is `alone`."""
@@ -159,17 +161,15 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
     for batch in batches:
         submit(batch)
     while submitted:
-        future, answer = _next(client, finished)
+        future, solved = _next(client, finished)
         batch, alone = submitted.pop(future)
-        try:
-            solved = answer.result()
-        except asyncio.CancelledError:
-            raise CancelledError from None
-        except KilledWorker:
+        if isinstance(solved, KilledWorker):
             if not alone:
                 submit(batch, alone=True)
                 continue
             solved = given_up(plan, batch, "the workers that solved it died")
+        elif isinstance(solved, Exception):
+            raise solved
         for more in deliver(solved):
             submit(more)
         left = after(batch, len(solved.points), solved.section)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import math
 import os
@@ -216,8 +217,14 @@ def test_an_address_that_is_none_is_refused(address: str, monkeypatch: pytest.Mo
     ],
 )
 def test_a_cluster_that_dies_ends_the_sweep_with_a_message(
-    lost: str, message: str, doomed: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lost: str,
+    message: str,
+    doomed: Cluster,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
+    """By that alone: what else was under way says nothing when it is forgotten."""
     monkeypatch.setattr("lapjoint.campaigns.cluster.ALONE", 2.0)
     monkeypatch.setattr("lapjoint.campaigns.cluster.LOOK", 0.5)
 
@@ -228,6 +235,8 @@ def test_a_cluster_that_dies_ends_the_sweep_with_a_message(
 
     with pytest.raises(SolverError, match=message):
         sweep(JOINT, AXES, solver="counting", scheduler=doomed.address, out=tmp_path / "curve.nc", progress=kill_all)
+    gc.collect()
+    assert not caplog.records
 
 
 @pytest.mark.thorough
