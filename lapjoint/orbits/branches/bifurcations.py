@@ -97,6 +97,11 @@ class Located:
     """The motion there."""
 
     @property
+    def value(self) -> float:
+        """The number, in its SI unit."""
+        return self.place.value
+
+    @property
     def left(self) -> float:
         """What is left there of what must vanish."""
         return criteria_of(self.place)[self.kind].left(self.place)

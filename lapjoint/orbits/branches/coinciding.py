@@ -17,12 +17,13 @@ from lapjoint.orbits.branches.bifurcations import Located
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_again import NEAR, SHARE_BACK
 from lapjoint.orbits.branches.found_along import directly, motion_at
-from lapjoint.orbits.branches.listing import Listed, number_of
+from lapjoint.orbits.branches.listing import Listed
 from lapjoint.orbits.branches.run import Graze
 from lapjoint.orbits.refinement import ROUNDING
 
 _SELVES = 3
-"""Most finer selves that are asked: two that become one are a fifth as far apart by each as by the one before."""
+"""Most finer selves that are asked: of the pair that is known, each has its two a twentieth as far apart as the one
+before."""
 
 
 def doubted(found: Sequence[Listed]) -> list[Listed]:
@@ -59,8 +60,8 @@ def _may_be_one(one: Listed, other: Listed) -> bool:
 
 def _moved_together(family: Family, one: Located | Graze, other: Located | Graze) -> tuple[float, float] | None:
     """How far the numbers of two move to where a finer self has both at once; None if none has."""
-    first, finders = (number_of(one), number_of(other)), (directly(one), directly(other))
-    places, scale = (motion_at(one), motion_at(other)), family.scale(number_of(one))
+    first, finders = (one.value, other.value), (directly(one), directly(other))
+    places, scale = (motion_at(one), motion_at(other)), family.scale(one.value)
     most = SHARE_BACK * abs(first[1] - first[0]) + ROUNDING * scale
     for _ in range(_SELVES):
         known = family.finer(first[0])

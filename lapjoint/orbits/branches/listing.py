@@ -169,26 +169,10 @@ def _told(family: Family, found: Sequence[Located | Graze], known: Sequence[Bifu
         for k, other in enumerate(known)
         for i, one in enumerate(found)
         if _kind_and_stop(one) == (other.kind, other.stop)
-        and abs(number_of(one) - other.value) <= other.error + _LOCATED * family.scale(other.value)
+        and abs(one.value - other.value) <= other.error + _LOCATED * family.scale(other.value)
     ]
     there, meant = Counter(i for i, _ in pairs), Counter(k for _, k in pairs)
     return {i: Stated(known[k].value, known[k].error) for i, k in pairs if there[i] == meant[k] == 1}
-
-
-def number_of(one: Located | Graze) -> float:
-    """The number at a bifurcation.
-
-    Parameters
-    ----------
-    one : Located or Graze
-        The bifurcation.
-
-    Returns
-    -------
-    float
-        As the solver has it that found it, in its SI unit.
-    """
-    return one.value if isinstance(one, Graze) else one.place.value
 
 
 def _kind_and_stop(one: Located | Graze) -> tuple[BifurcationKind, int]:
@@ -196,8 +180,7 @@ def _kind_and_stop(one: Located | Graze) -> tuple[BifurcationKind, int]:
 
 
 def _stated(family: Family, one: Located | Graze, errors: bool) -> Stated:
-    value = number_of(one)
-    return stated(family, motion_at(one), value, directly(one, family)) if errors else Stated(value, np.inf)
+    return stated(family, motion_at(one), one.value, directly(one, family)) if errors else Stated(one.value, np.inf)
 
 
 def _just_beyond(family: Family, run: Run, graze: Graze) -> Iterator[Listed]:

@@ -85,7 +85,7 @@ def _sharper(one: Listed) -> Listed:
 def _off(one: Listed) -> float:
     """How far from the file's number a self has a bifurcation, in the same unit."""
     assert one.found is not None
-    value = one.found.place.value if isinstance(one.found, Located) else one.found.value
+    value = one.found.value
     return abs(value - one.bifurcation.value)
 
 

@@ -30,9 +30,6 @@ from lapjoint.problem import FloatArray
 _LENGTHS = (3e-3, 3e-4, 3e-5, 3e-6, 1e-6)
 """Arc lengths eps, tried in turn: a branch is followed faster from far, but one bifurcation in four is so near to a
 graze that only motions within 1e-5 of it are smooth."""
-_CLOSE = (*((-1, length) for length in _LENGTHS), *((sign, length) for length in (3e-7, 1e-7) for sign in (1, -1)))
-"""What is tried last, with the sign: a stop is grazed sooner on one way along v than on the other, and of four branches
-that end at a graze within 2e-5 rad/s to 5e-4 rad/s one was found from 1e-7 alone."""
 _FEW, _LONGER = 50, 2.0
 """Most points of a branch back to where it springs, and the largest ratio of its length and of the way to there."""
 _BESIDE, _MOST = 5e-3, 40
@@ -45,7 +42,7 @@ _STEPS = 10
 """Most steps of Newton's method."""
 
 
-def switched(family: Family, bifurcation: Place, *, closely: bool = False) -> Place | None:
+def switched(family: Family, bifurcation: Place, sign: int = 1) -> Place | None:
     """A motion of the branch that springs from a bifurcation, near it.
 
     Parameters
@@ -54,8 +51,9 @@ def switched(family: Family, bifurcation: Place, *, closely: bool = False) -> Pl
         The period maps.
     bifurcation : Place
         The motion at which a multiplier is -1.
-    closely : bool
-        Whether to look where nothing is looked for first: the other way along its vector, and closer.
+    sign : int
+        1 or -1: which way along the vector to look.  Both lead to one branch, but beside a graze, which the motion
+        comes to sooner on one of them, Newton's method may find it on the other alone.
 
     Returns
     -------
@@ -64,10 +62,10 @@ def switched(family: Family, bifurcation: Place, *, closely: bool = False) -> Pl
     """
     _, vector = crosses_minus_one(bifurcation)
     direction = vector * bifurcation.weights
-    direction = direction / np.linalg.norm(direction)
-    for sign, length in _CLOSE if closely else ((1, length) for length in _LENGTHS):
+    direction = sign * direction / np.linalg.norm(direction)
+    for length in _LENGTHS:
         with suppress(SolverError, InputError, np.linalg.LinAlgError):
-            found = _beside(family, bifurcation, sign * direction, length)
+            found = _beside(family, bifurcation, direction, length)
             if found is not None:
                 return found.along(found.chord(family, bifurcation))
     return None

@@ -148,8 +148,8 @@ def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) ->
 def _sprung(family: Family, bifurcation: Listed, at: Place, finer: int) -> Seed | None:
     """The seed of a branch that springs from a bifurcation; None if neither its solver nor so many finer ones have one.
 
-    A branch that is looked for more closely may be narrower than a solver's error; then that says nothing of it.  So it
-    is followed by the one of them that has the bifurcation nearest to where it is stated.
+    One that is found the other way along the vector alone ends soon at a graze, and may be narrower than a solver's
+    error.  So the one of them follows it that has the bifurcation nearest to where it is stated, within its error.
     """
     own, number, selves = bifurcation.family, bifurcation.bifurcation, list[tuple[Family, Place]]()
     for one, there in _with_finer(own, at, finer):
@@ -158,7 +158,7 @@ def _sprung(family: Family, bifurcation: Listed, at: Place, finer: int) -> Seed 
             return _seed(family, one, there, new)
         selves.append((one, there))
     for one, there in sorted(selves, key=lambda pair: abs(pair[1].value - number.value)):
-        new = switched(one, there, closely=True) if abs(there.value - number.value) <= number.error else None
+        new = switched(one, there, sign=-1) if abs(there.value - number.value) <= number.error else None
         if new is not None and not new.repeats_in_half:
             return Seed(new.value, new.point, new.count, (there.value, there.point), one.level)
     return None

@@ -23,7 +23,7 @@ from lapjoint.orbits.branches import grazing
 from lapjoint.orbits.branches.coinciding import doubted
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_along import directly, motion_at
-from lapjoint.orbits.branches.listing import Listed, among, number_of
+from lapjoint.orbits.branches.listing import Listed, among
 from lapjoint.orbits.branches.resolving import asked_again
 from lapjoint.orbits.branches.restored import restored
 from lapjoint.orbits.branches.run import Graze
@@ -145,5 +145,5 @@ def test_of_two_bifurcations_that_a_finer_solver_has_at_one_motion_one_has_no_er
 def with_its_error(one: Listed) -> Listed:
     """The same as its branch has it."""
     assert one.found is not None
-    known = stated(one.family, motion_at(one.found), number_of(one.found), directly(one.found, one.family))
+    known = stated(one.family, motion_at(one.found), one.found.value, directly(one.found, one.family))
     return replace(one, bifurcation=replace(one.bifurcation, value=known.value, error=known.error), sure=known.sure)

@@ -54,7 +54,7 @@ def test_a_branch_that_soon_ends_where_its_mother_grazes_is_found(said: dict[str
     assert flip is not None
     assert flip.springing is not None
     assert switched(flip.family, flip.springing) is None
-    new = switched(flip.family, flip.springing, closely=True)
+    new = switched(flip.family, flip.springing, sign=-1)
     assert new is not None
     run = follow(flip.family, new, AROUND)
     assert run.end == "bifurcation"
