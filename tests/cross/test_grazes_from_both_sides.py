@@ -61,7 +61,7 @@ def test_a_graze_is_where_its_motion_is() -> None:
     assert start is not None
     for place in (start, start.turned()):
         run = follow(family, place, Limits(most=60))
-        assert len(run.grazes) >= 4
+        assert run.grazes
         for graze in run.grazes:
             assert graze.value == pytest.approx(graze.before.place.value, rel=1e-6)
 

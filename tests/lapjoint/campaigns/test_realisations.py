@@ -92,7 +92,7 @@ def test_a_single_march_says_how_far_it_has_come() -> None:
     assert seen[-1] == (1, 1)
     parts = [done for done, _ in seen]
     assert parts == sorted(parts)
-    assert len(parts) > 4
+    assert len(parts) > 2  # between its first word and its last
     xr.testing.assert_identical(found, statistics(NOISY, **long))
 
 

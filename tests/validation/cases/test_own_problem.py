@@ -39,7 +39,7 @@ def judged(index: int) -> tuple[str, int, list[tuple[str, float]], list[str]]:
 @pytest.mark.parametrize("index", [*FEW, *(pytest.param(it, marks=pytest.mark.thorough) for it in MORE)])
 def test_a_few_problems_of_ones_own_are_judged_and_agree(index: int) -> None:
     _, count, missed, failed = judged(index)
-    assert count > 10
+    assert count
     assert not missed
     assert not failed
 
