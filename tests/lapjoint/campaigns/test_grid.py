@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import product
 from typing import Any
 
 import pytest
@@ -46,6 +47,13 @@ PATHS = [
     "unknown",
 ]
 VALUES = [0.03, 2.0, 0.0, -1.0, 1e200, math.inf, -math.inf]
+
+
+def test_the_last_axis_runs_fastest_as_in_the_dataset() -> None:
+    axes = (Axis("stops.*.gap", (1e-3, 2e-3)), Axis("damping.ratio", (0.1, 0.08, 0.05)))
+    grid = Grid(JOINT, axes)
+    assert grid.shape == (2, 3)
+    assert [grid.values_at(i) for i in range(grid.size)] == list(product(*(axis.values for axis in axes)))
 
 
 def by_tables(grid: Grid, values: tuple[float, ...]) -> Problem:

@@ -16,6 +16,7 @@ from lapjoint.campaigns.plan import Plan
 from lapjoint.errors import RecordWarning
 from lapjoint.problem import RecordBaseMotion, RecordLoad
 from lapjoint.problem.files import from_toml, problem_from_tables, problem_tables, to_toml
+from lapjoint.problem.samples import Samples
 
 RATE = 5000.0
 TIMES = np.arange(401) / RATE
@@ -49,6 +50,19 @@ def _in_a_file(folder: Path, **changes: Any) -> Path:
 def _record(problem: Problem) -> RecordBaseMotion:
     assert isinstance(problem.base_motion, RecordBaseMotion)
     return problem.base_motion
+
+
+@pytest.mark.parametrize(("unit", "seconds"), [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0)])
+def test_samples_lie_at_their_own_time_stamps(unit: str, seconds: float) -> None:
+    """Stamps whose steps grow, and samples on a straight line over them: the line comes back between the samples."""
+    stamps = np.arange(1.0, 9.0) ** 2
+    record = RecordBaseMotion(
+        quantity="acceleration", times=Samples(stamps), time_unit=unit, values=Samples(0.01 * stamps)
+    )
+    np.testing.assert_allclose(record.time, (stamps - 1.0) * seconds, rtol=1e-15)
+    t = np.linspace(0.0, record.duration, 50)
+    line = 0.01 * (1.0 + t / seconds)
+    np.testing.assert_allclose(np.interp(t, record.motion.time, record.motion.acceleration), line, rtol=1e-13)
 
 
 @pytest.mark.parametrize(("quantity", "order"), [("acceleration", 2), ("velocity", 1), ("displacement", 0)])
