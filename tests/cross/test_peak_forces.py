@@ -1,7 +1,7 @@
 """Peak forces of contacts under a step load are as far from the true ones as the errors stated of them say, at most.
 
-The truth for both solvers is the analytic one with twice the modes that it takes by default.  It is a hundredth of the
-finite elements' errors away, and a tenth of the analytic solver's own.
+The truth for both solvers is the analytic one with twice the modes that it takes by default, of an order of convergence
+of 4 or more: a sixteenth of the analytic solver's own error is left, and of the finite elements' far less.
 """
 
 from __future__ import annotations
