@@ -24,7 +24,6 @@ def simulate(
     counts: tuple[int, int],
     duration: float,
     progress: Progress | None,
-    depth: bool = True,
 ) -> History:
     """The motion from the initial state.
 
@@ -40,8 +39,6 @@ def simulate(
         How long, s.
     progress : callable or None
         Called with (done, total), in the same unit.
-    depth : bool
-        Whether to find the peak forces of the contacts.
 
     Returns
     -------
@@ -55,8 +52,8 @@ def simulate(
     """
     joint = Joint(problem, *counts)
     if problem.excitation_frequency is not None:
-        return PeriodMap(joint, name).simulated(duration, progress, depth)
-    motion = march(joint, started(joint), 0.0, duration, depth=depth, progress=progress)
+        return PeriodMap(joint, name).simulated(duration, progress)
+    motion = march(joint, started(joint), 0.0, duration, depth=True, progress=progress)
     return history_of(name, motion.joint, motion.log)
 
 

@@ -131,7 +131,7 @@ class PeriodMap:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(_coordinates(start), [self.period] * periods, None)
 
-    def simulated(self, duration: float, progress: Progress | None, depth: bool = True) -> History:
+    def simulated(self, duration: float, progress: Progress | None) -> History:
         """The motion from the initial state, in the same pieces as the search marches.
 
         Parameters
@@ -140,15 +140,13 @@ class PeriodMap:
             How long, s.
         progress : callable or None
             Called with (pieces done, pieces in all).
-        depth : bool
-            Whether to find the peak forces of the contacts.
 
         Returns
         -------
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        motion = self._recorded(started(self.joint), period_pieces(self.period, duration), progress, depth)
+        motion = self._recorded(started(self.joint), period_pieces(self.period, duration), progress)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
 
     def marched(self, duration: float) -> Iterator[Log]:
@@ -269,12 +267,10 @@ class PeriodMap:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
         return np.array([stop.sign * stop.stiffness for stop in self.joint.family.problem.stops]) * penetration
 
-    def _recorded(
-        self, start: Coordinates, pieces: list[float], progress: Progress | None, depth: bool = True
-    ) -> History:
+    def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
         now, motions = start, []
         for i, piece in enumerate(pieces):
-            motions.append(march(self.joint, now, 0.0, piece, depth=depth))
+            motions.append(march(self.joint, now, 0.0, piece, depth=True))
             now = motions[-1].end
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))

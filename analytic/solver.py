@@ -295,7 +295,7 @@ class Solver:
         finer, ratio = found
 
         def march() -> History:
-            return answers.simulate(problem, finer.name, finer.mode_counts(problem), duration, None, depth=False)
+            return answers.simulate(problem, finer.name, finer.mode_counts(problem), duration, None)
 
         return with_contact_errors(motion, Refinement(finer.name, ratio, ORDER), march)
 

@@ -59,9 +59,7 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
     return Modes(state, omega[:count], ElementShapes(assembly, vectors[:, :count]))
 
 
-def simulate(
-    solver: Solver, problem: Problem, duration: float, progress: Progress | None, peaks: bool = True
-) -> History:
+def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
     """The motion from the initial state.
 
     Parameters
@@ -74,8 +72,6 @@ def simulate(
         How long, s.
     progress : callable or None
         Called with (done, total), in the same unit.
-    peaks : bool
-        Whether to find the peak forces of the contacts.
 
     Returns
     -------
@@ -88,11 +84,11 @@ def simulate(
         If the march cannot go on.
     """
     if problem.excitation_frequency is not None:
-        return period_map(solver, problem).simulated(duration, progress, peaks)
+        return period_map(solver, problem).simulated(duration, progress)
     model = _model(solver, problem)
     state = initial_state(model.assembly)
     y = initial_coordinates(model.assembly, model.system(state))
-    motion = march(model, state, y, 0.0, duration, progress=progress, peaks=peaks)
+    motion = march(model, state, y, 0.0, duration, progress=progress)
     return history_of(solver.name, model, [motion], duration)
 
 

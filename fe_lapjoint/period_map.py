@@ -93,7 +93,7 @@ class PeriodMap:
         """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(start, [self.period] * periods, None)
 
-    def simulated(self, duration: float, progress: Progress | None, peaks: bool = True) -> History:
+    def simulated(self, duration: float, progress: Progress | None) -> History:
         """The motion from the initial state, in the same pieces as the search marches.
 
         Parameters
@@ -102,15 +102,13 @@ class PeriodMap:
             How long, s.
         progress : callable or None
             Called with (pieces done, pieces in all).
-        peaks : bool
-            Whether to find the peak forces of the contacts.
 
         Returns
         -------
         History
             The motion from 0 to `duration`, with its contacts.
         """
-        motion = self._recorded(self.initial(), period_pieces(self.period, duration), progress, peaks)
+        motion = self._recorded(self.initial(), period_pieces(self.period, duration), progress)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
 
     def streamed(self, duration: float) -> Iterator[History]:
@@ -127,7 +125,7 @@ class PeriodMap:
             Some periods each.
         """
         pieces = period_pieces(self.period, duration)
-        motions, start = self._marched(self.initial(), pieces, True), 0.0
+        motions, start = self._marched(self.initial(), pieces), 0.0
         for first in range(0, len(pieces), _STRETCH):
             taken = list(islice(motions, _STRETCH))
             number = first + len(taken)
@@ -135,21 +133,19 @@ class PeriodMap:
             yield _between(history_of(self.name, self.model, taken, self.period, first), start, end)
             start = end
 
-    def _recorded(
-        self, start: SectionPoint, pieces: list[float], progress: Progress | None, peaks: bool = True
-    ) -> History:
+    def _recorded(self, start: SectionPoint, pieces: list[float], progress: Progress | None) -> History:
         motions = []
-        for motion in self._marched(start, pieces, peaks):
+        for motion in self._marched(start, pieces):
             motions.append(motion)
             if progress is not None:
                 progress(float(len(motions)), float(len(pieces)))
         return history_of(self.name, self.model, motions, self.period)
 
-    def _marched(self, start: SectionPoint, pieces: list[float], peaks: bool) -> Iterator[March]:
+    def _marched(self, start: SectionPoint, pieces: list[float]) -> Iterator[March]:
         """The pieces of a march, one after the other, each from its own time 0."""
         point = start
         for piece in pieces:
-            motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=peaks)
+            motion = march(self.model, point.state, self.modal(point), 0.0, piece)
             yield motion
             point = self._section_point(motion.state, motion.y)
 

@@ -277,9 +277,7 @@ class Solver:
         problem = motion.problem
         finer = self._finer(problem, FINER_MARCH)
         refinement = Refinement(finer.name, FINER_MARCH, ORDER)
-        return with_contact_errors(
-            motion, refinement, lambda: answers.simulate(finer, problem, duration, None, peaks=False)
-        )
+        return with_contact_errors(motion, refinement, lambda: answers.simulate(finer, problem, duration, None))
 
     def finer(self, problem: Problem) -> tuple[Refinement, Solver]:
         """A solver on a finer mesh, by which errors are estimated.

@@ -27,6 +27,7 @@ CONTACT_COLUMNS = (
     "open_end",
     "start_error_s",
     "impulse_error_Ns",
+    "peak_force_error_N",
 )
 
 
@@ -108,6 +109,7 @@ def contact_rows(history: History) -> list[dict[str, Any]]:
                     c.open_end,
                     c.start_error,
                     c.impulse_error,
+                    c.peak_force_error,
                 ),
                 strict=True,
             )

@@ -37,6 +37,9 @@ class Contact:
     impulse_error: float | None = None
     """Estimate of the numerical error of `impulse`, N s; infinite where none can be stated, None where none was
     made."""
+    peak_force_error: float | None = None
+    """Estimate of the numerical error of `peak_force`, N; infinite where none can be stated, None where none was
+    made."""
 
     @property
     def duration(self) -> float:

@@ -144,8 +144,8 @@ class Comparison:
 
     history: History
     """The finer motion over one period."""
-    bounds: Callable[[FloatArray, float], FloatArray]
-    """Takes differences of numbers, and the largest of those that share an error with them; gives errors."""
+    bounds: Callable[[FloatArray, float, int, int], FloatArray]
+    """Gives errors; see `lapjoint.orbits.refinement.Refinement.bounds`."""
     floor: float
     """Error that refinement does not show, over the largest of the numbers."""
 

@@ -74,13 +74,16 @@ def print_history(history: History) -> None:
     for path, part in (problem.records | problem.random).items():
         echo(f"{path}: {part.remark}")
     if contacts:
-        heading = f"{'start [s]':>15}{'+-':>10}{'duration [s]':>15}{'impulse [N s]':>15}{'+-':>10}{'peak [N]':>13}"
+        heading = (
+            f"{'start [s]':>15}{'+-':>10}{'duration [s]':>15}{'impulse [N s]':>15}{'+-':>10}{'peak [N]':>13}{'+-':>10}"
+        )
         echo(f"\n{'stop':<{width}}{heading}")
     for c in contacts[:ROWS_SHOWN]:
         remark = "  closed at the start" if c.open_start else "  closed at the end" if c.open_end else ""
         start = f"{c.start:15.9f}{error_text(c.start_error):>10}"
         impulse = f"{c.impulse:15.6g}{error_text(c.impulse_error):>10}"
-        echo(f"{names[c.stop]:<{width}}{start}{c.duration:15.6g}{impulse}{c.peak_force:13.5g}{remark}")
+        peak = f"{c.peak_force:13.5g}{error_text(c.peak_force_error):>10}"
+        echo(f"{names[c.stop]:<{width}}{start}{c.duration:15.6g}{impulse}{peak}{remark}".rstrip())
     if len(contacts) > ROWS_SHOWN:
         echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
     print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")

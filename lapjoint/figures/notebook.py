@@ -67,7 +67,7 @@ def html_of_history(history: History) -> str:
             f"{c.start:.6g}",
             f"{c.duration:.4g}",
             _with_error(c.impulse, c.impulse_error),
-            f"{c.peak_force:.4g}",
+            _with_error(c.peak_force, c.peak_force_error),
         )
         for c in history.contacts[:CONTACTS_SHOWN]
     ]

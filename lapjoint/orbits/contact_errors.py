@@ -34,6 +34,8 @@ class Differences:
     """s, shape ``(contacts,)``."""
     impulse: FloatArray
     """N s, shape ``(contacts,)``."""
+    peak_force: FloatArray
+    """N, shape ``(contacts,)``."""
 
 
 def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
@@ -51,7 +53,8 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
     Returns
     -------
     History
-        The same with `Contact.start_error`, `Contact.impulse_error` and `History.error_source`.
+        The same with `Contact.start_error`, `Contact.impulse_error`, `Contact.peak_force_error` and
+        `History.error_source`.
     """
     try:
         others = finer().contacts
@@ -61,18 +64,21 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
     parted = parting(history.contacts, found)
     together = np.arange(len(history.contacts)) < parted
     errors = []
-    for values in (found.start, found.impulse):
+    for values in (found.start, found.impulse, found.peak_force):
         finite = np.where(np.isfinite(values), values, 0.0)
         bounds = refinement.bounds(values, np.maximum.accumulate(finite))
         errors.append(np.where(together, bounds, np.inf))
-    largest = np.maximum.accumulate([abs(contact.impulse) for contact in history.contacts] or [0.0])
+    sizes = np.array([(abs(contact.impulse), contact.peak_force) for contact in history.contacts]).reshape(-1, 2)
     contacts = tuple(
         replace(
             contact,
             start_error=0.0 if contact.open_start else float(start + ROUNDING * contact.end),
-            impulse_error=float(impulse + ROUNDING * size),
+            impulse_error=float(impulse + ROUNDING * largest[0]),
+            peak_force_error=float(peak + ROUNDING * largest[1]),
         )
-        for contact, start, impulse, size in zip(history.contacts, *errors, largest, strict=False)
+        for contact, start, impulse, peak, largest in zip(
+            history.contacts, *errors, np.maximum.accumulate(sizes), strict=True
+        )
     )
     source = f"compared with {refinement.name}"
     if parted < len(contacts):
@@ -95,7 +101,9 @@ def without_contact_errors(history: History, reason: str) -> History:
     History
         The same; its contacts' errors are infinite.
     """
-    contacts = tuple(replace(one, start_error=np.inf, impulse_error=np.inf) for one in history.contacts)
+    contacts = tuple(
+        replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
+    )
     return replace(history, contacts=contacts, error_source=reason)
 
 
@@ -114,7 +122,7 @@ def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: 
     Differences
         Of each of `contacts`.
     """
-    start, impulse = np.full((2, len(contacts)), np.inf)
+    start, impulse, peak = np.full((3, len(contacts)), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
         other = [contact for contact in others if contact.stop == stop]
@@ -124,10 +132,10 @@ def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: 
         partner, apart = _nearest(times, theirs, period)
         mutual = _nearest(theirs, times, period)[0][partner] == np.arange(own.size)
         start[own[mutual]] = apart[mutual]
-        impulse[own[mutual]] = [
-            abs(contacts[i].impulse - other[k].impulse) for i, k in zip(own[mutual], partner[mutual], strict=True)
-        ]
-    return Differences(start, impulse)
+        pairs = [(contacts[i], other[k]) for i, k in zip(own[mutual], partner[mutual], strict=True)]
+        impulse[own[mutual]] = [abs(one.impulse - another.impulse) for one, another in pairs]
+        peak[own[mutual]] = [abs(one.peak_force - another.peak_force) for one, another in pairs]
+    return Differences(start, impulse, peak)
 
 
 def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tuple[IndexArray, FloatArray]:

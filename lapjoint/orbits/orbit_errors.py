@@ -166,14 +166,20 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
     period = history.end - history.start
     whole, number = _whole(history)
     found: Differences = differences(whole, _whole(finer)[0], period)
-    start, impulse = (
+    start, impulse, peak = (
         refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)))
-        for values in (found.start, found.impulse)
+        for values in (found.start, found.impulse, found.peak_force)
     )
     impulse += floor * max((abs(contact.impulse) for contact in whole), default=0.0)
+    peak += floor * max((contact.peak_force for contact in whole), default=0.0)
     start += floor * period
     contacts = tuple(
-        replace(one, start_error=0.0 if one.open_start else float(start[i]), impulse_error=float(impulse[i]))
+        replace(
+            one,
+            start_error=0.0 if one.open_start else float(start[i]),
+            impulse_error=float(impulse[i]),
+            peak_force_error=float(peak[i]),
+        )
         for one, i in zip(history.contacts, number, strict=True)
     )
     return replace(history, contacts=contacts)
@@ -188,5 +194,6 @@ def _whole(history: History) -> tuple[list[Contact], list[int]]:
     made = [contacts[i] for i in whole]
     for i, begun in rest.items():
         k = whole.index(begun)
-        made[k] = replace(made[k], impulse=made[k].impulse + contacts[i].impulse)
+        peak = max(made[k].peak_force, contacts[i].peak_force)
+        made[k] = replace(made[k], impulse=made[k].impulse + contacts[i].impulse, peak_force=peak)
     return made, [whole.index(rest.get(i, i)) for i in range(len(contacts))]

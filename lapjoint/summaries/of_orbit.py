@@ -26,6 +26,8 @@ from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, se
 
 MOST = 1 << 15
 """Samples of a motion, at most."""
+FINER = 1.5
+"""Times as many samples of the finer motion, at most: the error of too few then shows in the difference, too."""
 WANDERING = 128
 """Excitation periods of a motion that does not repeat: twice as many as a standard error needs."""
 PER_PERIOD = 8.0
@@ -134,12 +136,14 @@ def summarise(
     other = found.comparison
     if other is None:
         return OrbitSummary(what, means, {name: np.full_like(value, math.inf) for name, value in means.items()})
-    finer = {name: value[0] for name, value in _of_periods(other.history, what, 1).items()}
+    finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, FINER).items()}
+    orders = {one.name: (one.dx, one.dt) for one in what.quantities}
     unknown = ~np.isfinite(found.impulse_errors)
     errors = {}
     for name, value in means.items():
         apart = value - finer[name]
-        errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)))
+        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # none of what the stops do
+        errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)), dx, dt)
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
         if name in OF_STOPS:
             errors[name][unknown] = math.inf
@@ -171,10 +175,13 @@ def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
     return OrbitSummary(what, values, None if found.impulse_errors is None else errors)
 
 
-def _of_periods(history: History, what: Selection, periods: int) -> dict[str, FloatArray]:
-    """All numbers over each of so many equal parts of a motion: by name, shape ``(periods, X)`` or ``(periods, S)``."""
+def _of_periods(history: History, what: Selection, periods: int, times: float = 1.0) -> dict[str, FloatArray]:
+    """All numbers over each of so many equal parts of a motion: by name, shape ``(periods, X)`` or ``(periods, S)``.
+
+    They are made of `MOST` samples at most, times a factor.
+    """
     edges = np.linspace(history.start, history.end, periods + 1)
-    t, weight, part = _samples(history, edges)
+    t, weight, part = _samples(history, edges, times * MOST)
     Q, X, S = len(what.quantities), what.x.size, len(history.problem.stops)
     squares, peaks, when = np.zeros((periods, Q, X)), np.zeros((periods, Q, X)), np.zeros((periods, Q, X))
     force_squares, force_peak = np.zeros((periods, S)), np.zeros((periods, S))
@@ -204,13 +211,13 @@ def _of_periods(history: History, what: Selection, periods: int) -> dict[str, Fl
     return found
 
 
-def _samples(history: History, edges: FloatArray) -> tuple[FloatArray, FloatArray, IndexArray]:
-    """Times, s, their weights, s, and the part between `edges` that each is in, shape ``(m,)`` each."""
+def _samples(history: History, edges: FloatArray, most: float) -> tuple[FloatArray, FloatArray, IndexArray]:
+    """At most so many times, s, their weights, s, and the part between `edges` of each, shape ``(m,)`` each."""
     ends = np.unique(np.concatenate([edges, history.switch_times]))
     duration = history.end - history.start
     fastest = history.highest_mode or 0.0
     count = max(PER_PERIOD * fastest * duration / (2 * math.pi), 512.0 * (edges.size - 1))
-    step = duration / min(count, MOST) * _NODES.size
+    step = duration / min(count, most) * _NODES.size
     panels = np.maximum(1, np.ceil(np.diff(ends) / step)).astype(int)
     width = np.repeat(np.diff(ends) / panels, panels)
     offset = np.arange(panels.sum()) - np.repeat(np.cumsum(panels) - panels, panels)

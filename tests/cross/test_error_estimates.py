@@ -15,16 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from population import stiffened_joint
+from refining import AnySolver, doubled, refined, touches
 
 import analytic
 import fe_lapjoint
-from lapjoint import Problem, SteadyState
+from lapjoint import SteadyState
 from lapjoint.answers import Contact
-from lapjoint.orbits.half_periods import HalfPeriods
-from lapjoint.orbits.newton import find_orbit
 from lapjoint.problem import FloatArray
 
-AnySolver = analytic.Solver | fe_lapjoint.Solver
 FEW = 300  # excitation periods, after which a motion that has not been found to repeat is not waited for
 SOLVERS: tuple[AnySolver, ...] = (analytic.Solver(max_periods=FEW), fe_lapjoint.Solver(max_periods=FEW))
 
@@ -34,6 +32,7 @@ NOT_STATED, NO_TRUTH = 0.1, 0.15  # most joints whose errors are infinite, or wh
 SHARE = 1 / 20  # of the stated error, by which another doubling may move the truth
 DOUBLINGS = 3
 MARCHED = 10  # excitation periods from rest
+CONTACT_ERRORS = ("start_error", "impulse_error", "peak_force_error")
 
 
 @dataclass(frozen=True)
@@ -54,45 +53,8 @@ class Judged:
         return float(self.stated.max() / max(self.true.max(), 1e-300))
 
 
-def doubled(solver: AnySolver, problem: Problem, times: int) -> AnySolver:
-    """The same solver with 2**times the modes, as far as there are so many, or elements."""
-    if isinstance(solver, fe_lapjoint.Solver):
-        return fe_lapjoint.Solver(elements=solver.elements * 2**times)
-    return analytic.Solver(n_modes=min(max(solver.mode_counts(problem)) * 2**times, 500))
-
-
-def refined(solver: AnySolver, problem: Problem, steady: SteadyState) -> SteadyState | None:
-    """The steady state of another resolution that is the nearest to a known one; None if there is none."""
-    half_periods, multiple = HalfPeriods(solver.period_map(problem)), steady.period_multiple
-    near = half_periods.map.adopted(steady.section_point)
-    for periods in (0, 8):
-        start = half_periods.map.march(near, 2 * periods * multiple).end if periods else near
-        found = find_orbit(half_periods, start, 2 * multiple, farthest=0.5)
-        if found is not None and found.stable:
-            history = half_periods.map.history(found.point, multiple)
-            return SteadyState(
-                problem=problem,
-                solver=solver.name,
-                outcome=steady.outcome,
-                period_multiple=multiple,
-                symmetric=steady.symmetric,
-                residual=found.residual,
-                multipliers=found.multipliers,
-                exponent=None,
-                section_point=found.point,
-                history=history,
-                impulses=history.impulses() / multiple,
-            )
-    return None
-
-
-def touches(steady: SteadyState) -> bool:
-    """Whether a motion repeats, with contacts."""
-    return steady.period_multiple > 0 and bool(steady.history.contacts)
-
-
-def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, Judged, Judged] | None:
-    """Impulses, and starts and impulses of the contacts, of one steady state; None if it makes none."""
+def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, ...] | None:
+    """Impulses, and `CONTACT_ERRORS` of the contacts, of one steady state; None if it makes none."""
     problem = stiffened_joint(SEED, index)
     if not isinstance(solver, analytic.Solver) and not touches(
         SOLVERS[0].steady_state(problem, sensitivity=False, errors=False)
@@ -114,11 +76,11 @@ def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, Judged, Judged
             period = steady.history.end - steady.history.start
             contacts = judged_contacts(steady.history.contacts, last.history.contacts, before.history.contacts, period)
             return Judged(stated, np.abs(steady.impulses - last.impulses)), *contacts
-    return Judged(stated, np.zeros(0)), *[Judged(np.zeros(0), np.zeros(0))] * 2
+    return Judged(stated, np.zeros(0)), *[Judged(np.zeros(0), np.zeros(0))] * len(CONTACT_ERRORS)
 
 
-def judged_march(solver: AnySolver, index: int) -> tuple[Judged, Judged]:
-    """Starts and impulses of the contacts from rest."""
+def judged_march(solver: AnySolver, index: int) -> tuple[Judged, ...]:
+    """`CONTACT_ERRORS` of the contacts from rest."""
     problem = stiffened_joint(SEED, index)
     assert problem.excitation_frequency is not None
     duration = MARCHED * 2 * math.pi / problem.excitation_frequency
@@ -129,32 +91,30 @@ def judged_march(solver: AnySolver, index: int) -> tuple[Judged, Judged]:
 
 def judged_contacts(
     own: Sequence[Contact], truth: Sequence[Contact], before: Sequence[Contact], period: float
-) -> tuple[Judged, Judged]:
-    """Starts and impulses of those contacts whose errors are stated, and whose truth is certain.
+) -> tuple[Judged, ...]:
+    """`CONTACT_ERRORS` of those contacts whose errors are stated, and whose truth is certain.
 
     `before` has half the resolution of the truth.  Contacts that a section point cuts are left out.
     """
-    starts, impulses = [], []
+    found = []
     for contact in own:
-        assert contact.start_error is not None
-        assert contact.impulse_error is not None
-        if contact.open_start or contact.open_end or not math.isfinite(contact.start_error):
+        stated = np.array([getattr(contact, name) for name in CONTACT_ERRORS], dtype=float)
+        if contact.open_start or contact.open_end or not math.isfinite(stated[0]):
             continue
-        (t, j), (t2, j2) = (nearest(contact, these, period) for these in (truth, before))
-        if abs(t - t2) <= SHARE * contact.start_error and abs(j - j2) <= SHARE * contact.impulse_error:
-            starts.append((contact.start_error, t))
-            impulses.append((contact.impulse_error, abs(contact.impulse - j)))
-    return tuple(Judged(*np.array(pairs).reshape(-1, 2).T) for pairs in (starts, impulses))  # type: ignore[return-value]
+        true, other = (apart(contact, these, period) for these in (truth, before))
+        if np.all(np.abs(true - other) <= SHARE * stated):
+            found.append((stated, np.abs(true)))
+    return tuple(Judged(*pairs) for pairs in np.array(found).reshape(-1, 2, len(CONTACT_ERRORS)).transpose(2, 1, 0))
 
 
-def nearest(contact: Contact, others: Sequence[Contact], period: float) -> tuple[float, float]:
-    """How far in time the nearest contact of the same stop is, modulo a period, and its impulse."""
+def apart(contact: Contact, others: Sequence[Contact], period: float) -> FloatArray:
+    """How far the nearest contact of the same stop is in start (modulo a period), impulse and peak force."""
     mine = [one for one in others if one.stop == contact.stop]
     if not mine:
-        return math.inf, math.inf
-    apart = [abs(math.remainder(one.start - contact.start, period)) for one in mine]
-    i = int(np.argmin(apart))
-    return apart[i], mine[i].impulse
+        return np.full(len(CONTACT_ERRORS), np.inf)
+    times = [abs(math.remainder(one.start - contact.start, period)) for one in mine]
+    one = mine[int(np.argmin(times))]
+    return np.array([min(times), one.impulse - contact.impulse, one.peak_force - contact.peak_force])
 
 
 def check_joints(found: Sequence[Judged]) -> None:
@@ -189,15 +149,15 @@ def test_errors_of_a_few_steady_states_hold(solver: AnySolver) -> None:
     found = [one for one in (judged_steady(solver, i) for i in QUICK) if one is not None]
     assert len(found) == len(QUICK)
     check_joints([one[0] for one in found])
-    check_contacts([one[1] for one in found])
-    check_contacts([one[2] for one in found])
+    for i in range(len(CONTACT_ERRORS)):
+        check_contacts([one[1 + i] for one in found])
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_errors_of_a_few_marches_hold(solver: AnySolver) -> None:
     found = [judged_march(solver, i) for i in QUICK]
-    check_contacts([one[0] for one in found])
-    check_contacts([one[1] for one in found])
+    for i in range(len(CONTACT_ERRORS)):
+        check_contacts([one[i] for one in found])
 
 
 @pytest.mark.slow
@@ -208,8 +168,8 @@ def test_errors_of_steady_states_hold(solver: AnySolver) -> None:
         found = [one for one in results if one is not None][:COUNT]
     assert len(found) == COUNT
     check_joints([one[0] for one in found])
-    check_contacts([one[1] for one in found])
-    check_contacts([one[2] for one in found])
+    for i in range(len(CONTACT_ERRORS)):
+        check_contacts([one[1 + i] for one in found])
 
 
 @pytest.mark.slow
@@ -217,5 +177,5 @@ def test_errors_of_steady_states_hold(solver: AnySolver) -> None:
 def test_errors_of_marches_hold(solver: AnySolver) -> None:
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
         found = [task.result() for task in [pool.submit(judged_march, solver, i) for i in range(COUNT)]]
-    check_contacts([one[0] for one in found])
-    check_contacts([one[1] for one in found])
+    for i in range(len(CONTACT_ERRORS)):
+        check_contacts([one[i] for one in found])

@@ -11,7 +11,8 @@ index are cantilevers with one stop at the tip, those of odd index joints with o
 
 Frequencies, gaps, stiffnesses of stops in cantilevers' range and of springs, and ratios that span more than a decade
 are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives them stops of up to 1e6,
-`harmonic_joint` a base, and some of them a load, of several harmonics, of odd multiples only in every third;
+`lasting_joint` viscous damping besides, `harmonic_joint` a base, and some of them a load, of several harmonics, of odd
+multiples only in every third; `stepped_joint` is at rest but for a step load;
 `recorded_joint` records of the base and of loads in place of the sine, `randomly_driven_joint` a random motion.
 """
 
@@ -114,6 +115,47 @@ def stiffened_joint(seed: int, index: int) -> Problem:
     drawn = {place: _between(rng, 3.0, 1e6) for place in dict.fromkeys((stop.x, stop.gap) for stop in problem.stops)}
     stops = (stop.model_copy(update={"stiffness": drawn[stop.x, stop.gap]}) for stop in problem.stops)
     return problem.replace(stops=tuple(stops))
+
+
+def lasting_joint(seed: int, index: int) -> Problem:
+    """The same problem as stiffened, with viscous damping, and every second one with a step load.
+
+    Every mode's free motion then lasts as long as the first one's, of a ratio of 1e-3 to 0.1.  The load has up to a
+    fifth of the base's force, of either sign.
+    """
+    problem, rng = stiffened_joint(seed, index), np.random.default_rng((seed, index, 4))
+    base = problem.base_motion
+    assert isinstance(base, BaseMotion)
+    lowest = float(analytic.Solver().modes(problem.replace(stops=()), FREE, 1).angular_frequencies[0])
+    damping = ViscousDamping(coefficient=2 * lowest * _between(rng, 1e-3, 0.1))
+    force = BASE * base.angular_frequency**2 * rng.uniform(-0.2, 0.2)
+    loads = (StepLoad(x=rng.uniform(0.2, 1.0), force=force),) * (index // 2 % 2)
+    return problem.replace(title=f"{problem.title}, viscous{', step' * len(loads)}", damping=damping, point_loads=loads)
+
+
+def stepped_joint(seed: int, index: int) -> Problem:
+    """A cantilever or a pinned beam that a step load presses against one stop, of a stiffness from 10 to 1e6.
+
+    The gap is up to half of 0.5 to 3 times the deflection that the same load has at the tip, or at midspan.
+    """
+    rng = np.random.default_rng((seed, index, 5))
+    cantilever, force = bool(rng.random() < 0.5), 0.05
+    low, high, deflection = (0.3, 1.0, force / 3) if cantilever else (0.2, 0.8, force / 48)
+    fixed = Support(x=0.0, translational=math.inf, torsional=math.inf if cantilever else 0.0)
+    stop = Stop(
+        x=rng.uniform(low, high),
+        side="top",
+        gap=deflection * rng.uniform(0.5, 3.0) * rng.uniform(0.0, 0.5),
+        stiffness=_between(rng, 10.0, 1e6),
+    )
+    return Problem(
+        title=f"seed {seed}, index {index}: {'cantilever' if cantilever else 'pinned'}, step load",
+        beam=BEAM,
+        supports=(fixed,) if cantilever else (fixed, Support(x=1.0, translational=math.inf, torsional=0.0)),
+        stops=(stop,),
+        damping=ModalDamping(ratio=_between(rng, 1e-3, 0.1)),
+        point_loads=(StepLoad(x=rng.uniform(low, high), force=force),),
+    )
 
 
 def harmonic_joint(seed: int, index: int) -> Problem:

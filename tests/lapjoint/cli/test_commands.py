@@ -85,10 +85,12 @@ def test_simulate_prints_and_writes_the_contacts(tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [float(row["impulse_Ns"]) for row in rows] == [contact.impulse for contact in history.contacts]
     assert [float(row["impulse_error_Ns"]) for row in rows] == [contact.impulse_error for contact in history.contacts]
+    assert [float(row["peak_force_error_N"]) for row in rows] == [c.peak_force_error for c in history.contacts]
     assert f"{len(rows)} contacts" in printed
     first = history.contacts[0]
     assert f"{first.start:15.9f}{first.start_error:10.1e}" in printed
     assert f"{first.impulse:15.6g}{first.impulse_error:10.1e}" in printed
+    assert f"{first.peak_force:13.5g}{first.peak_force_error:10.1e}" in printed
     assert f"Numerical errors (+-): {history.error_source}" in printed
     assert figure.stat().st_size > 1000
 

@@ -22,6 +22,7 @@ def test_partners_are_the_nearest_of_one_stop() -> None:
     )
     assert found.start == pytest.approx([0.01, 0.02])
     assert found.impulse == pytest.approx([0.5, 0.0])
+    assert found.peak_force == pytest.approx([0.0, 0.0])
 
 
 def test_a_contact_that_the_other_motion_lacks_has_no_partner_and_the_rest_do() -> None:
@@ -47,3 +48,9 @@ def test_marches_have_parted_where_partners_are_as_far_as_neighbours() -> None:
 def test_a_difference_and_the_share_of_the_finer_solver_make_an_error() -> None:
     bounds = Refinement("finer", 2.0, 1.0).bounds(np.array([-3.0, 1.0]), 3.0)
     assert bounds.tolist() == pytest.approx([SAFETY * 6.0, SAFETY * 4.0])
+
+
+def test_each_derivative_takes_its_powers_of_the_resolution_down_to_one() -> None:
+    four = Refinement("finer", 2.0, 4.0)
+    for (dx, dt), share in {(0, 0): 1 / 15, (1, 0): 1 / 7, (2, 0): 1 / 3, (0, 1): 1 / 3, (3, 0): 1, (0, 2): 1}.items():
+        assert four.bounds(np.zeros(1), 1.0, dx, dt) == pytest.approx(SAFETY * share)

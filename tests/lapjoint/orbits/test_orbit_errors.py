@@ -51,8 +51,10 @@ def test_errors_are_the_true_ones_with_a_margin(problem: Problem, resolution: fl
     for contact, other in zip(found.history.contacts, exact.history.contacts, strict=True):
         assert contact.start_error is not None
         assert contact.impulse_error is not None
+        assert contact.peak_force_error is not None
         assert abs(contact.start - other.start) <= contact.start_error
         assert abs(contact.impulse - other.impulse) <= contact.impulse_error
+        assert abs(contact.peak_force - other.peak_force) <= contact.peak_force_error
 
 
 def test_a_contact_that_the_section_point_cuts_is_compared_as_a_whole() -> None:
@@ -119,6 +121,7 @@ def test_nothing_is_stated_where_the_finer_solver_gives_up() -> None:
     assert np.all(np.isinf(found.impulse_errors))
     assert "gave up: stopped at t = 0 s" in found.error_source
     assert all(contact.impulse_error == np.inf for contact in found.history.contacts)
+    assert all(contact.peak_force_error == np.inf for contact in found.history.contacts)
 
 
 @dataclass(frozen=True)
@@ -152,8 +155,10 @@ def test_errors_of_a_march_are_the_true_ones_with_a_margin() -> None:
     for contact, other in zip(found.contacts, exact.contacts, strict=True):
         assert contact.start_error is not None
         assert contact.impulse_error is not None
+        assert contact.peak_force_error is not None
         assert abs(contact.start - other.start) <= contact.start_error < 1e-2
         assert abs(contact.impulse - other.impulse) <= contact.impulse_error < 1e-2
+        assert abs(contact.peak_force - other.peak_force) <= contact.peak_force_error < 1e-2
 
 
 def test_nothing_is_stated_after_two_marches_have_parted() -> None:
