@@ -90,7 +90,7 @@ def simulate(
     if problem.excitation_frequency is not None:
         return period_map(solver, problem).simulated(duration, progress, peaks)
     model = _model(solver, problem)
-    state = initial_state(model.assembly)
+    state = initial_state(model)
     y = initial_coordinates(model.assembly, model.system(state))
     motion = march(model, state, y, 0.0, duration, progress=progress, peaks=peaks)
     return history_of(solver.name, model, [motion], duration)
@@ -133,7 +133,7 @@ def stream(solver: Solver, problem: Problem, duration: float, progress: Progress
 def _marched(solver: Solver, problem: Problem, duration: float) -> Iterator[History]:
     """The stretches of a motion that nothing repeats."""
     model = _model(solver, problem)
-    state = initial_state(model.assembly)
+    state = initial_state(model)
     y, t = initial_coordinates(model.assembly, model.system(state)), 0.0
     while t < duration:
         end = _stretch_end(model, t, duration)

@@ -176,7 +176,8 @@ def follow(
             return t, y, -1
         begin, latest = t + lo, t + hi
         gaps = RampGaps(tables, it, t)
-        known = watch.unclear, watch.ends, watch.level, watch.held, gaps.curvature
+        rounding = watch.level - watch.shift
+        known = watch.unclear, watch.ends, watch.level, rounding, watch.held, gaps.curvature
         time, stop = in_python.first_in(gaps, begin, latest, *known, abs(latest))
         if stop >= 0:
             return float(time), moved(tables, it, time - t), int(stop)

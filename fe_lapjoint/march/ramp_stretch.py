@@ -225,7 +225,8 @@ def _judge(
         u, level = tables.place_of[k], watch.level[k]
         (h, rate), (h_end, rate_end) = _gap(tables, k, begin), _gap(tables, k, end)
         clear = h <= level and h_end <= level
-        clear = clear and (max(h, h_end) + bounds[0, u] <= level or h + rate * width + bounds[1, u] <= level)
+        most = level + (level - watch.shift[k])
+        clear = clear and (max(h, h_end) + bounds[0, u] <= most or h + rate * width + bounds[1, u] <= most)
         watch.unclear[k] = not clear
         if not clear:
             watch.ends[k, 0], watch.ends[k, 1], watch.ends[k, 2], watch.ends[k, 3] = h, rate, h_end, rate_end
