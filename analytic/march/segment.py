@@ -295,7 +295,8 @@ def _first_look(
         for i in range(theta.size):
             size += abs(tables.forced[slot, u, i])
         threshold = _LEAST_OF_TERMS * size + _TINY
-        if fresh[k] and h - shift[k] > -threshold and orientation * out[u, 1] >= 0:
+        leaves = orientation * out[u, 1] < -threshold * tables.fastest[slot]  # by more than the rounding of its rate
+        if fresh[k] and h - shift[k] > -threshold and not leaves:
             shift[k] += threshold
         if held[k]:
             shift[k] = math.inf
