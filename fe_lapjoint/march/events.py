@@ -6,10 +6,10 @@ strays from a chord and from a tangent, see `fe_lapjoint.march.envelope`, clear 
 others are halved until they are clear, or h rises all the way through one of them, where Newton's method finds the
 crossing.  None of the bounds has a unit of its own: a motion a million times as fast is searched in as many steps.
 
-A stop switches where h exceeds what rounding makes of a gap that is closed, its `level`, and the switch is where h
-passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch again.
+A stop switches where h exceeds its `level`, half of what rounding makes of a gap that is closed, and the switch is where
+h passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch again.
 So rounding makes no contact, and a stop that rests on a gap of zero stays as it is.  What the bounds leave between two
-samples, neither of which exceeds the level, is no switch if it exceeds the level by less than rounding, either.
+samples, neither of which exceeds the level, is no switch if it is below rounding, either: see `SURE`.
 
 `searching` makes the search from the functions that read a motion: `in_python` asks any gap functions, and where all is
 compiled that a motion is read by, so is the search; see `fe_lapjoint.march.gaps`.
@@ -33,6 +33,9 @@ IndexArray = npt.NDArray[np.intp]
 _STEPS = 60  # of Newton's method or of halving, at most; 52 halvings leave the last digit of an interval
 CONTINUOUS = 1e6
 """Roundings: a stop further beyond its switch than this has not just switched, but switches at once."""
+SURE = 0.5
+"""Of rounding: a value of h that is so far above 0 makes a stop switch.  A bound on h between two values may be as far
+above 0 as rounding is, and no stop switches: so a motion that stays near its level is not searched for ever."""
 _LATE = 4  # resolutions: another stop's switch may have been located so much later than this stop's
 _RESOLUTION = 2.0**-50  # relative: a crossing is located to four rounding errors of the times that are searched
 _FEW = 4  # steps: so many are searched sooner than a second look at them excludes some
@@ -176,7 +179,7 @@ def _first_look(
         New arrays, all zero, for what is found in a step.
     """
     stops, last = h.shape[0], h.shape[1] - 1
-    held, level = bool_zeros(stops), rounding.copy()
+    held, level = bool_zeros(stops), SURE * rounding
     for k in range(stops):
         held[k] = fresh[k] and h[k, 0] <= CONTINUOUS * rounding[k]
         if held[k]:
@@ -318,7 +321,7 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
         level, width = max(h, level), end - t
         # From where a stop has just switched, widths grow from nothing.  A part of a swing may be unclear where whole
         # swings, of which the crest is known, are clear: so a width as long as all before it is tried, too.
-        clear, begin = level + rounding, t if touching else math.inf
+        clear, begin = level + (1 - SURE) * rounding, t if touching else math.inf
         while t < end:
             last = width >= end - t
             if last:
