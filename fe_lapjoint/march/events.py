@@ -6,10 +6,10 @@ strays from a chord and from a tangent, see `fe_lapjoint.march.envelope`, clear 
 others are halved until they are clear, or h rises all the way through one of them, where Newton's method finds the
 crossing.  None of the bounds has a unit of its own: a motion a million times as fast is searched in as many steps.
 
-A stop switches where h exceeds its `level`, half of what rounding makes of a gap that is closed, and the switch is where
-h passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch again.
-So rounding makes no contact, and a stop that rests on a gap of zero stays as it is.  What the bounds leave between two
-samples, neither of which exceeds the level, is no switch if it is below rounding, either: see `SURE`.
+A stop switches where h exceeds its `level`, half of what rounding makes of a gap that is closed, and the switch is
+where h passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch
+again.  So rounding makes no contact, and a stop that rests on a gap of zero stays as it is.  Between two samples that
+do not exceed the level, a bound that rounding may make is no switch, either: see `SURE`.
 
 `searching` makes the search from the functions that read a motion: `in_python` asks any gap functions, and where all is
 compiled that a motion is read by, so is the search; see `fe_lapjoint.march.gaps`.
