@@ -86,7 +86,7 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
     if problem.excitation_frequency is not None:
         return period_map(solver, problem).simulated(duration, progress)
     model = _model(solver, problem)
-    state = initial_state(model.assembly)
+    state = initial_state(model)
     y = initial_coordinates(model.assembly, model.system(state))
     motion = march(model, state, y, 0.0, duration, progress=progress)
     return history_of(solver.name, model, [motion], duration)
@@ -129,7 +129,7 @@ def stream(solver: Solver, problem: Problem, duration: float, progress: Progress
 def _marched(solver: Solver, problem: Problem, duration: float) -> Iterator[History]:
     """The stretches of a motion that nothing repeats."""
     model = _model(solver, problem)
-    state = initial_state(model.assembly)
+    state = initial_state(model)
     y, t = initial_coordinates(model.assembly, model.system(state)), 0.0
     while t < duration:
         end = _stretch_end(model, t, duration)

@@ -73,9 +73,8 @@ class PeriodMap:
 
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""
-        assembly = self.model.assembly
-        state = initial_state(assembly)
-        return self._section_point(state, initial_coordinates(assembly, self.model.system(state)))
+        state = initial_state(self.model)
+        return self._section_point(state, initial_coordinates(self.model.assembly, self.model.system(state)))
 
     @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:

@@ -127,7 +127,7 @@ def advance_periods(
             return STUCK, now
         if carried:
             flow(tables, motion.counts[SLOT], motion.time[0] - t, now, now)
-        if motion.counts[PENDING] == NO_SWITCH:
+        if motion.counts[PENDING] == NO_SWITCH and motion.time[0] >= period:
             done = motion.counts[PERIODS]
             if slots.size > 0:
                 slots[done] = motion.counts[SLOT]

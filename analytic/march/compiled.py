@@ -78,7 +78,7 @@ class Motion(NamedTuple):
     v: FloatArray
     """Modal velocities, kg^1/2 m/s, shape ``(N,)``."""
     last_switch: FloatArray
-    """Time of each stop's last switch, s, shape ``(P,)``."""
+    """Time of each stop's last switch, or, if that is still to come, until when it may not switch, s, ``(P,)``."""
     total: FloatArray
     """Time integral of each stop's penetration, m s, shape ``(P,)``."""
 
@@ -99,6 +99,8 @@ class Work(NamedTuple):
     """Time integral of its penetration in the last segment, m s, shape ``(P,)``."""
     fresh: BoolArray
     """Whether each stop switched just now, shape ``(P,)``."""
+    held: BoolArray
+    """Whether each stop may not switch yet, shape ``(P,)``."""
 
 
 @lru_cache(maxsize=64)
@@ -207,6 +209,7 @@ def new_work(tables: Tables) -> Work:
         deepest=np.zeros(stops),
         area=np.zeros(stops),
         fresh=np.zeros(stops, dtype=np.bool_),
+        held=np.zeros(stops, dtype=np.bool_),
     )
 
 
@@ -263,7 +266,7 @@ def leave(
 ) -> bool:
     """Follow the present state to its first switch, which is then pending, or to a given time.
 
-    Along ramps it may end between, at a knot, with no stop pending.
+    It may end between with no stop pending: along ramps at a knot, and where a stop that was held may switch again.
 
     Parameters
     ----------
@@ -289,19 +292,27 @@ def leave(
     bool
         False if the march makes no progress.
     """
-    slot, t = motion.counts[SLOT], motion.time[0]
+    slot, t, last = motion.counts[SLOT], motion.time[0], end
     for k in range(work.fresh.size):
         work.fresh[k] = t - motion.last_switch[k] < _FRESH * tables.unit
+        work.held[k] = t < motion.last_switch[k]
+        if work.held[k]:
+            end = min(end, motion.last_switch[k])
+    fresh, held = work.fresh, work.held
     if ramps is not None:
         q, v, area, deepest = motion.q, motion.v, work.area, work.deepest
-        found = follow_ramps(tables, ramps, slot, t, end, work.fresh, depth, work.theta, work.term, q, v, area, deepest)
+        found = follow_ramps(
+            tables, ramps, slot, t, end, fresh, held, depth, work.theta, work.term, q, v, area, deepest
+        )
         motion.time[0], motion.counts[PENDING], motion.time[1] = found
+        if motion.time[0] == end < last:
+            ramps.goes_on[0] = False  # the stops that were held are looked at as where a state begins
         return count_switch(motion, work)
     if frozen is not None:
         freeze(tables, frozen, slot)
     start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
     theta, term, poly, area = work.theta, work.term, work.poly, work.area
-    s, which, rate = follow(tables, slot, end - t, work.fresh, depth, theta, term, poly, area, work.deepest)
+    s, which, rate = follow(tables, slot, end - t, fresh, held, depth, theta, term, poly, area, work.deepest)
     if which == NO_PROGRESS:
         motion.time[0] = t + s
         return False
@@ -403,7 +414,7 @@ def advance(
             put(log.area[logged], work.area)
             put(log.deepest[logged], work.deepest)
             logged += 1
-        if motion.counts[PENDING] == NO_SWITCH and (ramps is None or motion.time[0] >= end):
+        if motion.counts[PENDING] == NO_SWITCH and motion.time[0] >= end:
             return DONE, logged
         if motion.counts[SWITCHES] > most:
             return TOO_MANY, logged

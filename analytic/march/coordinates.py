@@ -19,6 +19,8 @@ class Coordinates:
     """Modal displacements, kg^1/2 m, shape ``(N,)``."""
     v: FloatArray
     """Modal velocities, kg^1/2 m/s, shape ``(N,)``."""
+    held: tuple[int, ...] = ()
+    """Stops that stay as they are for a while; see `analytic.march.touching`."""
 
     @property
     def y(self) -> FloatArray:

@@ -1,12 +1,11 @@
-"""The initial state in modal coordinates: which stops are closed at t = 0, and the inner products with the modes.
+"""The initial state in modal coordinates, and motions that start from section points.
 
-The initial shape is data, a polynomial or a spline, not a solution of the beam equation, so these inner products
-alone are taken by Gauss-Legendre quadrature, on panels short enough for every mode to be resolved to rounding.
+The initial shape is data, a polynomial or a spline, not a solution of the beam equation, so its inner products with the
+modes alone are taken by quadrature.  `analytic.march.touching` says which stops are closed at t = 0.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
@@ -14,41 +13,19 @@ import numpy as np
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
+from analytic.march.quadrature import over_beam
 from analytic.march.tables import BoolArray, FlatState, IntArray
+from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.compiling import njit_called
 from lapjoint.errors import InputError
-from lapjoint.problem import AtRest, FloatArray, Problem, SampledShape
+from lapjoint.problem import AtRest, FloatArray, Problem
 
 TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed; rounding is 1e-13 of it
-_POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
 _AS_IT_WAS, _ANOTHER, _NOT_FINITE = 0, 1, 2
 """What the gaps make of a section point's contact state: the same; another; nothing, as coordinates are not finite."""
-
-
-def initial_state(problem: Problem) -> ContactState:
-    """The stops that are closed at t = 0: beyond the gap, or at it and moving outwards.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-
-    Returns
-    -------
-    ContactState
-        The stops that are closed.
-    """
-    closed = []
-    for i, stop in enumerate(problem.stops):
-        x = np.array(stop.x)
-        depth = stop.sign * float(problem.initial.displacement_at(x)) - stop.gap
-        outwards = stop.sign * float(problem.initial.velocity_at(x)) > 0
-        if depth > 0 or (depth == 0 and outwards and stop.gap > 0):
-            closed.append(i)
-    return ContactState(tuple(closed))
 
 
 def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
@@ -71,25 +48,9 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
-    x, weights = _quadrature(problem, modes)
+    x, weights = over_beam(problem, modes)
     weighted = problem.beam.m * modes.shapes(x) * weights
     return weighted @ problem.initial.displacement_at(x), weighted @ problem.initial.velocity_at(x)
-
-
-def _quadrature(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
-    """Positions, m, and weights, m, of the quadrature over the beam, each of shape ``(points,)``."""
-    breaks = modes.shapes.nodes
-    if isinstance(problem.initial, SampledShape):
-        breaks = np.union1d(breaks, np.array(problem.initial.x))
-    longest = problem.beam.length / max(modes.omega.size, 1)
-    edges = np.concatenate(
-        [np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[:-1] for a, b in itertools.pairwise(breaks)]
-        + [breaks[-1:]]
-    )
-    nodes, w = np.polynomial.legendre.leggauss(_POINTS_PER_PANEL)
-    half = np.diff(edges)[:, None] / 2
-    x = (edges[:-1, None] + half) + half * nodes
-    return np.minimum(x, problem.beam.length).ravel(), (half * w).ravel()
 
 
 def started(joint: Joint) -> Coordinates:
@@ -105,8 +66,8 @@ def started(joint: Joint) -> Coordinates:
     Coordinates
         In the contact state at t = 0.
     """
-    state = initial_state(joint.problem)
-    return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes))
+    state, held = starting_state(joint)
+    return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes), held)
 
 
 def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:

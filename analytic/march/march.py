@@ -233,7 +233,11 @@ def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
         What the compiled march moves along.
     """
     slot = joint.slot(begin.state)
-    return new_motion(slot, start, begin.q, begin.v, max(joint.counts), joint.stops)
+    motion = new_motion(slot, start, begin.q, begin.v, max(joint.counts), joint.stops)
+    fastest = joint.flat(begin.state).omega.max(initial=0.0)
+    if begin.held and fastest > 0:
+        motion.last_switch[list(begin.held)] = start + 2 * np.pi / fastest
+    return motion
 
 
 def ended(joint: Joint, motion: Motion) -> Coordinates:

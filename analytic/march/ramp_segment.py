@@ -271,6 +271,7 @@ def follow_ramps(
     start: float,
     end: float,
     fresh: BoolArray,
+    held: BoolArray,
     depth: bool,
     theta: ComplexArray,
     term: ComplexArray,
@@ -289,8 +290,8 @@ def follow_ramps(
         The state.
     start, end : float
         From when, and until when at the latest, s.
-    fresh : BoolArray, shape (P,)
-        Whether each stop switched a moment ago; see `analytic.march.segment.follow`.
+    fresh, held : BoolArray, shape (P,)
+        Whether each stop switched a moment ago, and whether it may not switch; see `analytic.march.segment.follow`.
     depth : bool
         Whether to find the deepest penetrations.
     theta : ComplexArray, shape (H,)
@@ -335,7 +336,7 @@ def follow_ramps(
         for h in range(theta.size):
             theta0[h] = theta[h]
         s, which, rate = search(
-            tables, slot, width, drift, rigid, tail, fresh, beginning, ramps.shift, theta, term, whole
+            tables, slot, width, drift, rigid, tail, fresh, held, beginning, ramps.shift, theta, term, whole
         )
         if which == NO_SWITCH and whole:
             for k in range(terms):

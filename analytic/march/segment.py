@@ -49,8 +49,8 @@ bound on what the high modes may do would be what makes the steps short, and not
 _MAX_STEPS = 10_000_000  # within one state: a minute of marching; a motion that makes progress takes some hundred
 _FIRST_MODES = 5  # summed first, then twice as many, and so on: five hold all but some thousandth of a gap
 _LEAST_OF_TERMS = 1e-13
-"""Of the sum of all terms' sizes, without unit: 500 times the rounding of that sum.  A stop that has just switched and
-does not leave 0 at once has to pass so much before it can switch again."""
+"""Of the gap and the sum of all terms' sizes, without unit: 500 times the rounding of that sum.  A stop that has just
+switched and does not leave 0 at once has to pass so much before it can switch again."""
 _TINY = 1e-300  # keeps a bound of 0 from being divided by
 
 
@@ -60,6 +60,7 @@ def follow(
     slot: int,
     horizon: float,
     fresh: BoolArray,
+    held: BoolArray,
     depth: bool,
     theta: ComplexArray,
     term: ComplexArray,
@@ -80,6 +81,8 @@ def follow(
     fresh : ndarray, shape (P,)
         Whether each stop switched a moment ago: one that does not leave 0 at once has to pass a threshold of rounding
         size before it can switch again.
+    held : ndarray, shape (P,)
+        Whether each stop may not switch at all.
     depth : bool
         Whether to find the deepest penetrations.
     theta : ndarray, complex, shape (H,)
@@ -103,7 +106,7 @@ def follow(
     start_theta, start_term, shift = theta.copy(), term[:terms].copy(), zeros(tables.sign.size)
     drift_at_stops(tables, slot, poly, drift)
     bound_tails(tables.weight[slot], term, terms, tail)
-    s, which, rate = search(tables, slot, horizon, drift, None, tail, fresh, True, shift, theta, term, False)
+    s, which, rate = search(tables, slot, horizon, drift, None, tail, fresh, held, True, shift, theta, term, False)
     for k in range(area.size):
         area[k] = 0.0
     add_areas(tables, slot, s, start_theta, start_term, theta, term, drift, None, area)
@@ -126,6 +129,7 @@ def search(
     rigid: Rigid | None,
     tail: FloatArray,
     fresh: BoolArray,
+    held: BoolArray,
     beginning: bool,
     shift: FloatArray,
     theta: ComplexArray,
@@ -148,12 +152,13 @@ def search(
         What rigid-body modes add to it under forces that are linear in time; see `analytic.march.gap_function`.
     tail : FloatArray, shape (U, T + 1)
         What the terms from each on may sum to, m.
-    fresh : BoolArray, shape (P,)
-        Whether each stop switched a moment ago; it counts at the beginning of a state only.
+    fresh, held : BoolArray, shape (P,)
+        Whether each stop switched a moment ago, and whether it may not switch; they count at the beginning of a state.
     beginning : bool
         Whether the state begins here, and does not go on from another closed form.
     shift : FloatArray, shape (P,)
-        How far above 0 each gap function starts, m; written at the beginning of a state, and read where it goes on.
+        How far above 0 each gap function starts, m, infinite for a stop that may not switch; written at the beginning
+        of a state, and read where it goes on.
     theta : ComplexArray, shape (H,)
         exp(i theta_h) at the start, without unit; turned to the end.
     term : ComplexArray, shape (T,)
@@ -200,7 +205,7 @@ def search(
                 break
             want = min(2 * summed, terms)
         if stops > 0 and looks == 0 and beginning:
-            _first_look(tables, slot, fresh, out, tail, theta, shift)
+            _first_look(tables, slot, fresh, held, out, tail, theta, shift)
         tau, which, there = horizon - s, NO_SWITCH, False
         for i in range(stops):
             # The stop that was the nearest goes first: for the others a glance is enough.
@@ -271,6 +276,7 @@ def _first_look(
     tables: Tables,
     slot: int,
     fresh: BoolArray,
+    held: BoolArray,
     out: FloatArray,
     tail: FloatArray,
     theta: ComplexArray,
@@ -285,12 +291,15 @@ def _first_look(
         orientation = -tables.sign[k] if closed else tables.sign[k]
         h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
         shift[k] = max(h, 0.0)
-        size = tail[u, 0]
+        size = tail[u, 0] + tables.gap[k]
         for i in range(theta.size):
             size += abs(tables.forced[slot, u, i])
         threshold = _LEAST_OF_TERMS * size + _TINY
-        if fresh[k] and h - shift[k] > -threshold and orientation * out[u, 1] >= 0:
+        leaves = orientation * out[u, 1] < -threshold * tables.fastest[slot]  # by more than the rounding of its rate
+        if fresh[k] and h - shift[k] > -threshold and not leaves:
             shift[k] += threshold
+        if held[k]:
+            shift[k] = math.inf
 
 
 @njit_inner()

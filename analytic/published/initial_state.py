@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.march.compiled import SLOT
-from analytic.march.initial_state import TOUCHING, initial_coordinates, initial_state
+from analytic.march.initial_state import TOUCHING, initial_coordinates
 from analytic.march.switching import switch_frozen
+from analytic.march.touching import by_displacement_and_velocity
 from analytic.published.joint import FrozenMotion, PublishedJoint
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
@@ -38,7 +39,7 @@ def started(joint: PublishedJoint, start: SectionPoint | None) -> FrozenMotion:
     """
     if start is not None:
         return _resumed(joint, start)
-    state = initial_state(joint.problem)
+    state = ContactState(tuple(by_displacement_and_velocity(joint.problem)[0]))
     return joint.begin(state, *initial_coordinates(joint.problem, joint.modal(state).modes))
 
 

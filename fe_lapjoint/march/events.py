@@ -6,9 +6,10 @@ strays from a chord and from a tangent, see `fe_lapjoint.march.envelope`, clear 
 others are halved until they are clear, or h rises all the way through one of them, where Newton's method finds the
 crossing.  None of the bounds has a unit of its own: a motion a million times as fast is searched in as many steps.
 
-A stop switches where h exceeds what rounding makes of a gap that is closed, its `level`, and the switch is where h
-passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch again.
-So rounding makes no contact, and a stop that rests on a gap of zero stays as it is.
+A stop switches where h exceeds its `level`, half of what rounding makes of a gap that is closed, and the switch is
+where h passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch
+again.  So rounding makes no contact, and a stop that rests on a gap of zero stays as it is.  Between two samples that
+do not exceed the level, a bound that rounding may make is no switch, either: see `SURE`.
 
 `searching` makes the search from the functions that read a motion: `in_python` asks any gap functions, and where all is
 compiled that a motion is read by, so is the search; see `fe_lapjoint.march.gaps`.
@@ -32,6 +33,9 @@ IndexArray = npt.NDArray[np.intp]
 _STEPS = 60  # of Newton's method or of halving, at most; 52 halvings leave the last digit of an interval
 CONTINUOUS = 1e6
 """Roundings: a stop further beyond its switch than this has not just switched, but switches at once."""
+SURE = 0.5
+"""Of rounding: a value of h that is so far above 0 makes a stop switch.  A bound on h between two values may be as far
+above 0 as rounding is, and no stop switches: so a motion that stays near its level is not searched for ever."""
 _LATE = 4  # resolutions: another stop's switch may have been located so much later than this stop's
 _RESOLUTION = 2.0**-50  # relative: a crossing is located to four rounding errors of the times that are searched
 _FEW = 4  # steps: so many are searched sooner than a second look at them excludes some
@@ -175,7 +179,7 @@ def _first_look(
         New arrays, all zero, for what is found in a step.
     """
     stops, last = h.shape[0], h.shape[1] - 1
-    held, level = bool_zeros(stops), rounding.copy()
+    held, level = bool_zeros(stops), SURE * rounding
     for k in range(stops):
         held[k] = fresh[k] and h[k, 0] <= CONTINUOUS * rounding[k]
         if held[k]:
@@ -250,10 +254,11 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
       grid of times `t`, s, ascending, ``(m + 1,)``, with the gap functions `h` there, m, ``(P, m + 1)``; what rounding
       makes of each, m, ``(P,)``; whether each stop may have switched at ``t[0]``, so that its gap function is zero
       there but for rounding, ``(P,)``; and bounds on their curvature, m/s2, ``(P,)``.
-    - ``first_in(gaps, start, end, which, ends, level, touching, curvature, latest)`` finds it in one part of the time:
-      `which` stops may switch in it, ``(P,)``; their gap functions, m, and rates, m/s, at its start, and at its end,
-      ``(P, 4)``; what each must exceed, m, ``(P,)``; whether each has just switched where the part begins, ``(P,)``;
-      and the largest modulus of the times, s, to the rounding of which a crossing is located.
+    - ``first_in(gaps, start, end, which, ends, level, rounding, touching, curvature, latest)`` finds it in one part of
+      the time: `which` stops may switch in it, ``(P,)``; their gap functions, m, and rates, m/s, at its start, and at
+      its end, ``(P, 4)``; what each must exceed, and what of it is rounding, m, ``(P,)``; whether each has just
+      switched where the part begins, ``(P,)``; and the largest modulus of the times, s, to the rounding of which a
+      crossing is located.
 
     Parameters
     ----------
@@ -299,7 +304,14 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
 
     @inner
     def first_crossing(
-        gaps: Any, k: int, part: tuple[float, ...], level: float, touching: bool, curvature: float, resolution: float
+        gaps: Any,
+        k: int,
+        part: tuple[float, ...],
+        level: float,
+        rounding: float,
+        touching: bool,
+        curvature: float,
+        resolution: float,
     ) -> float:
         """Where a stop first switches in an interval, or NaN; at once if it is above its level from the start."""
         t, end, h, rate, h_last, rate_last = part
@@ -307,6 +319,9 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
             return t
         touching = touching or h > level
         level, width = max(h, level), end - t
+        # From where a stop has just switched, widths grow from nothing.  A part of a swing may be unclear where whole
+        # swings, of which the crest is known, are clear: so a width as long as all before it is tried, too.
+        clear, begin = level + (1 - SURE) * rounding, t if touching else math.inf
         while t < end:
             last = width >= end - t
             if last:
@@ -315,12 +330,12 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
                 after = t + width
                 h_after, rate_after = at(gaps, k, after)
             stray, turn = curvature * width**2 / 2, curvature * width
-            if h + rate * width + stray > level and rate <= turn:  # neither clear nor rising all the way, at first
+            if h + rate * width + stray > clear and rate <= turn:  # neither clear nor rising all the way, at first
                 stray, turn = from_tangent(gaps, k, t, width)
             if h_after <= level and (
-                h + rate * width + stray <= level or ceiling(gaps, k, t, width, h, h_after) <= level
+                h + rate * width + stray <= clear or ceiling(gaps, k, t, width, h, h_after) <= clear
             ):
-                t, h, rate, touching, width = after, h_after, rate_after, False, 2 * width
+                t, h, rate, touching, width = after, h_after, rate_after, False, max(2 * width, after - begin)
             elif h_after > level and rate > turn:  # it rises all the way
                 if h >= 0 and not touching:
                     return t
@@ -343,6 +358,7 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
         which: BoolArray,
         ends: FloatArray,
         level: FloatArray,
+        rounding: FloatArray,
         touching: BoolArray,
         curvature: FloatArray,
         latest: float,
@@ -353,7 +369,7 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
             if which[k]:
                 h, rate = (ends[k, 2], ends[k, 3]) if stop < 0 else at(gaps, k, until)
                 part = (start, until, ends[k, 0], ends[k, 1], h, rate)
-                time = first_crossing(gaps, k, part, level[k], touching[k], curvature[k], resolution)
+                time = first_crossing(gaps, k, part, level[k], rounding[k], touching[k], curvature[k], resolution)
                 if not math.isnan(time):
                     until, stop = time, k
         return until, stop
@@ -378,7 +394,7 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
                     ends[k, 0], ends[k, 1], ends[k, 2], ends[k, 3] = at_step(gaps, k, i)
             if found:
                 touching = held if i == 0 else none
-                time, stop = first_in(gaps, t[i], t[i + 1], which, ends, level, touching, curvature, latest)
+                time, stop = first_in(gaps, t[i], t[i + 1], which, ends, level, rounding, touching, curvature, latest)
                 if stop >= 0:
                     return time, stop
         return math.inf, -1

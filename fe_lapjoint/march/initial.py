@@ -1,35 +1,117 @@
-"""The initial state on the mesh: nodal values and slopes of z(x, 0) and z_t(x, 0), and the stops closed then."""
+r"""The initial state on the mesh: nodal values and slopes of z(x, 0) and z_t(x, 0), and the stops closed then.
+
+Where the beam is at a stop, the gap function h(t) begins with the first of its time derivatives that is not 0, and so
+the sign of that one says whether the stop is closed.  On the mesh, from displacements u and velocities u',
+
+    M u'' = f - K u - C u',    M u''' = f' - K u' - C u'',    M u'''' = f'' - K u'' - C u''', ...
+
+in the modes of the contact state.  K u of the initial shape is taken from its curvature, which a displacement as a
+rigid body does not have: differences of nodal values would leave their rounding error times a frequency squared.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 
+from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.system import System
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
+ShapeFunction = Callable[..., FloatArray]
+_ORDERS = 6
+"""How many derivatives of a gap function are looked at, the velocity first: of a beam at rest, a force's fourth."""
+_DIGITS_LOST = 64 * float(np.finfo(float).eps)
+"""Relative to the sum of the moduli of some hundred addends: more than the rounding error of their sum."""
 
-def initial_state(assembly: Assembly) -> ContactState:
-    """The stops that are pressed at t = 0, or touched by a beam that moves against them.
+
+def initial_state(model: Model) -> ContactState:
+    """The stops that are pressed at t = 0, or touched by a beam that goes on to press them.
 
     Parameters
     ----------
-    assembly : Assembly
+    model : Model
         The problem on a mesh.
 
     Returns
     -------
     ContactState
-        The stops that are closed.
+        The stops that are closed; one at which the beam rests for good is open.
     """
-    problem, closed = assembly.problem, []
-    for k, stop in enumerate(problem.stops):
-        at = np.array(stop.x)
-        z, speed = (float(f(at)) * stop.sign for f in (problem.initial.displacement_at, problem.initial.velocity_at))
-        if z > stop.gap or (z == stop.gap and stop.gap > 0 and speed > 0):
-            closed.append(k)
-    return ContactState(tuple(closed))
+    initial, stops = model.problem.initial, model.problem.stops
+    gaps = np.array([it.sign * float(initial.displacement_at(np.array(it.x))) - it.gap for it in stops])
+    size = float(np.abs(initial.displacement_at(model.assembly.nodes)).max())
+    undecided = {k for k in range(len(stops)) if abs(gaps[k]) <= _DIGITS_LOST * size}
+    state = ContactState(tuple(k for k in range(len(stops)) if k not in undecided and gaps[k] > 0))
+    for order in range(1, _ORDERS + 1):
+        if not undecided:
+            break
+        rate, error = _derivative(model, state, order)
+        known = {k for k in undecided if abs(rate[k]) > error[k]}
+        pressed = tuple(k for k in known if model.sign[k] * rate[k] > 0)
+        undecided, state = undecided - known, ContactState(state.closed + pressed)
+    return state
+
+
+def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArray, FloatArray]:
+    """The time derivative of an order of z at the stops at t = 0, and its rounding error, m/s^order, ``(P,)`` each."""
+    initial, system = model.problem.initial, model.system(state)
+    if order == 1:
+        rate = [float(initial.velocity_at(np.array(stop.x))) for stop in model.problem.stops]
+        fastest = float(np.abs(initial.velocity_at(model.assembly.nodes)).max())
+        return np.array(rate), np.full(len(rate), _DIGITS_LOST * fastest)
+    v = initial_coordinates(model.assembly, system)[system.omega.size :]
+    x, of_x = np.zeros_like(v), np.zeros_like(v)  # the displacement, of which the elastic forces are known without it
+    v, of_v = _cleared(v, np.full_like(v, _DIGITS_LOST * float(np.linalg.norm(v))))
+    with np.errstate(over="ignore", invalid="ignore"):  # comparisons with what is not finite decide nothing
+        for n in range(order - 1):
+            pull, of_pull = system.omega**2 * x, system.omega**2 * of_x
+            if n < 2:
+                shape = initial.displacement_at if n == 0 else initial.velocity_at
+                pull, of_pull = _elastic_forces(model.assembly, system, shape)
+            push, of_push = _forces(system, n)
+            drag, of_drag = 2 * system.damping_rate * v, 2 * system.damping_rate * of_v
+            error = of_push + of_pull + of_drag + _DIGITS_LOST * (np.abs(pull) + np.abs(drag))
+            (x, of_x), (v, of_v) = (v, of_v), _cleared(push - pull - drag, error)
+        reading = np.abs(system.stops)
+        return system.stops @ v, reading @ of_v + _DIGITS_LOST * (reading @ np.abs(v))
+
+
+def _cleared(values: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Both, or zeros where no value exceeds its error: then all of it is rounding."""
+    return (values, errors) if np.any(np.abs(values) > errors) else (np.zeros_like(values), np.zeros_like(errors))
+
+
+def _forces(system: System, order: int) -> tuple[FloatArray, FloatArray]:
+    """A time derivative of the modal forces at t = 0, and its rounding error, kg^1/2 m/s^(2 + order), ``(n,)`` each."""
+    power = system.driven**order
+    total = system.harmonic @ (power * np.imag(1j**order * np.exp(1j * system.phase)))
+    size = np.abs(system.harmonic).max(axis=0, initial=0.0) @ (power * (1 + np.abs(system.phase)))
+    parts = [system.constant] if order == 0 else []
+    if system.ramps is not None and order < 2:
+        parts.append(system.ramps.at(0.0)[order])
+    for part in parts:
+        total, size = total + part, size + np.abs(part).max()
+    return _cleared(total, np.full_like(total, _DIGITS_LOST * size))
+
+
+def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) -> tuple[FloatArray, FloatArray]:
+    """K u of a shape of the beam in modal coordinates, and its rounding error, in the unit of the shape over s2."""
+    beam, h = assembly.problem.beam, np.diff(assembly.nodes)
+    offset = np.array([0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)])
+    x = (assembly.nodes[:-1, None] + h[:, None] * offset).ravel()
+    bent = np.sqrt(beam.EI * np.repeat(h, 2) / 2) * shape(x, 2)
+    rows, k = assembly.springs(system.state)
+    at_nodes = _nodal(assembly, shape)
+    strained, loaded = assembly.curvature @ system.vectors, k[:, None] * (rows @ system.vectors)
+    felt = rows @ at_nodes
+    total = strained.T @ bent + loaded.T @ felt
+    size = np.abs(strained).T @ np.abs(bent) + np.abs(loaded).T @ np.abs(felt)
+    return _cleared(total, _DIGITS_LOST * size)
 
 
 def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
@@ -47,9 +129,12 @@ def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
     FloatArray, shape (2 n,)
         (q, q') at t = 0, kg^1/2 m and kg^1/2 m/s.
     """
-    initial, L = assembly.problem.initial, assembly.problem.beam.length
-    parts = []
-    for shape in (initial.displacement_at, initial.velocity_at):
-        u = np.stack([shape(assembly.nodes), L * shape(assembly.nodes, 1)], axis=1).ravel()[assembly.free]
-        parts.append(system.vectors.T @ (assembly.mass @ u))
-    return np.concatenate(parts)
+    initial = assembly.problem.initial
+    shapes = initial.displacement_at, initial.velocity_at
+    return np.concatenate([system.vectors.T @ (assembly.mass @ _nodal(assembly, shape)) for shape in shapes])
+
+
+def _nodal(assembly: Assembly, shape: ShapeFunction) -> FloatArray:
+    """The free degrees of freedom of a shape, by Hermite interpolation, in its unit, ``(n,)``."""
+    L = assembly.problem.beam.length
+    return np.stack([shape(assembly.nodes), L * shape(assembly.nodes, 1)], axis=1).ravel()[assembly.free]

@@ -9,7 +9,7 @@ import numpy as np
 
 from fe_lapjoint.march.compiled import above_troughs
 from fe_lapjoint.march.envelope import Envelope
-from fe_lapjoint.march.events import BoolArray, in_python
+from fe_lapjoint.march.events import SURE, BoolArray, in_python
 from fe_lapjoint.march.ramp_interval import Interval, Knots, knots_of, moved, new_interval, place_at
 from fe_lapjoint.march.ramp_stretch import Watch, account, coordinates_at, over_knots
 from fe_lapjoint.march.ramp_tables import RampTables, ramp_tables
@@ -176,7 +176,8 @@ def follow(
             return t, y, -1
         begin, latest = t + lo, t + hi
         gaps = RampGaps(tables, it, t)
-        known = watch.unclear, watch.ends, watch.level, watch.held, gaps.curvature
+        rounding = (watch.level - watch.shift) / SURE
+        known = watch.unclear, watch.ends, watch.level, rounding, watch.held, gaps.curvature
         time, stop = in_python.first_in(gaps, begin, latest, *known, abs(latest))
         if stop >= 0:
             return float(time), moved(tables, it, time - t), int(stop)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fe_lapjoint.march.events import CONTINUOUS, BoolArray
+from fe_lapjoint.march.events import CONTINUOUS, SURE, BoolArray
 from fe_lapjoint.march.ramp_interval import (
     Interval,
     Knots,
@@ -176,7 +176,7 @@ def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, wa
             watch.shift[k] = max(h, 0.0)
         elif h <= 0 or (first and watch.fresh[k]):
             watch.shift[k] = 0.0
-        watch.level[k] = rounding + watch.shift[k]
+        watch.level[k] = SURE * rounding + watch.shift[k]
 
 
 @njit_inner()
@@ -225,7 +225,8 @@ def _judge(
         u, level = tables.place_of[k], watch.level[k]
         (h, rate), (h_end, rate_end) = _gap(tables, k, begin), _gap(tables, k, end)
         clear = h <= level and h_end <= level
-        clear = clear and (max(h, h_end) + bounds[0, u] <= level or h + rate * width + bounds[1, u] <= level)
+        most = level + (1 - SURE) / SURE * (level - watch.shift[k])
+        clear = clear and (max(h, h_end) + bounds[0, u] <= most or h + rate * width + bounds[1, u] <= most)
         watch.unclear[k] = not clear
         if not clear:
             watch.ends[k, 0], watch.ends[k, 1], watch.ends[k, 2], watch.ends[k, 3] = h, rate, h_end, rate_end

@@ -39,7 +39,7 @@ def switches(model: Model, end: float, most: int) -> list[tuple[int, float]]:
     """
     ramps = model.problem.forces.ramps
     assert ramps is not None
-    state, found = initial_state(model.assembly), []
+    state, found = initial_state(model), []
     y, t = initial_coordinates(model.assembly, model.system(state)), 0.0
     while t < end and len(found) < most:
         until = min(ramps.until(t), end)

@@ -1,0 +1,176 @@
+r"""Which stops are closed at t = 0, also where the beam touches a stop with one or more vanishing derivatives.
+
+A stop beyond its gap is closed.  Where the beam is at the gap, the first time derivative of the gap function that is
+not 0 decides: if it is positive, the stop is closed from t = 0 on; if it is negative, the beam departs and the stop is
+open; if all vanish, the beam rests at the gap and the stop is open.  The initial state gives displacement and velocity.
+The higher derivatives are sums over the modes, by the equation of motion:
+
+    q_i''      = F_i     - a(Phi_i, z)  - 2 zeta_i omega_i q_i'
+    q_i'''     = F_i'    - a(Phi_i, z') - 2 zeta_i omega_i q_i''
+    q_i^(n+2)  = F_i^(n) - omega_i^2 q_i^(n) - 2 zeta_i omega_i q_i^(n+1),    n > 1,
+
+where a(Phi_i, z) is the elastic energy that a mode and the initial shape have in common.  It equals omega_i^2 q_i, and
+is free of rounding where the beam is displaced as a rigid body.  A derivative that is below its rounding error counts
+as 0.  A stop that one order closes drives the higher ones by its spring, so the contact state follows from order to
+order.
+
+The modes that are left out follow the loads at once, which at t = 0 they do not: within a period of the fastest mode
+they may take the beam to the wrong side of a stop.  What the second or a higher derivative decides is held for so long.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from analytic.march.joint import Joint
+from analytic.march.quadrature import over_beam
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray, Problem
+
+HIGHEST = 6
+"""The highest order of a derivative that is looked at: that of a beam at rest under a force that begins with t^4."""
+_ROUNDING = 64 * float(np.finfo(float).eps)
+"""Rounding error of a sum over that of the moduli of what is added, without unit, for some hundred terms."""
+Rounded = tuple[FloatArray, FloatArray]
+"""Values with their rounding errors, of the same shape and unit."""
+_NOTHING: Rounded = np.zeros(1), np.zeros(1)
+
+
+def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
+    """The stops that are closed at t = 0, and those of which the second or a higher derivative decides.
+
+    Parameters
+    ----------
+    joint : Joint
+        The problem and its modes.
+
+    Returns
+    -------
+    ContactState
+        The stops that are closed.
+    tuple of int
+        The stops, closed or open, that a beam at rest touches at t = 0 and then presses or departs from.
+    """
+    problem = joint.problem
+    closed, touching = by_displacement_and_velocity(problem)
+    held: list[int] = []
+    order = 2
+    while touching and order <= HIGHEST:
+        value, error = _derivative(joint, ContactState(tuple(closed)), order)
+        decided = [k for k in touching if abs(value[k]) > error[k]]
+        closed += [k for k in decided if problem.stops[k].sign * value[k] > 0]
+        held += decided
+        touching = [k for k in touching if k not in decided]
+        order += 1
+    return ContactState(tuple(closed)), tuple(held)
+
+
+def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]]:
+    """The stops that the initial state closes, and those that it leaves undecided.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+
+    Returns
+    -------
+    list of int
+        The stops beyond whose gap the beam is, or at whose gap it moves outwards.
+    list of int
+        The stops at whose gap it is at rest.
+    """
+    closed, touching, initial = [], [], problem.initial
+    along = np.linspace(0.0, problem.beam.length, 65)
+    far, fast = (float(np.abs(shape(along)).max()) for shape in (initial.displacement_at, initial.velocity_at))
+    for k, stop in enumerate(problem.stops):
+        x = np.array(stop.x)
+        depth = stop.sign * float(initial.displacement_at(x)) - stop.gap
+        rate = stop.sign * float(initial.velocity_at(x))
+        at_gap = abs(depth) <= _ROUNDING * far
+        if at_gap and abs(rate) <= _ROUNDING * fast:
+            touching.append(k)
+        elif rate > 0 if at_gap else depth > 0:
+            closed.append(k)
+    return closed, touching
+
+
+def _derivative(joint: Joint, state: ContactState, order: int) -> Rounded:
+    """A time derivative of z at the stops at t = 0, of order 2 or higher, m/s^order, shape ``(P,)``."""
+    modal = joint.modal(state)
+    square, drag = modal.modes.omega**2, 2 * modal.damping_rate
+    known = [_NOTHING, _velocities(joint, state)]  # of each order; q itself is not needed
+    with np.errstate(over="ignore", invalid="ignore"):  # a value that is not finite decides nothing
+        for n in range(order - 1):
+            elastic = _elastic(joint, state, n) if n < 2 else _times(square, known[n])
+            known.append(_difference(_force(joint, state, n), elastic, _times(drag, known[n + 1])))
+        value, error = known[order]
+        shapes = modal.at_stops
+        return shapes @ value, np.abs(shapes) @ (error + _ROUNDING * np.abs(value))
+
+
+def _times(factor: FloatArray, one: Rounded) -> Rounded:
+    """A rounded product."""
+    value = factor * one[0]
+    return value, factor * one[1] + _ROUNDING * np.abs(value)
+
+
+def _difference(first: Rounded, *others: Rounded) -> Rounded:
+    """What is left of values after others are taken away."""
+    value, error = first[0].copy(), first[1].copy()
+    for other in others:
+        value -= other[0]
+        error += other[1]
+    return _or_nothing(value, error)
+
+
+def _or_nothing(value: FloatArray, error: FloatArray) -> Rounded:
+    """Values with their errors, or exactly 0 where all of them are below their errors."""
+    return (value, error) if np.any(np.abs(value) > error) else (np.zeros_like(value), np.zeros_like(error))
+
+
+def _force(joint: Joint, state: ContactState, n: int) -> Rounded:
+    """A time derivative of the modal forces at t = 0, kg^1/2 m/s^(2 + n), shape ``(N,)``."""
+    loads, harmonics = joint.modal(state).force * joint.sizes[:, None], joint.harmonics
+    turned = (np.sin, np.cos, lambda angle: -np.sin(angle), lambda angle: -np.cos(angle))[n % 4]
+    power = harmonics.omega**n
+    factor = [np.array([float(n == 0)]), power * turned(harmonics.phase)]
+    largest = [factor[0], power * (1 + np.abs(harmonics.phase))]
+    if joint.sampled:
+        blocks = joint.problem.forces.ramps
+        assert blocks is not None
+        ramps = [part[0] for part in blocks.at(np.zeros(1))]
+        factor.append(ramps[n] if n < 2 else np.zeros(joint.sampled))
+        largest.append(np.abs(factor[-1]))
+    size = np.concatenate(largest) @ np.abs(loads).max(axis=1, initial=0.0)
+    return _or_nothing(np.concatenate(factor) @ loads, np.full(loads.shape[1], _ROUNDING * size))
+
+
+def _velocities(joint: Joint, state: ContactState) -> Rounded:
+    """Modal velocities at t = 0, kg^1/2 m/s, shape ``(N,)``."""
+    problem, modes = joint.problem, joint.modal(state).modes
+    x, weights = over_beam(problem, modes)
+    weighted, speed = problem.beam.m * modes.shapes(x) * weights, problem.initial.velocity_at(x)
+    return _or_nothing(weighted @ speed, _ROUNDING * np.abs(weighted) @ np.abs(speed))
+
+
+def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
+    """a(Phi_i, z) of the initial displacement, or of the velocity where `n` is 1, kg^1/2 m/s^(2 + n), ``(N,)``."""
+    problem, modes = joint.problem, joint.modal(state).modes
+    shape = (problem.initial.displacement_at, problem.initial.velocity_at)[n]
+    x, weights = over_beam(problem, modes)
+    springs = [(it.x, 0, it.translational) for it in problem.supports]
+    springs += [(it.x, 1, it.torsional) for it in problem.supports]
+    springs += [(problem.stops[k].x, 0, problem.stops[k].stiffness) for k in state.closed]
+    parts = [(problem.beam.EI * modes.shapes(x, 2) * weights, shape(x, 2))]
+    for place, derivative, stiffness in springs:
+        if 0 < stiffness < math.inf:
+            at = np.array([place])
+            parts.append((stiffness * modes.shapes(at, derivative), shape(at, derivative)))
+    total, size = (
+        np.sum([one @ other for one, other in each], axis=0)
+        for each in (parts, [(np.abs(one), np.abs(other)) for one, other in parts])
+    )
+    return _or_nothing(total, _ROUNDING * size)
