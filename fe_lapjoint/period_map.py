@@ -27,7 +27,7 @@ from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
-from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces, rescaled
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
@@ -261,8 +261,8 @@ class PeriodMap:
             there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
             there = Carried(model, motion, there).end[:, 0]
             deviation = (there.reshape(2, -1) @ model.transfer(motion.state, FREE).T).ravel()
-            size = self.norm(deviation)
-            growth[i], deviation = math.log(size), deviation / size
+            size, deviation = rescaled(deviation, self.norm)
+            growth[i] = math.log(size)
             point = self._section_point(motion.state, motion.y)
             impulses[i] = motion.impulses
             switches += motion.switches

@@ -25,6 +25,7 @@ from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from lapjoint.compiled_arrays import put, zeros
 from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.orbits.period_map import LEAST_GROWTH
 from lapjoint.problem import FloatArray
 
 
@@ -93,8 +94,8 @@ def advance_periods(
     level : FloatArray, shape (P, m)
         At which level each stop switches next with these, m; changed in place, and anything at the start of a period.
     sizes : FloatArray, shape (count,) or (0,)
-        If it has room, it takes the size of the one deviation at the end of each period, kg^1/2 m, after which that is
-        scaled to 1.
+        If it has room, it takes the size of the one deviation at the end of each period, kg^1/2 m, or `LEAST_GROWTH`
+        where that is less, after which the deviation is scaled to 1.
     most : int
         Most switches in all.
 
@@ -134,13 +135,27 @@ def advance_periods(
                 put(sections[done, 0], motion.q)
                 put(sections[done, 1], motion.v)
             if sizes.size > 0:
-                sizes[done] = size_of(now, period)
-                for i in range(now.shape[0]):
-                    now[i, 0] /= sizes[done]
+                sizes[done] = _rescale(now, period)
             _next_period(motion, penetration[min(done, penetration.shape[0] - 1)])
         elif motion.counts[SWITCHES] > most:
             return TOO_MANY, now
     return DONE, now
+
+
+@njit_inner()
+def _rescale(deviation: FloatArray, period: float) -> float:
+    """Scale a deviation, ``(2 N, 1)``, to a size of 1 kg^1/2 m, in place; its size was the number returned.
+
+    One that has all but vanished has lost its direction, and any other goes on in its place.
+    """
+    size = size_of(deviation, period)
+    found = max(size, LEAST_GROWTH)
+    if size < LEAST_GROWTH:
+        deviation[:, 0] = 1.0
+        size = size_of(deviation, period)
+    for i in range(deviation.shape[0]):
+        deviation[i, 0] /= size
+    return found
 
 
 @njit_inner()

@@ -23,7 +23,8 @@ class Growth(Periods):
     penetrations: FloatArray
     """Time integral of each stop's penetration over each period, m s, shape ``(count, P)``."""
     growth: FloatArray
-    """Natural logarithm of the growth of the deviation in each period, without unit, shape ``(count,)``."""
+    """Natural logarithm of the growth of the deviation in each period, at least that of `LEAST_GROWTH`, without unit,
+    shape ``(count,)``."""
     deviation: FloatArray
     """The deviation (dq, dv) at the end, kg^1/2 m and kg^1/2 m/s, scaled to a size of 1 kg^1/2 m, shape ``(2 N,)``."""
 
