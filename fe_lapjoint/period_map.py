@@ -27,13 +27,22 @@ from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
-from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.period_map import (
+    LEAST_GROWTH,
+    Derivative,
+    Followed,
+    Linearised,
+    Passage,
+    period_pieces,
+    rescaled,
+)
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
 _STRETCH = 16  # periods of the motion that are handed on at once
+_FEW = 64  # pieces of a march that a deviation is carried along before it is scaled: a switch may multiply it by 1e4
 _TOUCHING = 1e-12
 """Of gap and displacement: a stop nearer to its gap than this keeps its contact state; rounding may be as large."""
 
@@ -254,10 +263,14 @@ class PeriodMap:
         for i in range(periods):
             motion = march(model, point.state, self.modal(point), 0.0, self.period, peaks=False)
             there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
-            there = Carried(model, motion, there).end[:, 0]
+            for part in _in_parts(motion):
+                there = Carried(model, part, there).end
+                largest = float(np.max(np.abs(there)))
+                if largest > LEAST_GROWTH:
+                    there, growth[i] = there / largest, growth[i] + math.log(largest)
             deviation = (there.reshape(2, -1) @ model.transfer(motion.state, FREE).T).ravel()
-            size = self.norm(deviation)
-            growth[i], deviation = math.log(size), deviation / size
+            size, deviation = rescaled(deviation, self.norm)
+            growth[i] += math.log(size)
             point = self._section_point(motion.state, motion.y)
             impulses[i] = motion.impulses
             switches += motion.switches
@@ -322,6 +335,14 @@ class PeriodMap:
         unclear = np.abs(depth) <= _TOUCHING * (model.gap + np.abs(assembly.stop_rows) @ free)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]
         return SectionPoint(ContactState(tuple(closed)), point.coordinates, point.nodes)
+
+
+def _in_parts(motion: March) -> Iterator[March]:
+    """A march in parts of so few pieces that no deviation grows beyond double precision in one of them."""
+    for first in range(0, len(motion.pieces), _FEW):
+        pieces, following = motion.pieces[first : first + _FEW], motion.pieces[first + _FEW : first + _FEW + 1]
+        state, y = (following[0].state, following[0].y) if following else (motion.state, motion.y)
+        yield replace(motion, pieces=pieces, state=state, y=y)
 
 
 def _between(motion: History, start: float, end: float) -> History:

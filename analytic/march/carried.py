@@ -25,7 +25,11 @@ from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from lapjoint.compiled_arrays import put, zeros
 from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.orbits.period_map import LEAST_GROWTH
 from lapjoint.problem import FloatArray
+
+_WITHIN_REACH = 1e100
+"""Size of a deviation that has begun with 1, kg^1/2 m, up to which one switch more leaves its square finite."""
 
 
 @njit_called()
@@ -64,7 +68,7 @@ def advance_periods(
     sections: FloatArray,
     now: FloatArray,
     level: FloatArray,
-    sizes: FloatArray,
+    growth: FloatArray,
     most: int,
 ) -> tuple[int, FloatArray]:
     """March over `count` periods in all, each from the time 0 as a march of its own, and carry deviations along.
@@ -92,9 +96,9 @@ def advance_periods(
         there are any; changed in place.
     level : FloatArray, shape (P, m)
         At which level each stop switches next with these, m; changed in place, and anything at the start of a period.
-    sizes : FloatArray, shape (count,) or (0,)
-        If it has room, it takes the size of the one deviation at the end of each period, kg^1/2 m, after which that is
-        scaled to 1.
+    growth : FloatArray, shape (count,) or (0,)
+        If it has room, the natural logarithm of the growth of the one deviation in each period, without unit, is added
+        to it; the deviation is scaled to a size of 1 kg^1/2 m at the end of each period.
     most : int
         Most switches in all.
 
@@ -127,20 +131,49 @@ def advance_periods(
             return STUCK, now
         if carried:
             flow(tables, motion.counts[SLOT], motion.time[0] - t, now, now)
+        if growth.size > 0:
+            growth[motion.counts[PERIODS]] += _keep_within_reach(now, level, period)
         if motion.counts[PENDING] == NO_SWITCH and motion.time[0] >= period:
             done = motion.counts[PERIODS]
             if slots.size > 0:
                 slots[done] = motion.counts[SLOT]
                 put(sections[done, 0], motion.q)
                 put(sections[done, 1], motion.v)
-            if sizes.size > 0:
-                sizes[done] = size_of(now, period)
-                for i in range(now.shape[0]):
-                    now[i, 0] /= sizes[done]
+            if growth.size > 0:
+                growth[done] += _rescale(now, period)
             _next_period(motion, penetration[min(done, penetration.shape[0] - 1)])
         elif motion.counts[SWITCHES] > most:
             return TOO_MANY, now
     return DONE, now
+
+
+@njit_inner()
+def _keep_within_reach(deviation: FloatArray, level: FloatArray, period: float) -> float:
+    """Scale a deviation, ``(2 N, 1)``, and its levels, ``(P, 1)``, whose size nears the ends of double precision.
+
+    It is scaled to a size of 1 kg^1/2 m, in place; the logarithm of what it was divided by is returned.
+    """
+    size = size_of(deviation, period)
+    if size < LEAST_GROWTH or (1 / _WITHIN_REACH < size and size < _WITHIN_REACH):
+        return 0.0
+    deviation /= size
+    level /= size
+    return math.log(size)
+
+
+@njit_inner()
+def _rescale(deviation: FloatArray, period: float) -> float:
+    """Scale a deviation, ``(2 N, 1)``, to a size of 1 kg^1/2 m, in place; the logarithm of its size is returned.
+
+    One that has all but vanished has lost its direction, and any other goes on in its place.
+    """
+    size = size_of(deviation, period)
+    found = max(size, LEAST_GROWTH)
+    if size < LEAST_GROWTH:
+        deviation[:, 0] = 1.0
+        size = size_of(deviation, period)
+    deviation /= size
+    return math.log(found)
 
 
 @njit_inner()

@@ -23,7 +23,8 @@ class Growth(Periods):
     penetrations: FloatArray
     """Time integral of each stop's penetration over each period, m s, shape ``(count, P)``."""
     growth: FloatArray
-    """Natural logarithm of the growth of the deviation in each period, without unit, shape ``(count,)``."""
+    """Natural logarithm of the growth of the deviation in each period, at least that of `LEAST_GROWTH`, without unit,
+    shape ``(count,)``."""
     deviation: FloatArray
     """The deviation (dq, dv) at the end, kg^1/2 m and kg^1/2 m/s, scaled to a size of 1 kg^1/2 m, shape ``(2 N,)``."""
 
@@ -108,13 +109,13 @@ def measure_growth(
     """
     motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
     penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)
-    coordinates, sizes, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
+    coordinates, growth, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
     now = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
     level = np.zeros((motion.total.size, 1))
     while status != DONE:
         status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, max_switches
+            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, growth, max_switches
         )
         settle_status(joint, motion, status, max_switches)
     march = joint, ended(joint, motion), penetration.sum(axis=0), int(motion.counts[SWITCHES]), slots, coordinates
-    return Growth(*march, penetration, np.log(sizes), now[:, 0].copy())
+    return Growth(*march, penetration, growth, now[:, 0].copy())

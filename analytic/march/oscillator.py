@@ -127,7 +127,7 @@ def roots_of(omega: FloatArray, damping_rate: FloatArray) -> ComplexArray:
     first = -damping_rate + split
     # For strong damping the slow root is omega^2 over the fast one: no cancellation.
     fast = damping_rate + split.real
-    slow = np.where(square > 0, -(omega**2) / np.where(fast == 0, 1, fast), first)
+    slow = np.where(square > 0, -(omega**2) / np.where(square > 0, fast, 1), first)
     return np.stack([slow, -damping_rate - split], axis=1)
 
 

@@ -2,7 +2,9 @@
 
 Time is cut into windows.  In each, the linear system of the present contact state is integrated: by its exact flow,
 or by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.march.events` looks for the first
-switch in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.
+switch in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.  A
+window of the exact flow in which every stop stays well away from its switch is followed by one of twice the length, up
+to a third of the shortest excitation period, so that a slow motion takes few; any other by one of the first length.
 `fe_lapjoint.ExactPropagator` is the same exact flow as a method of `solve_ivp`.
 """
 
@@ -192,7 +194,7 @@ def march(
         If the integrator fails, more than `max_switches` switches occur, or those of a stop crowd that is too stiff for
         the mesh; see `fe_lapjoint.march.crowding`.
     """
-    window = window_of(model, state)
+    window, longest = window_of(model, state), longest_window(model, state, end - start)
     step, crowd = window / SAMPLES, Crowd(model, window)
     since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
     going = {k: _Going(start, True) for k in state.closed}
@@ -200,8 +202,9 @@ def march(
     contacts: list[Contact] = []
     t, switches = start, 0
     while t < end or not pieces:
-        piece, y = _advance(model, state, t, end, step, y, since)
+        piece, y, clear = _advance(model, state, t, end, step, y, since)
         pieces.append(piece)
+        step = min(2 * step, max(longest, window) / SAMPLES) if clear else window / SAMPLES
         if record:
             _account(model, piece, going, peaks)
         t = piece.end
@@ -250,21 +253,45 @@ def window_of(model: Model, state: ContactState) -> float:
     return float(min([slow, *periods]) / WINDOWS_PER_PERIOD)
 
 
+def longest_window(model: Model, state: ContactState, duration: float) -> float:
+    """The longest time in which switches are searched for at once: a third of the shortest excitation period.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    state : ContactState
+        Any, the loads are those of all.
+    duration : float
+        That of the march, s: without excitation it is the longest.
+
+    Returns
+    -------
+    float
+        s.
+    """
+    periods = [2 * math.pi / omega for omega in model.system(state).driven]
+    return float(min(periods) / WINDOWS_PER_PERIOD) if periods else duration
+
+
 def _advance(
     model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, since: _Since
-) -> tuple[Piece, FloatArray]:
-    """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end."""
+) -> tuple[Piece, FloatArray, bool]:
+    """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end.
+
+    With them, whether no stop comes near its switch, so that steps of twice the length are worth trying.
+    """
     system = model.system(state)
     orientation, offset = model.orientation(state), model.offset(state)
     if system.ramps is not None:
         if model.method == "exact":
-            return _advance_on_ramps(model, state, t, end, step * SAMPLES, y, since)
+            return *_advance_on_ramps(model, state, t, end, step * SAMPLES, y, since), False
         end = min(end, system.ramps.ramps.until(t))  # a library method is started anew at every knot
     count = min(SAMPLES, max(1, math.ceil((end - t) / step)))
     until = min(t + count * step, end)
     if model.method == "exact":
         flow = Flow(system, t, *y.reshape(2, -1))
-        time, stop = math.inf, -1
+        time, stop, clear = math.inf, -1, True
         if orientation.size:
             # The flow goes on beyond the end of the window, so the last step may, too.
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
@@ -272,9 +299,10 @@ def _advance(
             gaps = FlowGaps(flow, orientation, offset, step)
             rounding = since.rounding_until_now(gaps.rounding)
             time, stop = gaps.first_switch(grid, h, rounding, since.switch == t)
+            clear = bool(np.all(h.max(axis=1) <= -gaps.curvature * (2 * step) ** 2 / 8))
         until, stop = (time, stop) if time <= until else (until, -1)
-        return Piece(state, t, until, y, flow, flow, stop), flow.at(until)
-    return _advance_by_library(model, state, t, until, y, since)
+        return Piece(state, t, until, y, flow, flow, stop), flow.at(until), clear
+    return *_advance_by_library(model, state, t, until, y, since), False
 
 
 def _advance_on_ramps(

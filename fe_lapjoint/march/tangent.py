@@ -138,7 +138,7 @@ class Carried:
             left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < _DEAD)
             if 0 < alive.size <= _ALIVE * there.few:
                 there = there.of_alive(alive)
-            elif left <= _FEW * min(there.few, expected) and there.rest is not None:
+            elif there.few and left <= _FEW * min(there.few, expected) and there.rest is not None:
                 there, expected = there.of_independent(system, slow), left
             if piece.switched >= 0:
                 since, after = piece.end, self.motion.y if following is None else following.y

@@ -11,7 +11,6 @@ together.  What the search says of a march that does not settle is taken as it i
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -26,7 +25,7 @@ from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.orbits.ensemble import Ensemble, ensemble_of
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import Orbit
-from lapjoint.orbits.period_map import PeriodMap
+from lapjoint.orbits.period_map import PeriodMap, decay_periods
 from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, Search, as_linearised
 from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
@@ -107,9 +106,8 @@ class Binder:
     @property
     def _patience(self) -> int:
         """Periods that starts march together before one of them is searched by itself."""
-        rate = self._map.lowest_damping_rate * self._map.period
-        decayed = math.ceil(_DECAY_TIMES / rate) if rate > 0 else 0
-        return min(max(_PATIENCE, decayed), max(1, self._effort.max_periods // 2))
+        most = max(1, self._effort.max_periods // 2)
+        return min(max(_PATIENCE, decay_periods(self._map, _DECAY_TIMES, most)), most)
 
     def _march(self, party: _Party, until: int) -> None:
         """March all together up to some number of periods, and bind those that a known motion takes back."""

@@ -68,7 +68,8 @@ def standard_error(series: FloatArray) -> float:
     float
         In the unit of the series.
     """
-    short, long = _blocked(series, 4 * _BLOCKS), _blocked(series, _BLOCKS)
+    scale = 2.0 ** int(np.frexp(np.max(np.abs(series)))[1])  # so that squares are numbers, too
+    short, long = (scale * _blocked(series / scale, count) for count in (4 * _BLOCKS, _BLOCKS))
     return long * float(np.clip(long / short, 1.0, 2.0)) if short > 0 else long
 
 

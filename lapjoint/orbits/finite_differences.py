@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.orbits.period_map import Derivative, Followed, Linearised, PeriodMap
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, PeriodMap, rescaled
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
@@ -65,10 +65,8 @@ class FiniteDifferences:
             length = _SMALL * max(self.map.size(now), self.map.size(passage.end), np.finfo(float).tiny)
             beside = self.map.march(self.map.moved(now, length * deviation), 2).end
             now = passage.end
-            deviation = self.map.difference(beside, now)
-            size = self.map.norm(deviation)
-            growth[i] = math.log(max(size, np.finfo(float).tiny) / length)
-            deviation = deviation / max(size, np.finfo(float).tiny)
+            size, deviation = rescaled(self.map.difference(beside, now) / length, self.map.norm)
+            growth[i] = math.log(size)
             impulses[i] = passage.impulses
             switches += passage.switches
             points.append(now)

@@ -12,6 +12,7 @@ them by the matrices that the solver gave.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -230,6 +231,29 @@ def period_pieces(period: float, duration: float) -> list[float]:
     return [period] * whole + [left] * (left > 1e-12 * duration)
 
 
+def decay_periods(period_map: PeriodMap, decay_times: float, most: int) -> int:
+    """How many periods of the excitation some decay times of the slowest free vibration take.
+
+    Parameters
+    ----------
+    period_map : PeriodMap
+        The motion of a problem.
+    decay_times : float
+        Number of decay times 1 / (zeta omega), without unit.
+    most : int
+        Number of periods that the caller marches at most.
+
+    Returns
+    -------
+    int
+        0 without damping, and ``most + 1`` where it is more than `most`.
+    """
+    if not period_map.lowest_damping_rate:
+        return 0
+    rate = period_map.lowest_damping_rate * period_map.period
+    return math.ceil(decay_times / rate) if rate * most >= decay_times else most + 1
+
+
 class Derivative(NamedTuple):
     """Derivative of a march's end, in the coordinates that belong to its start."""
 
@@ -380,6 +404,36 @@ class UnitNorms(Protocol):
         """
 
 
+LEAST_GROWTH = 1e-150
+"""Least growth of a deviation over a period, without unit, that is told from none: squares of smaller numbers are
+beyond double precision, and so are sizes, which are roots of sums of squares."""
+
+
+def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tuple[float, FloatArray]:
+    """A deviation that began a period with unit size, scaled to unit size again.
+
+    One that has all but vanished has lost its direction, and any other deviation goes on in its place.
+
+    Parameters
+    ----------
+    deviation : FloatArray, shape (n,)
+        The deviation at the end of the period, in the coordinates of the period map.
+    norm : callable
+        `PeriodMap.norm`.
+
+    Returns
+    -------
+    float
+        Its size, or `LEAST_GROWTH` where that is less.
+    FloatArray, shape (n,)
+        A deviation of unit size.
+    """
+    size = norm(deviation)
+    if size < LEAST_GROWTH:
+        return LEAST_GROWTH, np.ones_like(deviation) / norm(np.ones_like(deviation))
+    return size, deviation / size
+
+
 @dataclass(frozen=True)
 class Followed:
     """A march over some periods, and what became of one deviation."""
@@ -391,7 +445,8 @@ class Followed:
     switches: int
     """How often a stop opened or closed."""
     growth: FloatArray
-    """Natural logarithm of the deviation's growth in each period, shape ``(periods,)``."""
+    """Natural logarithm of the deviation's growth in each period, at least that of `LEAST_GROWTH`, shape
+    ``(periods,)``."""
     deviation: FloatArray
     """The deviation at the end, of unit size, in the coordinates that belong to the last point, shape ``(n,)``."""
 

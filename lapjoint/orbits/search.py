@@ -31,7 +31,7 @@ from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
 from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
-from lapjoint.orbits.period_map import Followed, Follows, PeriodMap
+from lapjoint.orbits.period_map import Followed, Follows, PeriodMap, decay_periods
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_off
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_return, shown
 from lapjoint.problem import FloatArray
@@ -227,9 +227,7 @@ class Search:
     @property
     def _enough(self) -> int:
         """Number of periods for which a march must not repeat: free vibration has decayed by then."""
-        if not self._map.lowest_damping_rate:
-            return 0
-        return math.ceil(DECAY_TIMES / (self._map.lowest_damping_rate * self._map.period))
+        return decay_periods(self._map, DECAY_TIMES, self._effort.max_periods)
 
     def _long_enough(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
         """Whether a stretch that shows what the one before it showed was long enough to be believed."""

@@ -17,6 +17,7 @@ from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
+from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
 from lapjoint.problem.messages import shown
 from lapjoint.problem.random_motion import Random, RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import Record, RecordBaseMotion, RecordLoad
@@ -31,14 +32,6 @@ _SAMPLES_A_PERIOD = 10
 
 SCHEMA_VERSION: Literal[1] = 1
 """It is raised whenever an older reader would misread a file, or refuse what an older one took."""
-
-
-_SOFTEST, _FIXED = 1e-16, 1e20
-"""Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
-On softer ones the slowest mode takes some 1e8 times as long as a bending mode, and its motion in a double number has
-too few digits left; stiffer ones are fixed to rounding."""
-_STIFFEST = 1e13
-"""Largest stiffness of a stop over EI / L^3: how far a stiffer one is pressed has too few digits left."""
 
 
 class Problem(Part):
@@ -60,7 +53,7 @@ class Problem(Part):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        faults = [*_outside_the_beam(self), *_names_used_twice(self), *_too_large(self), *_beyond_digits(self)]
+        faults = [*_outside_the_beam(self), *_names_used_twice(self), *faults_of_size(self)]
         if not faults:
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
@@ -311,7 +304,7 @@ class Problem(Part):
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
-        if any(_outside_the_beam(made, ("point_loads",))) or any(_driven_too_fast(made)):
+        if any(_outside_the_beam(made, ("point_loads",))) or any(faults_of_excitation(made)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
@@ -337,7 +330,7 @@ class Problem(Part):
         if not isinstance(self.base_motion, BaseMotion):
             raise InputError("base_motion: is no sine")
         base = BaseMotion(**vars(self.base_motion) | numbers)
-        if any(_too_fast("base_motion", base)):
+        if any(faults_of_part("base_motion", base)):
             return self.replace(base_motion=base)  # it is refused there
         return self._driven_by(base_motion=base)
 
@@ -412,69 +405,6 @@ def _too_low(problem: Problem) -> Iterator[str]:
                 f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "
                 "it drives no mode at its own frequency"
             )
-
-
-def _too_large(problem: Problem) -> Iterator[str]:
-    """What is not finite of the numbers that follow from several fields."""
-    yield from _driven_too_fast(problem)
-    for i, stop in enumerate(problem.stops):
-        if not math.isfinite(stop.stiffness * stop.gap):
-            yield (
-                f"stops[{i}]: stiffness times gap comes to {stop.stiffness * stop.gap:g}, and must be finite; "
-                "it follows from stiffness and gap"
-            )
-
-
-def _beyond_digits(problem: Problem) -> Iterator[str]:
-    """Springs so soft or so stiff, beside the beam, that double precision does not hold what they do."""
-    L, EI = problem.beam.length, problem.beam.EI
-    units = {"translational": (EI / L**3, "EI / length^3"), "torsional": (EI / L, "EI / length")}
-    for i, support in enumerate(problem.supports):
-        for name, (unit, text) in units.items():
-            spring, least, most = getattr(support, name), _SOFTEST * unit, _FIXED * unit
-            if 0 < spring < least or most < spring < math.inf:
-                yield (
-                    f"supports[{i}].{name} = {spring:g}: is {spring / unit:.2g} {text}; allowed are 0, "
-                    f"{_SOFTEST:g} to {_FIXED:g} {text}, which is {least:.2g} to {most:.2g}, and inf"
-                )
-    unit, text = units["translational"]
-    for i, stop in enumerate(problem.stops):
-        if stop.stiffness > _STIFFEST * unit:
-            yield (
-                f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
-                f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
-            )
-
-
-def _driven_too_fast(problem: Problem) -> Iterator[str]:
-    """The same of all excitation."""
-    if problem.base_motion is not None:
-        yield from _too_fast("base_motion", problem.base_motion)
-    for i, load in enumerate(problem.point_loads):
-        yield from _too_fast(f"point_loads[{i}]", load)
-
-
-def _too_fast(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
-    """Waves whose frequency has no finite square, or of a base, whose acceleration is not finite."""
-    several = part.kind == "harmonics"
-    source = f"{'multiple and ' if several else ''}angular_frequency"
-    total = 0.0
-    for i, wave in enumerate(part.waves):
-        here, squared = f"{path}.harmonics[{i}]" if several else path, wave.angular_frequency * wave.angular_frequency
-        if path == "base_motion" and not math.isfinite(wave.amplitude * squared):
-            yield (
-                f"{here}: the acceleration comes to {wave.amplitude * squared:g}, and must be finite; "
-                f"it follows from amplitude{',' if several else ' and'} {source}"
-            )
-        elif not 0 < squared < math.inf:
-            yield (
-                f"{here}: the square of the angular frequency comes to {squared:g}, and must be finite and above 0; "
-                f"it follows from {source}"
-            )
-        elif math.isfinite(total):
-            total += wave.amplitude * squared
-    if not math.isfinite(total):
-        yield f"{path}: the accelerations of its harmonics come to {total:g} together, and must be finite"
 
 
 def _initial_off_the_beam(problem: Problem) -> Iterator[str]:

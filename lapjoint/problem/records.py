@@ -147,6 +147,12 @@ class Record(Part):
         return allowed[self.unit or next(iter(allowed))]
 
     @property
+    def si_values(self) -> FloatArray:
+        """The samples in SI units, shape ``(n,)``."""
+        assert self.values is not None
+        return np.asarray(self.values.array * self._factor)
+
+    @property
     def time(self) -> FloatArray:
         """When the samples are, s from the first one, shape ``(n,)``."""
         assert self.values is not None

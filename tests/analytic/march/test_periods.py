@@ -72,7 +72,7 @@ def test_a_deviation_grows_at_once_as_one_by_one(name: str) -> None:
     fresh = Joint(problem, 9, 7)
     found = measure_growth(fresh, begin, deviation, period, count)
     assert same(found.end, now)
-    assert found.growth.tobytes() == np.log(sizes).tobytes()
+    np.testing.assert_allclose(found.growth, np.log(sizes), rtol=1e-14, atol=1e-14)
     assert found.deviation.tobytes() == along[:, 0].tobytes()
     assert found.penetration.tobytes() == penetration.tobytes()
     assert all(map(same, found.sections, march_periods(fresh, begin, period, count, record=True).sections))

@@ -40,7 +40,8 @@ from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
 
 positive = st.floats(min_value=1e-3, max_value=1e12, allow_nan=False)
-finite = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e200, max_value=1e200)
+finite = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e50, max_value=1e50)
+phase = st.floats(-1e6, 1e6)
 support_share, stop_share = st.floats(1e-15, 1e19), st.floats(1e-20, 1e12)
 """Of EI / L^3 or EI / L."""
 sections = st.one_of(
@@ -58,7 +59,7 @@ def several(harmonic: Any, **sizes: Any) -> Any:
     """One to three harmonics of different multiples."""
     multiples = st.lists(st.integers(1, 10_000), min_size=1, max_size=3, unique=True)
     return multiples.flatmap(
-        lambda found: st.tuples(*(st.builds(harmonic, multiple=st.just(n), phase=finite, **sizes) for n in found))
+        lambda found: st.tuples(*(st.builds(harmonic, multiple=st.just(n), phase=phase, **sizes) for n in found))
     )
 
 
@@ -66,7 +67,7 @@ def several(harmonic: Any, **sizes: Any) -> Any:
 def problems(draw: st.DrawFn) -> Problem:
     """Any problem, with every kind of part."""
     L = draw(positive)
-    within = st.floats(0.0, 1.0).map(lambda s: s * L)
+    within = st.integers(0, 1000).map(lambda n: n / 1000 * L)
     ratio = st.floats(0.0, 2.0)
     beam = draw(
         st.one_of(
@@ -94,11 +95,12 @@ def problems(draw: st.DrawFn) -> Problem:
     supports = st.builds(
         Support, x=within, translational=any_spring if initial == AtRest() else springs[0], torsional=springs[1]
     )
+    viscous = st.floats(1e-3, 1e3).map(lambda share: share * 2 * beam.m * beam.slowest_bending)
     stop_springs = stop_share.map(lambda share: share * beam.EI / L**3)
     stops = st.builds(Stop, x=within, side=st.sampled_from(["top", "bottom"]), gap=positive, stiffness=stop_springs)
     loads = st.one_of(
         st.builds(StepLoad, x=within, force=finite),
-        st.builds(SineLoad, x=within, force=finite, angular_frequency=positive, phase=finite),
+        st.builds(SineLoad, x=within, force=finite, angular_frequency=positive, phase=phase),
         st.builds(HarmonicsLoad, x=within, angular_frequency=positive, harmonics=several(LoadHarmonic, force=finite)),
     )
     return Problem(
@@ -110,12 +112,12 @@ def problems(draw: st.DrawFn) -> Problem:
             st.one_of(
                 st.just(NoDamping()),
                 st.builds(ModalDamping, ratio=st.one_of(ratio, st.tuples(ratio, ratio))),
-                st.builds(ViscousDamping, coefficient=positive),
+                st.builds(ViscousDamping, coefficient=viscous),
             )
         ),
         base_motion=draw(
             st.none()
-            | st.builds(BaseMotion, amplitude=positive, angular_frequency=positive, phase=finite)
+            | st.builds(BaseMotion, amplitude=positive, angular_frequency=positive, phase=phase)
             | st.builds(
                 HarmonicsBaseMotion, angular_frequency=positive, harmonics=several(BaseHarmonic, amplitude=positive)
             )
@@ -258,17 +260,17 @@ FAULTS: list[tuple[str, str, str]] = [
     (
         "fast harmonic",
         GOOD + harmonics("{multiple = 1, amplitude = 1.0}", "{multiple = 100, amplitude = 1e304}"),
-        "base_motion.harmonics[1]: the acceleration comes to inf, and must be finite; it follows from ampl",
+        "base_motion.harmonics[1].amplitude = 1e+304: must be at most 1e+100 m",
     ),
     (
-        "fast together",
-        GOOD + harmonics("{multiple = 1, amplitude = 0.3e308}", "{multiple = 2, amplitude = 0.1e308}"),
-        "base_motion: the accelerations of its harmonics come to inf together, and must be finite",
+        "hard harmonic",
+        GOOD + harmonics("{multiple = 1, amplitude = 1.0}", "{multiple = 100, amplitude = 1e97}"),
+        "base_motion.harmonics[1]: the acceleration comes to 4e+101, and must be at most 1e+100 in SI units",
     ),
     (
         "fast load",
         GOOD + "[[point_loads]]\nx = 1.0\nforce = 1.0\nangular_frequency = 1e200",
-        "point_loads[0]: the square of the angular frequency comes to inf, and must be finite and above 0",
+        "point_loads[0]: the square of the angular frequency comes to inf, and must be between 1e-100 and 1e+100 in SI",
     ),
     ("broken", GOOD + "length =", "is not valid TOML"),
     ("twice", GOOD + "length = 2.0\nlength = 3.0", "is not valid TOML"),

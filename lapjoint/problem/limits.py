@@ -1,0 +1,222 @@
+"""Which numbers a problem may hold, so that double precision holds what follows from them.
+
+Every quantity that a problem states, or that follows from what it states, is at most 1e100 in SI units, so that its
+square is finite; times between samples, and squares of frequencies, are at least 1e-100, as what follows from the beam.
+Stiffness and damping have limits beside the beam's own, and two supports that are not at one place are apart by more
+than rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lapjoint.problem.beam import LEAST, MOST
+from lapjoint.problem.damping import ModalDamping, ViscousDamping
+from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
+from lapjoint.problem.initial import AtRest
+from lapjoint.problem.records import Record, RecordBaseMotion
+from lapjoint.problem.schema import FloatArray
+
+if TYPE_CHECKING:
+    from lapjoint.problem.problem import Problem
+
+_SOFTEST, _FIXED = 1e-16, 1e20
+"""Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
+On softer ones the slowest mode takes some 1e8 times as long as a bending mode, and its motion in a double number has
+too few digits left; stiffer ones are fixed to rounding."""
+_STIFFEST = 1e13
+"""Largest stiffness of a stop over EI / L^3: how far a stiffer one is pressed has too few digits left."""
+_MOST_DAMPED = 1e7
+"""Largest damping ratio: a mode's two rates of decay then differ by 4e14, of the 1e16 that a double number resolves."""
+_NEAREST = 1e-12
+"""Distance over the length of the beam up to which two places may be one, rounded."""
+_MOST_PHASE = 1e8
+"""Largest phase, rad: half of the digits of a larger one are those of its whole turns."""
+
+
+def faults_of_size(problem: Problem) -> Iterator[str]:
+    """What is too large or too small in a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        Any, whose parts are valid each for itself.
+
+    Yields
+    ------
+    str
+        A line for each fault.
+    """
+    for i, stop in enumerate(problem.stops):
+        yield from _stated(f"stops[{i}].gap", stop.gap, "m")
+        yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
+    yield from _of_places(problem)
+    yield from _of_stiffness(problem)
+    yield from _of_damping(problem)
+    yield from faults_of_excitation(problem)
+    yield from _of_initial_state(problem)
+
+
+def faults_of_excitation(problem: Problem) -> Iterator[str]:
+    """What is too large or too small in the excitation of a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        Any.
+
+    Yields
+    ------
+    str
+        A line for each fault.
+    """
+    if problem.base_motion is not None:
+        yield from faults_of_part("base_motion", problem.base_motion)
+    for i, load in enumerate(problem.point_loads):
+        yield from faults_of_part(f"point_loads[{i}]", load)
+
+
+def faults_of_part(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
+    """What is too large or too small in a base motion or a point load.
+
+    Parameters
+    ----------
+    path : str
+        Where it is in the problem.
+    part : BaseMotion, PointLoad or another of their kinds
+        The part.
+
+    Yields
+    ------
+    str
+        A line for each fault.
+    """
+    if isinstance(part, Record):
+        yield from _of_record(path, part)
+    if isinstance(part, StepLoad):
+        yield from _stated(f"{path}.force", part.force, "N")
+    several, base = part.kind == "harmonics", path == "base_motion"
+    source = f"{'multiple and ' if several else ''}angular_frequency"
+    for i, wave in enumerate(part.waves):
+        here, squared = f"{path}.harmonics[{i}]" if several else path, wave.angular_frequency * wave.angular_frequency
+        yield from _stated(f"{here}.{'amplitude' if base else 'force'}", wave.amplitude, "m" if base else "N")
+        if not LEAST <= squared <= MOST:
+            yield _following(here, "square of the angular frequency", squared, source, LEAST)
+        elif base and not wave.amplitude * squared <= MOST:
+            from_both = f"amplitude{',' if several else ' and'} {source}"
+            yield _following(here, "acceleration", wave.amplitude * squared, from_both)
+        if not abs(wave.phase) <= _MOST_PHASE:
+            yield f"{here}.phase = {wave.phase:g}: allowed are {-_MOST_PHASE:g} to {_MOST_PHASE:g} rad"
+
+
+def _stated(path: str, value: float, unit: str) -> Iterator[str]:
+    """What is wrong with a number of a file."""
+    if not abs(value) <= MOST:
+        yield f"{path} = {value:g}: must be at most {MOST:g} {unit}, up or down"
+
+
+def _following(path: str, name: str, value: float, source: str, least: float = 0.0) -> str:
+    """What is wrong with a number that follows from others."""
+    allowed = f"between {least:g} and {MOST:g}" if least else f"at most {MOST:g}"
+    return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
+
+
+def _of_places(problem: Problem) -> Iterator[str]:
+    """Parts that are all but at the root, and supports that all but coincide: whether these clamp is unknown."""
+    least, parts = _NEAREST * problem.beam.length, {}
+    for group in ("supports", "stops", "point_loads"):
+        parts[group] = {f"{group}[{i}].x": part.x for i, part in enumerate(getattr(problem, group))}
+        for path, x in parts[group].items():
+            if 0 < x <= least:
+                yield f"{path} = {x:g}: must be 0, or more than {_NEAREST:g} of the length, which is {least:.2g} m"
+    in_order = sorted(parts["supports"].items(), key=lambda item: item[1])
+    for (one, x), (other, y) in pairwise(in_order):
+        if 0 < y - x <= least and x > least:
+            yield (
+                f"{other} = {y!r}: lies {y - x:.2g} m from {one} = {x!r}; allowed are the same place, and more than "
+                f"{_NEAREST:g} of the length, which is {least:.2g} m"
+            )
+
+
+def _of_stiffness(problem: Problem) -> Iterator[str]:
+    """Springs so soft or so stiff, beside the beam, that double precision does not hold what they do."""
+    L, EI = problem.beam.length, problem.beam.EI
+    units = {"translational": (EI / L**3, "EI / length^3"), "torsional": (EI / L, "EI / length")}
+    for i, support in enumerate(problem.supports):
+        for name, (unit, text) in units.items():
+            spring, least, most = getattr(support, name), _SOFTEST * unit, _FIXED * unit
+            if 0 < spring < least or most < spring < math.inf:
+                yield (
+                    f"supports[{i}].{name} = {spring:g}: is {spring / unit:.2g} {text}; allowed are 0, "
+                    f"{_SOFTEST:g} to {_FIXED:g} {text}, which is {least:.2g} to {most:.2g}, and inf"
+                )
+    unit, text = units["translational"]
+    for i, stop in enumerate(problem.stops):
+        if stop.stiffness > _STIFFEST * unit:
+            yield (
+                f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
+                f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
+            )
+
+
+def _of_damping(problem: Problem) -> Iterator[str]:
+    """Damping ratios, or a coefficient, beside which double precision does not hold the slower of two rates."""
+    damping, beam = problem.damping, problem.beam
+    if isinstance(damping, ModalDamping):
+        several = isinstance(damping.ratio, tuple)
+        for i, ratio in enumerate(damping.ratio if isinstance(damping.ratio, tuple) else (damping.ratio,)):
+            if not ratio <= _MOST_DAMPED:
+                path = f"damping.ratio{f'[{i}]' if several else ''}"
+                yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
+    if isinstance(damping, ViscousDamping):
+        critical = 2 * beam.m * beam.slowest_bending
+        if not damping.coefficient <= _MOST_DAMPED * critical:
+            yield (
+                f"damping.coefficient = {damping.coefficient:g}: must be at most {_MOST_DAMPED:g} times the critical "
+                f"damping of the slowest bending, which is {_MOST_DAMPED * critical:.2g} N s/m2"
+            )
+
+
+def _of_record(path: str, record: Record) -> Iterator[str]:
+    """Times and samples, and the motion of a base that follows from them."""
+    with np.errstate(all="ignore"):
+        between = np.array([1 / record.rate]) if record.rate is not None else np.diff(record.time)
+        shortest, values = float(between.min()), record.si_values
+        if not (LEAST <= shortest and record.duration <= MOST):
+            field = f"{path}.times" if record.rate is None else f"{path}.rate = {record.rate:g}"
+            yield (
+                f"{field}: the samples come to {shortest:g} s apart, and {record.duration:g} s in all; allowed are "
+                f"{LEAST:g} to {MOST:g} s"
+            )
+        elif not _largest(values) <= MOST:
+            yield _following(path, "largest sample", _largest(values), "values and unit")
+        elif isinstance(record, RecordBaseMotion):
+            for order, name in enumerate(("displacement", "velocity", "acceleration")):
+                reached = _largest(record.motion.at(record.motion.time, order))
+                if not reached <= MOST:
+                    yield _following(path, f"largest {name} of the base", reached, "values, unit and the times")
+
+
+def _of_initial_state(problem: Problem) -> Iterator[str]:
+    """Shapes that are not finite, or so large or small that squares of them are not."""
+    initial = problem.initial
+    if isinstance(initial, AtRest):
+        return
+    grid = np.linspace(0.0, problem.beam.length, 101)
+    with np.errstate(all="ignore"):
+        for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
+            for order, word in enumerate(("largest value", "largest slope", "largest second derivative")):
+                reached = _largest(shape(grid, order))
+                if not reached <= MOST:
+                    yield _following(f"initial.{name}", word, reached, f"{name} and length")
+                    break
+
+
+def _largest(values: FloatArray) -> float:
+    """The largest modulus; NaN if one is that."""
+    return float(np.max(np.abs(values), initial=0.0))
