@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lapjoint.errors import InputError
 from lapjoint.input_files import read_file
-from lapjoint.problem.messages import shown
+from lapjoint.problem.messages import encodable, shown
 from lapjoint.problem.samples import Samples, Source
 
 _DELIMITERS = (",", ";", "\t", " ")
@@ -44,7 +44,7 @@ def read_columns(source: Source) -> tuple[Samples, Samples | None]:
     except UnicodeDecodeError:
         raise ValueError(f"file = {shown(source.file)}: is not a text file in UTF-8") from None
     except InputError as error:
-        raise ValueError(f"{error}; it is looked for in {path.parent}") from None
+        raise ValueError(encodable(f"{error}; it is looked for in {path.parent}")) from None
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if i > source.skip]
     lines = [(i, line) for i, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
