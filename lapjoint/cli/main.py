@@ -32,7 +32,6 @@ from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.statistics import statistics
 from lapjoint.cli.sweep import plot, sweep
-from lapjoint.problem.messages import LONGEST_VALUE, shortened
 
 ENTRY_POINT_GROUP = "lapjoint.commands"
 BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 2, 3, 130
@@ -83,7 +82,9 @@ class Lapjoint(click.Group):
         except OSError as error:
             ctx.exit(_not_written(error))
         except UnicodeEncodeError as error:
-            text = shortened(error.object[max(0, error.start - LONGEST_VALUE) :], LONGEST_VALUE)
+            from lapjoint.problem.messages import LONGEST_VALUE, shortened
+
+            text = shortened(error.object[max(0, error.start - LONGEST_VALUE // 2) :], LONGEST_VALUE)
             ctx.exit(_said(f"{text}: cannot be written: has characters that UTF-8 does not hold", NOT_WRITTEN))
         except (ValueError, RuntimeError, MemoryError) as error:
             from lapjoint.errors import InputError, OutputError, SolverError

@@ -9,11 +9,12 @@ import os
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 from click.testing import CliRunner, Result
 
 from lapjoint import InputError, Problem, paper_joint, read_problem, write_problem
-from lapjoint.cli.main import main
+from lapjoint.cli.main import Lapjoint, main
 from lapjoint.errors import OutputError
 from lapjoint.output_files import write_file
 from lapjoint.problem import RecordLoad, SineLoad, Stop
@@ -106,6 +107,7 @@ def test_files_in_such_a_folder_are_read_and_written(
     assert not list(folder.glob("*.journal"))
 
 
+@pytest.mark.thorough
 def test_vtk_cannot_write_there_and_that_is_said(folder: Path) -> None:
     options = ("--modes", 2, "--duration", 0.02, "--frames", 3)
     result = run("export", folder / "joint.toml", *options, "--out", folder / "motion")
@@ -119,3 +121,13 @@ def test_a_problem_whose_record_has_no_name_in_utf8_is_not_written(folder: Path,
     with pytest.raises(OutputError, match="has characters that UTF-8 does not hold"):
         write_file(tmp_path / "text", BYTE)
     assert sorted(path.name for path in tmp_path.iterdir()) == [folder.name]
+
+
+def test_what_another_command_cannot_write_is_told() -> None:
+    def encode() -> None:
+        f"a{BYTE}b".encode()
+
+    group = Lapjoint("lapjoint", commands=[click.Command("encode", callback=encode)])
+    result = CliRunner().invoke(group, ["encode"])
+    assert (result.exit_code, result.stderr.count("\n")) == (3, 1)
+    assert "a\\udcffb: cannot be written: has characters that UTF-8 does not hold" in result.stderr

@@ -177,7 +177,7 @@ def test_random_files_are_read_as_they_were_written_or_refused(tmp_path: Path) -
 
 @pytest.mark.slow
 def test_thousands_of_random_files_are_read_as_they_were_written_or_refused(tmp_path: Path) -> None:
-    read_random_files(20_000, tmp_path)
+    read_random_files(5000, tmp_path)
 
 
 def _timed(folder: Path, times: np.ndarray, **keys: Any) -> RecordLoad:

@@ -1,6 +1,6 @@
 """Intervals of short motions under noise hold the mean of all motions: a rigid bar on elastic stops, and a linear beam.
 
-A motion has 8, 12 or 20 units, each as short as units ever are.  No formula of the intervals enters the truth, which is
+A motion has 8 or 20 units, each as short as units ever are.  No formula of the intervals enters the truth, which is
 the mean over all units of all motions.
 """
 
@@ -20,7 +20,7 @@ from lapjoint.summaries.quantities import selection
 from lapjoint.summaries.sums import Sums
 from lapjoint.summaries.table import table
 
-UNITS = (8, 12, 20)
+UNITS = (8, 20)
 DECAY_TIME = 10.0  # s, of the slowest mode of both
 NAMES = ("displacement_mean", "displacement_rms", "velocity_rms", "absolute_acceleration_rms", "displacement_maximum")
 OF_STOPS = ("force_rms", "force_maximum", "contact_rate", "contact_time", "impulse_rate")
