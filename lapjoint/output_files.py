@@ -150,9 +150,11 @@ def unwritable(path: str | Path, error: OSError | ValueError) -> OutputError:
     Returns
     -------
     OutputError
-        It names the file, and says why in the system's words.
+        It names the file, and says why, in the system's words where it is the system that refuses.
     """
     reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+    if isinstance(error, UnicodeEncodeError):
+        reason = "its name, or a text in it, has characters that UTF-8 does not hold"
     return OutputError(f"{path}: cannot be written: {reason}")
 
 

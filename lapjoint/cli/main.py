@@ -81,6 +81,11 @@ class Lapjoint(click.Group):
             ctx.exit(_said(str(interrupt) or "interrupted", INTERRUPTED))
         except OSError as error:
             ctx.exit(_not_written(error))
+        except UnicodeEncodeError as error:
+            from lapjoint.problem.messages import LONGEST_VALUE, shortened
+
+            text = shortened(error.object[max(0, error.start - LONGEST_VALUE // 2) :], LONGEST_VALUE)
+            ctx.exit(_said(f"{text}: cannot be written: has characters that UTF-8 does not hold", NOT_WRITTEN))
         except (ValueError, RuntimeError, MemoryError) as error:
             from lapjoint.errors import InputError, OutputError, SolverError
 

@@ -90,7 +90,7 @@ def shown(value: Any) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     if isinstance(value, str):
-        text = json.dumps(value, ensure_ascii=False)
+        text = encodable(json.dumps(value, ensure_ascii=False))
     elif isinstance(value, Mapping):
         text = "{" + ", ".join(f"{key} = ..." for key in value) + "}"
     else:
@@ -101,6 +101,22 @@ def shown(value: Any) -> str:
         except RecursionError:
             text = "a very deep list"
     return shortened(text, LONGEST_VALUE)
+
+
+def encodable(text: str) -> str:
+    """Text for a message that passes through what holds UTF-8 only, as pydantic does.
+
+    Parameters
+    ----------
+    text : str
+        Any text, such as a path that is not in UTF-8.
+
+    Returns
+    -------
+    str
+        The text, in which half of a surrogate pair is written by its number.
+    """
+    return text.encode(errors="backslashreplace").decode()
 
 
 def shortened(text: str, most: int = LONGEST_PATH) -> str:

@@ -1,30 +1,64 @@
-"""Columns of a CSV file, as shakers, accelerometers and load cells write them."""
+"""Columns of a CSV file, as shakers, accelerometers and load cells write them.
+
+Empty lines and lines that begin with # are passed over.  A first line with a cell that is neither a number nor made of
+digits and marks alone holds the names of the columns.
+
+Nothing is read that may have been meant otherwise.  Lines of samples have as many fields each, and those that the first
+line of the file does not have are empty.  A number has no separated thousands.  Where every line of the samples could
+also be read with its commas as decimal marks (``29,123``), or with separated thousands (``1,234.5``), `decimal` or
+`delimiter` must say how to read it.
+"""
 
 from __future__ import annotations
 
 import csv
 import math
+import re
 from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
 
 from lapjoint.errors import InputError
 from lapjoint.input_files import read_file
-from lapjoint.problem.messages import shown
+from lapjoint.problem.messages import encodable, shown
 from lapjoint.problem.samples import Samples, Source
+from lapjoint.problem.schema import IntArray
 
-_DELIMITERS = (",", ";", "\t", " ")
+_DELIMITERS = (";", "\t", ",", " ")
+"""What may stand between columns, in the order in which it is looked for."""
 _NAMED = 12  # most columns that a message names
+_MARKS = re.compile(r"(?=.*\d)[\d\s.,:/'+-]+")
+"""A cell of digits and marks, as a time of day or ``1,234.5``: no name of a column."""
+_WHOLE, _FRACTION, _POWER = r"[+-]?(?:\d+|[1-9]\d{0,2}(?:\.\d{3})+)", r",\d+", r"(?:[eE][+-]?\d+)?"
+_WITH_COMMA, _PERHAPS = f"{_WHOLE}{_FRACTION}{_POWER}", f"{_WHOLE}(?:{_FRACTION})?{_POWER}"
+_DECIMAL_COMMAS = re.compile(
+    rf"{_WITH_COMMA}(?:,{_WITH_COMMA})*|(?=.*,){_PERHAPS}(?:[;\s]\s*{_PERHAPS})*"  # ``0,5,-1.234,5``; ``0;29,123``
+)
+"""A line that has sense with its commas as decimal marks, between commas or anything else."""
+_THOUSANDS = {
+    ".": re.compile(r"(?:^|[\s,])[+-]?[1-9]\d{0,2}(?:[, ]\d{3})+(?:\.\d*)?(?:$|[\s,])"),
+    ",": re.compile(r"(?:^|\s)[+-]?[1-9]\d{0,2}(?: \d{3})+(?:,\d*)?(?:$|\s)"),
+}
+"""A number whose thousands may be separated, by its decimal mark: ``1,234.5``; ``1 234,5``."""
 
 
-def read_columns(source: Source) -> tuple[Samples, Samples | None]:
+class _Line(NamedTuple):
+    """A line with names or samples."""
+
+    number: int
+    """Which line of the file it is, from 1."""
+    text: str
+    cells: list[str]
+
+
+def read_columns(source: Source) -> tuple[Samples, Samples | None, IntArray]:
     """The values of a record, and their times if it has a column of them.
-
-    Empty lines and lines that begin with # are passed over.  If the first line that is left has a cell that is no
-    number, it holds the names of the columns.
 
     Parameters
     ----------
     source : Source
-        Where to read.
+        Where and how to read.
 
     Returns
     -------
@@ -32,56 +66,133 @@ def read_columns(source: Source) -> tuple[Samples, Samples | None]:
         The values, in their own unit.
     Samples or None
         Their times, in their own unit.
+    IntArray, shape (n,)
+        The line of the file in which each of them is, from 1.
 
     Raises
     ------
     ValueError
-        If there is no such file or column, or a cell is no number; the message names the line.
+        If there is no such file or column, a cell is no number, or a line can be read in two ways; the message names
+        the line.
     """
-    path = Path(source.folder) / source.file
-    try:
-        text = read_file(path, f"file = {shown(source.file)}").decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"file = {shown(source.file)}: is not a text file in UTF-8") from None
-    except InputError as error:
-        raise ValueError(f"{error}; it is looked for in {path.parent}") from None
-    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if i > source.skip]
-    lines = [(i, line) for i, line in lines if line.strip() and not line.lstrip().startswith("#")]
-    if not lines:
-        raise ValueError(
-            f"file = {shown(source.file)}: has no samples after the {source.skip} lines that skip leaves out"
-        )
-    delimiter = source.delimiter or _delimiter_of(lines[0][1])
-    rows = [(i, _cells(line, delimiter)) for i, line in lines]
-    names: list[str] = []
-    if any(_number(cell) is None for cell in rows[0][1]):
-        names, rows = rows[0][1], rows[1:]
-    width = len(names or rows[0][1])
+    lines = _lines(source)
+    first = lines[0].cells
+    while not first[-1] and len(first) > 1:
+        first = first[:-1]
+    names = first if any(_is_name(cell, source.decimal) for cell in first) else []
+    rows, width = lines[1:] if names else lines, len(first)
+    _check_widths(source, lines[0], width, rows)
+    _check_marks(source, rows)
     time = None if source.time_column is None else _column(source, "time_column", source.time_column, names, width)
-    first = 1 if time == 0 and width > 1 else 0
-    value = first if source.column is None else _column(source, "column", source.column, names, width)
+    default = 1 if time == 0 and width > 1 else 0
+    value = default if source.column is None else _column(source, "column", source.column, names, width)
     if value == time:
         raise ValueError(f"column = {shown(value + 1)}: is the time_column, too")
-    return Samples(_numbers(source, rows, value), source), (
-        None if time is None else Samples(_numbers(source, rows, time), source)
-    )
+    times = None if time is None else Samples(_numbers(source, rows, time), source)
+    return Samples(_numbers(source, rows, value), source), times, np.array([row.number for row in rows], dtype=np.int64)
 
 
-def _delimiter_of(line: str) -> str:
-    return next((mark for mark in _DELIMITERS if mark in line.strip()), ",")
+def _lines(source: Source) -> list[_Line]:
+    """The lines with names and samples."""
+    numbered = enumerate(re.split(r"\r\n|\n|\r", _text(source)), 1)
+    kept = [(i, line) for i, line in numbered if i > source.skip]
+    kept = [(i, line) for i, line in kept if line.strip() and not line.lstrip().startswith("#")]
+    if not kept:
+        raise _refused(source, f"has no samples after the {source.skip} lines that skip leaves out")
+    delimiter = source.delimiter or _delimiter_of([line for _, line in kept[:2]], source.decimal)
+    try:
+        return [_Line(i, line.strip(), _cells(line, delimiter)) for i, line in kept]
+    except csv.Error as error:
+        raise _refused(source, f"cannot be read as CSV: {error}") from None
+
+
+def _text(source: Source) -> str:
+    """All that the file holds, without a byte order mark."""
+    path = Path(source.folder) / source.file
+    try:
+        raw = read_file(path, f"file = {shown(source.file)}")
+    except InputError as error:
+        raise ValueError(encodable(f"{error}; it is looked for in {path.parent}")) from None
+    try:
+        return raw.decode(source.encoding).removeprefix("\ufeff")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        message = f"is not a text file in {source.encoding.upper()} (line {line}); encoding may be cp1252, utf-16 ..."
+        raise _refused(source, message) from None
+    except (LookupError, ValueError):
+        message = "is no encoding of text; allowed are utf-8, cp1252, latin-1, utf-16 and what else Python knows"
+        raise ValueError(f"encoding = {shown(source.encoding)}: {message}") from None
+
+
+def _refused(source: Source, message: str) -> ValueError:
+    return ValueError(f"file = {shown(source.file)}: {message}")
+
+
+def _delimiter_of(first: list[str], decimal: str) -> str:
+    """What stands between columns, from the first two lines: in that of samples, or in both if both are."""
+    samples = [line for line in first[::-1] if line is first[-1] or _MARKS.fullmatch(line)]
+    for line in samples:
+        for mark in _DELIMITERS:
+            if mark != decimal and mark in (line.strip() if mark == " " else line):
+                return mark
+    return _DELIMITERS[0]
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
     if delimiter == " ":
-        return line.split()
+        return re.split("[ \t]+", line.strip())
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
 
 
-def _number(cell: str) -> float | None:
+def _number(cell: str, decimal: str) -> float | None:
+    """The number in a cell; None where there is none, or one with separated thousands."""
+    if "_" in cell or (decimal == "," and "." in cell):
+        return None
     try:
-        return float(cell)
+        return float(cell.replace(decimal, "."))
     except ValueError:
         return None
+
+
+def _is_name(cell: str, decimal: str) -> bool:
+    return _number(cell, decimal) is None and not _MARKS.fullmatch(cell)
+
+
+def _check_widths(source: Source, first: _Line, width: int, rows: list[_Line]) -> None:
+    """Refuse lines of samples that differ in their number of fields, or have not the `width` of the first line."""
+    for row in rows:
+        if len(row.cells) < width or any(row.cells[width:]):
+            other, number = first, width
+        elif len(row.cells) != len(rows[0].cells):
+            other, number = rows[0], len(rows[0].cells)
+        else:
+            continue
+        raise _refused(
+            source,
+            f"line {row.number}, {shown(row.text)}, has {_fields(len(row.cells))}, and line {other.number} has "
+            f"{_fields(number)}; skip, delimiter and decimal say how to read them, and thousands must not be separated",
+        )
+
+
+def _fields(number: int) -> str:
+    return f"{number} field{'s' * (number > 1)}"
+
+
+def _check_marks(source: Source, rows: list[_Line]) -> None:
+    """Refuse samples that can be read in two ways, unless a key says in which."""
+    if not rows:
+        return
+    if (
+        source.decimal == "."
+        and source.delimiter != ","
+        and all(_DECIMAL_COMMAS.fullmatch(row.text.rstrip(",; \t")) for row in rows)
+    ):
+        two, keys = "a comma may be a decimal mark or stand between columns", 'decimal = "," or delimiter = ","'
+    elif source.delimiter is None and all(_THOUSANDS[source.decimal].search(row.text) for row in rows):
+        two, keys = "thousands may be separated, which is not read, or columns", 'delimiter = "," or delimiter = " "'
+    else:
+        return
+    raise _refused(source, f"line {rows[0].number}, {shown(rows[0].text)}: {two}; {keys} says which")
 
 
 def _column(source: Source, field: str, given: int | str, names: list[str], width: int) -> int:
@@ -95,14 +206,15 @@ def _column(source: Source, field: str, given: int | str, names: list[str], widt
     raise ValueError(f"{field} = {shown(given)}: is no column of {source.file}; allowed: {allowed}")
 
 
-def _numbers(source: Source, rows: list[tuple[int, list[str]]], column: int) -> list[float]:
+def _numbers(source: Source, rows: list[_Line], column: int) -> list[float]:
     """The numbers of a column."""
     found = []
-    for line, cells in rows:
-        number = _number(cells[column]) if column < len(cells) else None
+    for row in rows:
+        cell = row.cells[column]
+        number = _number(cell, source.decimal)
         if number is None or not math.isfinite(number):
-            there = shown(cells[column]) if column < len(cells) else "nothing"
-            message = f"line {line} has {there} in column {column + 1}, and must have a finite number"
-            raise ValueError(f"file = {shown(source.file)}: {message}")
+            message = f"line {row.number} has {shown(cell) if cell else 'nothing'} in column {column + 1}"
+            hint = f", with decimal = {shown(source.decimal)} and no separated thousands" * bool(_MARKS.fullmatch(cell))
+            raise _refused(source, f"{message}, and must have a finite number{hint}")
         found.append(number)
     return found

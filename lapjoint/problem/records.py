@@ -18,7 +18,7 @@ from lapjoint.problem.messages import shown
 from lapjoint.problem.record_files import read_columns
 from lapjoint.problem.recorded_motion import RecordedMotion, motion_through
 from lapjoint.problem.samples import Samples, Source
-from lapjoint.problem.schema import FloatArray, NonNegative, Part, Positive, Whole
+from lapjoint.problem.schema import FloatArray, IntArray, NonNegative, Part, Positive, Whole
 
 G = 9.80665  # m/s2, the standard acceleration of free fall (CGPM 1901)
 INCH, POUND = 0.0254, 0.45359237  # m and kg, the international inch and pound (1959)
@@ -35,6 +35,10 @@ ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 """Which t-derivative of the motion a quantity is."""
 LARGEST = {"acceleration": 2e6, "velocity": 5e3, "displacement": 5e2, "force": 1e9}
 """A thousand times what the largest shakers reach, 200 g, 5 m/s, 0.5 m and 1 MN: more is a wrong unit."""
+HOLE = 1.5
+"""Steps between samples, in medians of them, beyond which one or more samples are missing: half-way between 1 and 2."""
+EVEN = 0.9
+"""Share of the steps that lie within half a median of it where a record is evenly sampled but for holes."""
 
 
 class Record(Part):
@@ -50,6 +54,10 @@ class Record(Part):
     """Lines of the file to leave out before names of columns and samples."""
     delimiter: Literal[",", ";", "\t", " "] | None = None
     """What stands between columns: comma, semicolon, tab or space; found out by default."""
+    decimal: Literal[".", ","] = "."
+    """What begins the fraction of a number of the file: a point or a comma."""
+    encoding: str = "utf-8"
+    """Encoding of the file, e.g. cp1252 or utf-16; a byte order mark may be there."""
     values: Samples | None = None
     """The samples, where there is no file."""
     times: Samples | None = None
@@ -60,6 +68,8 @@ class Record(Part):
     """Unit of the samples, e.g. g, mm/s, um, kN; SI by default."""
     time_unit: str = "s"
     """Unit of the times: s, ms, us or min."""
+    holes: Literal["refuse", "bridge"] = "refuse"
+    """Steps over 1.5 medians, where nine in ten are 0.5 to 1.5: refused, or interpolated (bridge) as all are."""
     remove: Literal["nothing", "offset", "drift"] = "nothing"
     """What to take out of the samples: their mean over time (offset), or the straight line nearest to them (drift)."""
     sha256: str | None = None
@@ -72,11 +82,11 @@ class Record(Part):
 
     @model_validator(mode="after")
     def _complete(self, info: ValidationInfo) -> Self:
-        self._take_file((info.context or {}).get("folder", "."))
+        lines = self._take_file((info.context or {}).get("folder", "."))
         if self.values is None:
             raise ValueError("file: is missing; allowed are the path of a CSV file, or values in its place")
         self._check_units()
-        self._check_times(self.values)
+        self._check_times(self.values, lines)
         size = float(np.max(np.abs(self.values.array))) * self._factor
         if not np.isfinite(size * size):
             raise ValueError(f"values: the largest is {size:g}, and its square must be finite")
@@ -90,25 +100,27 @@ class Record(Part):
             )
         return self
 
-    def _take_file(self, folder: str) -> None:
-        """Read the file, unless its samples came with the tables."""
+    def _take_file(self, folder: str) -> IntArray | None:
+        """Read the file, unless its samples came with the tables; returns the lines in which the samples are."""
         own = None if self.values is None else self.values.source
         if self.file is None:
             if self.values is not None and own is not None:  # the file was taken out of the tables
                 raise ValueError("file: is missing; its samples are there without it")
-            return
+            return None
         if self.values is not None and own is None:
             raise ValueError("file, values: give one of them")
-        source = Source(
-            folder if own is None else own.folder, self.file, self.column, self.time_column, self.skip, self.delimiter
-        )
+        if self.delimiter == self.decimal:
+            raise ValueError('delimiter = ",": is the decimal mark, too')
+        how = (self.column, self.time_column, self.skip, self.delimiter, self.decimal, self.encoding)
+        source, lines = Source(folder if own is None else own.folder, self.file, *how), None
         if own != source:
-            values, times = read_columns(source)
+            values, times, lines = read_columns(source)
             self.__dict__.update(values=values, times=times)
         found, stated = self.digest, self.sha256 if own in (None, source) else None
         if stated not in (None, found):
             raise ValueError(f"sha256 = {shown(stated)}: {shown(self.file)} has changed: its samples now have {found}")
         self.__dict__.update(sha256=found)
+        return lines
 
     def _check_units(self) -> None:
         allowed = UNITS[self._measured]
@@ -119,12 +131,13 @@ class Record(Part):
         if self.time_unit not in TIME_UNITS:
             raise ValueError(f"time_unit = {shown(self.time_unit)}: allowed: {', '.join(TIME_UNITS)}")
 
-    def _check_times(self, values: Samples) -> None:
+    def _check_times(self, values: Samples, lines: IntArray | None) -> None:
         timed = "time_column" if self.file is not None else "times"
         if (self.times is None) == (self.rate is None):
             raise ValueError(f"rate, {timed}: give one of them")
         if len(values) < 2:
-            raise ValueError(f"values: there is {len(values)} sample; at least 2 are needed")
+            there = "is 1 sample" if len(values) else "are no samples"
+            raise ValueError(f"values: there {there}; at least 2 are needed")
         if not np.all(np.isfinite(values.array)):
             first = int(np.flatnonzero(~np.isfinite(values.array))[0])
             raise ValueError(f"values[{first}] = {values.array[first]:g}: must be a finite number")
@@ -139,7 +152,14 @@ class Record(Part):
         if bad.size:
             i = int(bad[0])
             what = "is there twice" if t[i + 1] == t[i] else f"comes after {t[i]:.12g}"
-            raise ValueError(f"{timed}: {t[i + 1]:.12g} {what} (sample {i + 2}); times must ascend")
+            raise ValueError(f"{timed}: {t[i + 1]:.12g} {what} ({_place(i + 1, lines)}); times must ascend")
+        if self.holes == "refuse" and self._bridged.size:
+            i, step = int(self._bridged[0]), np.diff(self.time)
+            raise ValueError(
+                f"{timed}: {_place(i + 1, lines)} is at {t[i + 1]:.12g} {self.time_unit}, {step[i]:.6g} s after the "
+                f"sample before, and their median step is {np.median(step):.6g} s ({_holes(self._bridged.size)}); "
+                'holes = "bridge" takes them'
+            )
 
     @property
     def _factor(self) -> float:
@@ -160,6 +180,27 @@ class Record(Part):
             assert self.rate is not None
             return np.arange(len(self.values)) / self.rate
         return np.asarray((self.times.array - self.times.array[0]) * TIME_UNITS[self.time_unit])
+
+    @property
+    def _bridged(self) -> IntArray:
+        """Steps of an evenly sampled record that are too long, by their first samples."""
+        if self.times is None:
+            return np.zeros(0, dtype=np.int64)
+        steps = np.diff(self.times.array) / np.median(np.diff(self.times.array))
+        even = np.mean(np.abs(steps - 1) <= HOLE - 1) >= EVEN
+        return np.flatnonzero(steps > HOLE) if even else np.zeros(0, dtype=np.int64)
+
+    @property
+    def _bridges(self) -> str:
+        """What was done about holes, for a remark: empty where there is none."""
+        if not self._bridged.size:
+            return ""
+        steps = np.diff(self.time)[self._bridged]
+        longest = int(np.argmax(steps))
+        return (
+            f"; {_holes(steps.size)} bridged as from sample to sample, the longest from "
+            f"{self.time[self._bridged[longest]]:.6g} s on for {steps[longest]:.6g} s"
+        )
 
     @property
     def duration(self) -> float:
@@ -232,6 +273,7 @@ class RecordBaseMotion(Record):
         return (
             f"record of {self.quantity}, {self.duration:g} s: mean {offset:.3g} {unit}, trend {slope:.3g} {unit}/s, "
             f"removed: {self.remove}; the base ends at {y:.3g} m with {v:.3g} m/s"
+            f"{self._bridges}"
         )
 
 
@@ -269,4 +311,14 @@ class RecordLoad(Record):
         offset, slope = RecordedMotion(self.time, self.values.array * self._factor, (0.0, 0.0)).line(2)
         return (
             f"record of force, {self.duration:g} s: mean {offset:.3g} N, trend {slope:.3g} N/s, removed: {self.remove}"
+            f"{self._bridges}"
         )
+
+
+def _place(sample: int, lines: IntArray | None) -> str:
+    """Where a sample is, by its number from 0, in the words of the file if its lines are known."""
+    return f"sample {sample + 1}" if lines is None else f"line {lines[sample]}"
+
+
+def _holes(number: int) -> str:
+    return f"{number} hole" + "s" * (number > 1)

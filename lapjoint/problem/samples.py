@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Source(NamedTuple):
-    """Where samples were read."""
+    """Where samples were read, and how."""
 
     folder: str
     """Folder from which `file` is looked for."""
@@ -26,6 +26,8 @@ class Source(NamedTuple):
     time_column: int | str | None
     skip: int
     delimiter: str | None
+    decimal: str
+    encoding: str
 
 
 class Samples:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from lapjoint.errors import InputError
-from lapjoint.problem.messages import in_sentences
+from lapjoint.problem.messages import in_sentences, shown
 
 FloatArray = npt.NDArray[np.float64]
 """Real numbers in double precision; docstrings say shape and unit."""
@@ -51,3 +51,17 @@ class Part(BaseModel, metaclass=_InSentences):
     """Base of every part of a problem: frozen, and unknown keys are refused, by an `InputError`."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _text_has_an_encoding(cls, data: Any) -> Any:
+        """Refuse text that no file can hold, as a name of a file that is not UTF-8 becomes in an argument."""
+        for key, value in data.items() if isinstance(data, dict) else ():
+            if isinstance(value, str) and _has_surrogate(value):
+                raise ValueError(f"{key} = {shown(value)}: must be text that UTF-8 can hold")
+        return data
+
+
+def _has_surrogate(text: str) -> bool:
+    """Whether there is half of a surrogate pair in a text, which no encoding holds."""
+    return any("\ud800" <= sign <= "\udfff" for sign in text)

@@ -214,7 +214,7 @@ def _write(
         if check is not None:
             check(folder)
         return _writer(kind)(scene, _blocks_with_room(scene, times, folder, progress), folder, name, plain(note))
-    except OSError as error:
+    except (OSError, UnicodeEncodeError) as error:
         raise unwritable(folder, error) from None
 
 

@@ -2,9 +2,11 @@
 
 A unit is a part of a motion that is long against its correlation, or the whole of one of several realisations.
 
-**Means and rates** with many events: Student's t over the units.  **Root mean squares** and means of what is never
-negative (the largest in a unit, time in contact): the same for the logarithm, to first order, so that no interval goes
-below zero and a skewed scatter is allowed for; s / (m sqrt(n)) is the relative standard error of the mean m.
+**Means** of what has either sign: Student's t over the units.  **Root mean squares**, means of what is never negative
+(the largest in a unit, time in contact) and rates of many events: Student's interval of the reciprocal of the root of
+the mean m, to first order.  It runs from m / (1 + h)^2 to m / (1 - h)^2 with h = t s / (2 m sqrt(n)), and has no upper
+end where h is 1 or more.  Where few hard contacts make up the sum, a mean that is too low has a scatter s that is too
+low by more than its share; this scale allows for that, where the logarithm left the truth above one interval in ten.
 
 **Rare events**, where fewer than half of the units have `FEW` of them: the exact interval of a Poisson count (Garwood,
 Biometrika 28, 1936).  Events that come in clusters are fewer independent ones.  The index of dispersion D of the units'
@@ -61,9 +63,9 @@ def of_positive_mean(units: FloatArray) -> FloatArray:
     """
     middle = units.mean(axis=0)
     size = np.where(middle > 0, middle, 1.0)
-    share = _half_width(units) / size
-    with np.errstate(over="ignore"):
-        ends = np.stack([size * np.exp(-share), size * np.exp(share)], axis=-1)
+    h = _half_width(units) / size / 2
+    upper = np.where(h < 1, size / np.where(h < 1, 1 - h, 1.0) ** 2, math.inf)
+    ends = np.stack([size / (1 + h) ** 2, upper], axis=-1)
     return np.where(middle[..., None] > 0, ends, 0.0)
 
 

@@ -127,8 +127,8 @@ def _attributes(what: Measure, sums: Sums) -> dict[str, Any]:
         "rate": what.rate,
         "samples": int(sums.samples.sum()),
         "intervals": (
-            f"{100 * intervals.LEVEL:g} %, of Student's t over the units, of the logarithm for what is never negative; "
-            "of Poisson counts, corrected for their dispersion, where fewer than half of the units have "
+            f"{100 * intervals.LEVEL:g} %, of Student's t over the units, of the reciprocal root for what is never "
+            "negative; of Poisson counts, corrected for their dispersion, where fewer than half of the units have "
             f"{intervals.FEW} events or more"
         ),
         "peaks": "of forces those of the contacts; others the largest sample, refined, which is a lower bound",

@@ -27,7 +27,7 @@ from validation.cases.pinned_beam import LOADED, TRUNCATION, exact
 from validation.cases.rigid_bar import SOFT, SPRINGS
 from validation.references.pinned_beam import PinnedBeam
 from validation.references.shaken_cantilever import ShakenCantilever
-from validation.references.summed_up import Touch, of_counts, of_logarithm, scatter, shared, student
+from validation.references.summed_up import Touch, of_counts, of_reciprocal_root, scatter, shared, student
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 LENGTH, BREADTH, HEIGHT, MODULUS, HEAVY = 0.8, 0.03, 0.008, 2.1e11, 7850.0
@@ -239,7 +239,7 @@ def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterat
         rms = math.sqrt(squares)
         yield close(found, "force_rms", "N", rms, SURE * off / (2 * rms), f"{where} (gap {stop.gap:g} m)", stop=k)
         yield wide(found, "contact_rate", "1/s", of_counts(counts) / unit, where, ROUNDING, stop=k)
-        yield wide(found, "contact_time", "1", of_logarithm(times), where, ROUNDING, stop=k)
+        yield wide(found, "contact_time", "1", of_reciprocal_root(times), where, ROUNDING, stop=k)
         low = found["peak_force_low"].values
         beyond = np.array([sum(it.peak >= edge for it in every) for edge in low]) / (counts.size * unit)
         apart = float(np.abs(found["peak_force_exceedance"].values[k] - beyond).max())

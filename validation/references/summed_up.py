@@ -1,8 +1,8 @@
 """Statistics of a motion summed up in the plainest way: densely and evenly, by numpy and scipy alone.
 
 The motion is given as samples and as a list of its contacts; what the project keeps in stretches, and adds up in
-streams, is all there at once.  Intervals are those of the textbooks: Student's t over batches, of the logarithm where a
-number is never negative, and Garwood's for counts (Biometrika 28, 1936).
+streams, is all there at once.  Intervals are those of the textbooks: Student's t over batches, of the reciprocal root
+where a number is never negative, and Garwood's for counts (Biometrika 28, 1936).
 """
 
 from __future__ import annotations
@@ -81,8 +81,8 @@ def student(batches: Array) -> Array:
     return np.array([low, high])
 
 
-def of_logarithm(batches: Array) -> Array:
-    """The same for what is never negative: of the logarithm, to first order.
+def of_reciprocal_root(batches: Array) -> Array:
+    """The same for what is never negative: of y = mean^(-1/2), with dy = -mean^(-3/2) / 2 d(mean).
 
     Parameters
     ----------
@@ -95,7 +95,8 @@ def of_logarithm(batches: Array) -> Array:
         Its ends.
     """
     mean = batches.mean()
-    return np.asarray(mean * np.exp((student(batches) - mean) / mean))
+    y = mean**-0.5 - mean**-1.5 / 2 * (student(batches) - mean)
+    return np.asarray([end**-2.0 if end > 0 else math.inf for end in y])
 
 
 def of_counts(counts: Array) -> Array:
@@ -112,7 +113,7 @@ def of_counts(counts: Array) -> Array:
         Its ends, in events a batch.
     """
     if np.mean(counts >= RARE) >= 0.5:
-        return of_logarithm(counts)
+        return of_reciprocal_root(counts)
     clusters = max(1.0, float(np.var(counts, ddof=1)) / counts.mean()) if counts.sum() else 1.0
     number = counts.sum() / clusters
     low = stats.chi2.ppf((1 - LEVEL) / 2, 2 * number) / 2 if number else 0.0

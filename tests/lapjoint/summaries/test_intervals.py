@@ -30,6 +30,23 @@ def test_intervals_of_means_and_squares_hold_the_truth() -> None:
         assert 0.93 < share_of(of_rms(squares), 1.0) < 0.97
 
 
+@pytest.mark.parametrize("units", [8, 12, 20])
+def test_intervals_of_sums_of_a_few_strong_events_hold_the_truth(units: int) -> None:
+    """A unit is the sum of one event on average, of a size that is the cube of Rayleigh's; logarithms hold 90.5 %."""
+    rng = np.random.default_rng((13, units))
+    counts = rng.poisson(1.0, units * REPLICATES)
+    ends = np.cumsum(counts)
+    total = np.append(0.0, np.cumsum(rng.rayleigh(size=ends[-1]) ** 3))
+    sums = (total[ends] - total[ends - counts]).reshape(units, REPLICATES)
+    assert 0.925 < share_of(of_positive_mean(sums), 3 * np.sqrt(np.pi / 2)) < 0.96
+
+
+def test_a_positive_mean_whose_reciprocal_root_may_be_zero_has_no_upper_end() -> None:
+    low, high = of_positive_mean(np.array([0.0, 0.0, 0.0, 1.0]))
+    assert 0 < low < 0.25
+    assert high == np.inf
+
+
 @pytest.mark.parametrize("each", [0.1, 1.0, 4.0, 30.0])
 @pytest.mark.parametrize("together", [False, True])
 def test_intervals_of_rates_hold_the_truth(each: float, together: bool) -> None:
