@@ -9,6 +9,7 @@ import numpy as np
 from analytic.march import Joint, march
 from analytic.march.field import history_of
 from analytic.march.initial_state import started
+from analytic.march.oscillator import ABOVE
 from analytic.march.stretches import marched, stretches
 from analytic.period_map import PeriodMap
 from lapjoint.answers import History
@@ -25,6 +26,7 @@ def simulate(
     duration: float,
     progress: Progress | None,
     depth: bool = True,
+    side: float = ABOVE,
 ) -> History:
     """The motion from the initial state.
 
@@ -42,6 +44,8 @@ def simulate(
         Called with (done, total), in the same unit.
     depth : bool
         Whether to find the peak forces of the contacts.
+    side : float
+        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
 
     Returns
     -------
@@ -53,7 +57,7 @@ def simulate(
     SolverError
         If the march cannot go on.
     """
-    joint = Joint(problem, *counts)
+    joint = Joint(problem, *counts, side)
     if problem.excitation_frequency is not None:
         return PeriodMap(joint, name).simulated(duration, progress, depth)
     motion = march(joint, started(joint), 0.0, duration, depth=depth, progress=progress)
