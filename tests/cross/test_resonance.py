@@ -63,9 +63,9 @@ def test_a_cantilever_at_its_first_frequency_grows_as_the_closed_form_says(solve
 
 
 def far_off(index: int, solver: analytic.Solver | fe_lapjoint.Solver, modes: int) -> float:
-    """Largest error of a motion from rest over its largest displacement, or the static one by its loads."""
+    """Largest error of a motion from rest over its largest displacement."""
     waves, ratio = drawn(index, modes)
-    times = 2 * math.pi / waves[0].frequency * np.array([0.4, 1.3, 7.6, 15.1])
+    times = 2 * math.pi / waves[0].frequency * np.array([0.4, 1.3, 7.6, 15.1, 15.35])
     right = tip_from_rest(waves, ratio, times)
     motion = solver.simulate(problem_of(waves, ratio), float(times[-1]), errors=False)
     return float(np.abs(motion.displacement(1.0, times)[0] - right).max() / np.abs(right).max())
@@ -74,7 +74,7 @@ def far_off(index: int, solver: analytic.Solver | fe_lapjoint.Solver, modes: int
 def assert_near(index: int) -> None:
     """Sixteen periods are 100 rad: frequencies off by 2e-8, truncation and mesh make some 1e-6 of the motion each."""
     assert far_off(index, analytic.Solver(n_modes=20), 3) < 5e-6
-    if index % 4 == 1:  # elements take four fifths of the time
+    if index % 4 == 0:  # by the base alone: two loads that nearly cancel leave the error of the mesh
         assert far_off(index, fe_lapjoint.Solver(elements=40), 1) < 5e-6
 
 
