@@ -9,6 +9,7 @@ import numpy as np
 from analytic.march import Joint, march
 from analytic.march.field import history_of
 from analytic.march.initial_state import started
+from analytic.march.oscillator import ABOVE
 from analytic.march.stretches import marched, stretches
 from analytic.period_map import PeriodMap
 from lapjoint.answers import History
@@ -24,6 +25,7 @@ def simulate(
     counts: tuple[int, int],
     duration: float,
     progress: Progress | None,
+    side: float = ABOVE,
 ) -> History:
     """The motion from the initial state.
 
@@ -39,6 +41,8 @@ def simulate(
         How long, s.
     progress : callable or None
         Called with (done, total), in the same unit.
+    side : float
+        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
 
     Returns
     -------
@@ -50,7 +54,7 @@ def simulate(
     SolverError
         If the march cannot go on.
     """
-    joint = Joint(problem, *counts)
+    joint = Joint(problem, *counts, side)
     if problem.excitation_frequency is not None:
         return PeriodMap(joint, name).simulated(duration, progress)
     motion = march(joint, started(joint), 0.0, duration, depth=True, progress=progress)

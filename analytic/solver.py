@@ -277,14 +277,16 @@ class Solver:
         found = self.finer(problem)
         if found is None:
             return None
+        from analytic.march.oscillator import BELOW
         from lapjoint.orbits.orbit_errors import FinerMap
 
         refinement, finer = found
-        return lambda: FinerMap(refinement, finer.period_map(problem))
+        return lambda: FinerMap(refinement, finer._period_map(problem, BELOW))
 
     def _with_errors(self, motion: History, counts: tuple[int, int], duration: float) -> History:
         """A march with the errors of its contacts."""
         from analytic import answers
+        from analytic.march.oscillator import BELOW
         from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
         from lapjoint.orbits.refinement import Refinement
 
@@ -295,7 +297,7 @@ class Solver:
         finer, ratio = found
 
         def march() -> History:
-            return answers.simulate(problem, finer.name, finer.mode_counts(problem), duration, None)
+            return answers.simulate(problem, finer.name, finer.mode_counts(problem), duration, None, side=BELOW)
 
         return with_contact_errors(motion, Refinement(finer.name, ratio, ORDER), march)
 
@@ -352,11 +354,17 @@ class Solver:
         InputError
             If the excitation has no period.
         """
+        from analytic.march.oscillator import ABOVE
+
+        return self._period_map(problem, ABOVE)
+
+    def _period_map(self, problem: Problem, side: float) -> PeriodMap:
+        """`period_map` with the side to which modes are moved at resonance."""
         problem.require_excitation_frequency("steady state")
         from analytic.march import Joint
         from analytic.period_map import PeriodMap
 
-        return PeriodMap(Joint(problem, *self.mode_counts(problem)), self.name)
+        return PeriodMap(Joint(problem, *self.mode_counts(problem), side), self.name)
 
 
 def check_count(field: str, value: object) -> None:

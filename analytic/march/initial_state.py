@@ -108,6 +108,7 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
         np.ascontiguousarray(values, dtype=float),
         begin,
         pressed,
+        joint.side,
     )
     if status == _NOT_FINITE:
         raise InputError("start: has coordinates that are not finite")
@@ -130,6 +131,7 @@ def _settle(
     values: FloatArray,
     begin: FloatArray,
     pressed: BoolArray,
+    side: float,
 ) -> int:
     """Write the coordinates of a state and the stops that are pressed in them, and say what has become of the state.
 
@@ -149,6 +151,8 @@ def _settle(
         Takes those of the state's modes.
     pressed : BoolArray, shape (P,)
         Takes whether each stop is pressed.
+    side : float
+        See `analytic.march.oscillator.away_from_resonance`.
 
     Returns
     -------
@@ -163,7 +167,8 @@ def _settle(
             begin[row, i] = values[row, i]
     for i in range(values.shape[1], begin.shape[1]):
         begin[0, i], begin[1, i] = flat.static[i, 0] * sizes[0], flat.static[i, 1] * sizes[0]
-        natural, rate = away_from_resonance(flat.omega[i], flat.damping_rate[i], omega), flat.damping_rate[i]
+        rate = flat.damping_rate[i]
+        natural = away_from_resonance(flat.omega[i], rate, omega, side)
         for h in range(phase.size):
             answer = forced_answer(flat.force[1 + h, i] * sizes[1 + h], natural, rate, omega[h])
             wave = answer * complex(math.cos(phase[h]), math.sin(phase[h]))

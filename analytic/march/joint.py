@@ -17,6 +17,7 @@ import numpy as np
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import Harmonics, harmonics_of, load_sizes
 from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
+from analytic.march.oscillator import ABOVE
 from analytic.march.tables import (
     FlatState,
     Tables,
@@ -52,10 +53,12 @@ class Joint:
         What is solved.
     free_modes, contact_modes : int
         Modes in the free state, and in every other.
+    side : float
+        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
     """
 
-    def __init__(self, problem: Problem, free_modes: int, contact_modes: int) -> None:
-        self.family = family_of(problem)
+    def __init__(self, problem: Problem, free_modes: int, contact_modes: int, side: float = ABOVE) -> None:
+        self.family, self.side = family_of(problem), side
         self.counts = (free_modes, contact_modes)
         self.stops, self.sampled = len(problem.stops), len(problem.forces.sampled)
         """Numbers of stops, and of sampled loads."""
@@ -92,7 +95,7 @@ class Joint:
         """
         other = Joint.__new__(Joint)
         other.family, other.counts, other.stops, other.sampled = self.family, self.counts, self.stops, self.sampled
-        other._memory = self._memory
+        other._memory, other.side = self._memory, self.side
         other._drive(problem, harmonics, sizes)
         return other
 
@@ -326,4 +329,4 @@ class Joint:
 
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
-        scale(unit, self.tables, first, unscaled, self.sizes)
+        scale(unit, self.tables, first, unscaled, self.sizes, self.side)

@@ -19,6 +19,14 @@ OSCILLATING, SPLIT, DRIFTING = 0, 1, 2
 _SEPARATE = 1e-7
 """Relative distance kept between coincident poles, without unit: the motion changes by its square, 1e-14, while
 differences of the poles, by which constants are divided, keep half their digits."""
+ABOVE, BELOW = 1.0, -1.0
+"""The side of the loads' frequencies to which `away_from_resonance` moves a mode."""
+_NEARLY = 1e-6
+"""Relative distance of mode and load below which their motions cancel to fewer than ten digits, 1e-16 / 1e-6."""
+_DETUNE = 1e-8
+"""Least relative distance kept between an undamped frequency and that of a load.  Free and forced motion, 1 / (2e-8)
+static deflections each, cancel, and their products with some hundred exponentials a period round by 1e-15: that leaves
+1e-7 of the static deflection, while the phase is off by at most 2e-8 of itself, 1e-7 in a period."""
 
 
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
@@ -77,12 +85,14 @@ def may_resonate(omega: FloatArray, damping_rate: FloatArray) -> bool:
     damping_rate : FloatArray
         Their damping rates, 1/s, of the same shape ``(...)``.
     """
-    return bool((damping_rate < _SEPARATE * omega).any())
+    return bool((damping_rate < _NEARLY * omega).any())
 
 
 @njit_inner()
-def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray) -> float:
-    """Move an undamped frequency that a load meets exactly by 1e-7 of itself; the secular growth stays.
+def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray, side: float) -> float:
+    """Keep an undamped frequency at least `_DETUNE` of itself away from those of all loads; the secular growth stays.
+
+    Moved above them and moved below them, a mode shows by the difference what the move and rounding do to a motion.
 
     Parameters
     ----------
@@ -92,17 +102,27 @@ def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray) -
         Its damping rate, 1/s.
     driven : FloatArray, shape (H,)
         Angular frequencies of the harmonics, rad/s.
+    side : float
+        ABOVE, or BELOW, which also lowers by `_DETUNE` a mode that is nearly resonant.
 
     Returns
     -------
     float
         Angular frequency of the mode, rad/s.
     """
-    least, away = _SEPARATE * omega, omega
-    if damping_rate < least:
+    least, away = _DETUNE * omega, omega
+    if side == BELOW and damping_rate < _NEARLY * omega:
         for h in range(driven.size):
-            if abs(omega - driven[h]) < least:
-                away = driven[h] * (1 + _SEPARATE)
+            if abs(omega - driven[h]) < _NEARLY * omega:
+                away = omega - least
+    if damping_rate < least:
+        for _ in range(driven.size):
+            edge = away
+            for h in range(driven.size):
+                if abs(away - driven[h]) < least:
+                    beside = driven[h] * (1 + side * _DETUNE)
+                    edge = max(edge, beside) if side == ABOVE else min(edge, beside)
+            away = edge
     return away
 
 

@@ -21,6 +21,7 @@ from analytic.march.known_states import KnownStates
 from analytic.march.loads import Harmonics
 from analytic.march.modal_state import Family, modal_state, passage
 from analytic.march.oscillator import (
+    ABOVE,
     SPLIT,
     away_from_resonance,
     forced_answer,
@@ -475,7 +476,7 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.closed[slot] = flat.closed
 
 
-def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: FloatArray) -> None:
+def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: FloatArray, side: float = ABOVE) -> None:
     """Scale slots from unit loads to an excitation, and write the answer to its harmonics.
 
     Parameters
@@ -490,11 +491,13 @@ def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: F
         Of these states.
     sizes : ndarray, shape (1 + H + R,)
         Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
+    side : float
+        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
     """
     omega = unscaled.natural.copy()
     loads = unit.force, tables.force, unit.carry_residual, tables.carry_residual
     answers = tables.omega, tables.weight, tables.harmonic, tables.forced
-    if _scale(*loads, *answers, first, unscaled.damping_rate, unscaled.residual, omega, sizes):
+    if _scale(*loads, *answers, first, unscaled.damping_rate, unscaled.residual, omega, sizes, side):
         for row, i in np.argwhere(omega != unscaled.natural):
             _move(tables, first + int(row), int(i), omega[row, i : i + 1], unscaled.damping_rate[row, i : i + 1])
 
@@ -514,6 +517,7 @@ def _scale(
     residual: FloatArray,
     omega: FloatArray,
     sizes: FloatArray,
+    side: float,
 ) -> bool:
     """`scale`, but for the free motion of modes that are moved; whether there are any.  `omega` takes their frequency.
 
@@ -524,7 +528,7 @@ def _scale(
     for row in range(omega.shape[0]):
         slot = first + row
         for i in range(omega.shape[1]):
-            away = away_from_resonance(omega[row, i], damping_rate[row, i], frequency)
+            away = away_from_resonance(omega[row, i], damping_rate[row, i], frequency, side)
             moved |= away != omega[row, i]
             omega[row, i] = away
         for load in range(sizes.size):

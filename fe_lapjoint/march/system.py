@@ -29,8 +29,9 @@ _APART = 1e-4
 """Half the relative distance kept between the two rates of a critically damped mode: the motion changes by 1e-8."""
 _NEAR = 0.25
 """Relative distance of a^2 and omega^2 below which the two exponentials of a mode nearly cancel."""
-_DETUNE = 1e-7
-"""The fraction by which an undamped frequency is moved that a load meets exactly: the secular growth stays."""
+_DETUNE = 1e-9
+"""Least relative distance kept between an undamped frequency and that of a load: free and forced motion, each static
+deflection / (2 `_DETUNE`) large, cancel to 1e-7 of the static deflection, and the phase is off by 1e-9 of itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +132,6 @@ class System:
     def _dynamic_stiffness(self) -> ComplexArray:
         """omega^2 - w^2 + 2 i a w of each mode at each load's frequency w, 1/s2, shape ``(n, H)``."""
         a, w, omega = self.damping_rate[:, None], self.driven, self.omega[:, None]
-        resonant = (a < _DETUNE * omega) & (np.abs(omega - w) < _DETUNE * omega)
-        omega = np.where(resonant, w * (1 + _DETUNE), omega)
         return np.asarray(omega**2 - w**2 + 2j * a * w)
 
     def amplitude_change(self, frequency: float, sizes: FloatArray) -> ComplexArray:
@@ -418,6 +417,8 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     problem = assembly.problem
     omega, vectors = eigenmodes(assembly, state)
     loads = problem.forces.harmonic
+    damping_rate = _damping_rates(assembly, omega)
+    omega = _away_from_resonance(omega, damping_rate, [load.angular_frequency for load in loads])
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.stops[k]
@@ -430,7 +431,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         state=state,
         omega=omega,
         vectors=vectors,
-        damping_rate=_damping_rates(assembly, omega),
+        damping_rate=damping_rate,
         constant=vectors.T @ f0,
         harmonic=vectors.T @ np.array(columns).reshape(len(columns), omega.size).T,
         driven=np.array([load.angular_frequency for load in loads]),
@@ -439,6 +440,18 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         positions=np.array([assembly.place(stop.x) for stop in problem.stops], dtype=float),
         ramps=_modal_ramps(assembly, vectors),
     )
+
+
+def _away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: list[float]) -> FloatArray:
+    """Natural frequencies, rad/s, shape ``(n,)``, of which undamped ones that a load meets are moved above it.
+
+    Free and forced motion take the same frequency, so that their difference grows as it does at resonance.
+    """
+    for w in sorted(driven):
+        least = _DETUNE * omega
+        met = (damping_rate < least) & (np.abs(omega - w) < least)
+        omega = np.where(met, w * (1 + _DETUNE), omega)
+    return omega
 
 
 def _shape(assembly: Assembly, x: float | None) -> FloatArray:
