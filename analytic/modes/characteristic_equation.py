@@ -21,8 +21,8 @@ spring kappa = k L^3 / EI and a torsional spring kappa_t = kt L / EI add
 
 (13a)-(13h).  At beta = 0 every term is positive, so nothing cancels however soft a spring is; an infinite spring
 is the leading coefficient.  A beam that begins free has (A, B, C, D, F) = (1, 0, 0, 0, 0) before the springs at
-x = 0, and the frequencies are the roots of F after the springs at x = L.  Only their signs matter: after each span all
-five are divided by the largest, as each fixed support would take them some digits further towards underflow.
+x = 0, and the frequencies are the roots of F after the springs at x = L.  Only their signs matter: where each
+fixed support takes the five some digits further towards underflow, they are divided by the largest.
 
 The count.  sign F = (-1)^J, where J is the number of frequencies below the trial value.  Releasing one constraint
 raises J by 0 or 1 (Rayleigh), and the two signs tell which.  Starting from the beam that is clamped at every node,
@@ -50,6 +50,7 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 _ERROR = 1e-12  # relative error of a root up to which it is returned: some thousand rounding errors
+_SMALL = 1e-100  # minors below it are scaled up: double precision has 200 digits left for the spans beyond
 _SERIES_BELOW = 1.0  # z length: below it the two differences that cancel are summed as series; 8 terms give 1e-20
 
 
@@ -176,7 +177,7 @@ def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
 
 
 def _through_span(minors: Minors, z: FloatArray, span: SpanFunctions) -> Minors:
-    """The minors at the right end of a span, over the largest of them, from those at its left end.
+    """The minors at the right end of a span from those at its left end, over the largest where all are small.
 
     A fixed support takes the minors down by (z length)^3 or so: without the division, they underflow on many spans.
     """
@@ -191,7 +192,10 @@ def _through_span(minors: Minors, z: FloatArray, span: SpanFunctions) -> Minors:
         b4 * (2 * b4 * g4 * A - g1 * B - 2 * (g2 * C + g3 * D)) + half * F,
     )
     largest = np.abs(after).max(axis=0)
-    return after[0] / largest, after[1] / largest, after[2] / largest, after[3] / largest, after[4] / largest
+    if largest.min() > _SMALL:
+        return after
+    A, B, C, D, F = np.array(after) / np.where(largest > _SMALL, 1.0, largest)
+    return A, B, C, D, F
 
 
 def _at_next_node(minors: Minors, span: SpanFunctions) -> FloatArray:
@@ -340,7 +344,8 @@ def frequencies(layout: Layout, count: int) -> FloatArray:
         few = ~alone
         narrow = _bisect(layout, index[few], lo[few], hi[few], steps=80)
         roots[few] = (narrow[0] + narrow[1]) / 2
-    below, above = (count_below(layout, roots * (1 + error)) for error in (-_ERROR, _ERROR))
+    beside = np.concatenate([roots * (1 - _ERROR), roots * (1 + _ERROR)])
+    below, above = count_below(layout, beside).reshape(2, -1)
     wrong = np.flatnonzero((below > index) | (above <= index))
     if wrong.size:
         raise SolverError(f"the count of frequencies below beta L = {roots[wrong[0]]:.6g} does not bear that root out")

@@ -51,7 +51,7 @@ def many_supports(seed: int, most: int) -> tuple[Problem, ContactState]:
                 supports.append(Support(x=at, translational=math.inf, torsional=torsional))
             continue
         kind = rng.choice(KINDS) if held == "mixed" else held
-        k = 194.0 if alike else 10 ** rng.uniform(0.0, 6.0)
+        k = 194.0 if alike else 10 ** rng.uniform(0.0, 5.0)
         if kind == "stops":
             stops.append(Stop(x=at, side="top", gap=1e-3, stiffness=k))
         else:
