@@ -149,22 +149,19 @@ def boundary_band(layout: Layout, waves: Waves) -> FloatArray:
     return band
 
 
-def boundary_matrix(layout: Layout, waves: Waves) -> FloatArray:
-    """The matrix of `boundary_band` as a whole.
+def whole(band: FloatArray) -> FloatArray:
+    """Matrices from their diagonals.
 
     Parameters
     ----------
-    layout : Layout
-        The beam with its springs, of ``S`` spans.
-    waves : Waves
-        The waves on every span, for ``n`` wave numbers.
+    band : FloatArray, shape (n, 2 BAND + 1, m)
+        As `boundary_band` gives them.
 
     Returns
     -------
-    FloatArray, shape (n, 4 S, 4 S)
-        Without unit.
+    FloatArray, shape (n, m, m)
+        The same matrices.
     """
-    band = boundary_band(layout, waves)
     size = band.shape[2]
     matrix = np.zeros((band.shape[0], size, size))
     for offset in range(-BAND, BAND + 1):

@@ -21,7 +21,8 @@ spring kappa = k L^3 / EI and a torsional spring kappa_t = kt L / EI add
 
 (13a)-(13h).  At beta = 0 every term is positive, so nothing cancels however soft a spring is; an infinite spring
 is the leading coefficient.  A beam that begins free has (A, B, C, D, F) = (1, 0, 0, 0, 0) before the springs at
-x = 0, and the frequencies are the roots of F after the springs at x = L.
+x = 0, and the frequencies are the roots of F after the springs at x = L.  Only their signs matter: where each
+fixed support takes the five some digits further towards underflow, they are divided by the largest.
 
 The count.  sign F = (-1)^J, where J is the number of frequencies below the trial value.  Releasing one constraint
 raises J by 0 or 1 (Rayleigh), and the two signs tell which.  Starting from the beam that is clamped at every node,
@@ -42,11 +43,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import elementwise
 
+from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Problem
 
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
+_ERROR = 1e-12  # relative error of a root up to which it is returned: some thousand rounding errors
+_SMALL = 1e-100  # minors below it are scaled up: double precision has 200 digits left for the spans beyond
 _SERIES_BELOW = 1.0  # z length: below it the two differences that cancel are summed as series; 8 terms give 1e-20
 
 
@@ -164,7 +168,8 @@ def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
         s = 1 / (1 + kappa_t)
         A, B, C, D, F = A * s, B * s + (kappa_t * s) * A, C * s, D * s, F * s + (kappa_t * s) * D
     if math.isinf(kappa):
-        A, B, C, D, F = zero, zero, zero, A, B
+        # A root of the part up to here, to the last bit, has the same signs beyond as a trial value just beside it.
+        A, B, C, D, F = zero, zero, zero, A, np.where((A == 0) & (B == 0), np.finfo(float).eps, B)
     elif kappa > 0:
         s = 1 / (1 + kappa)
         A, B, C, D, F = A * s, B * s, C * s, D * s + (kappa * s) * A, F * s + (kappa * s) * B
@@ -172,17 +177,25 @@ def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
 
 
 def _through_span(minors: Minors, z: FloatArray, span: SpanFunctions) -> Minors:
-    """The minors at the right end of a span from those at its left end."""
+    """The minors at the right end of a span from those at its left end, over the largest where all are small.
+
+    A fixed support takes the minors down by (z length)^3 or so: without the division, they underflow on many spans.
+    """
     A, B, C, D, F = minors
     b4 = z**4
     half, g0, g1, g2, g3, g4 = span
-    return (
+    after = (
         _at_next_node(minors, span),
         -2 * b4 * g3 * A + g0 * B + 2 * (g1 * C + g2 * D + g3 * F),
         -b4 * (g2 * A + 2 * g3 * B) + g0 * C + g1 * D + g2 * F,
         -b4 * (g1 * A + 2 * g2 * B + 4 * g3 * C) + g0 * D + g1 * F,
         b4 * (2 * b4 * g4 * A - g1 * B - 2 * (g2 * C + g3 * D)) + half * F,
     )
+    largest = np.abs(after).max(axis=0)
+    if largest.min() > _SMALL:
+        return after
+    A, B, C, D, F = np.array(after) / np.where(largest > _SMALL, 1.0, largest)
+    return A, B, C, D, F
 
 
 def _at_next_node(minors: Minors, span: SpanFunctions) -> FloatArray:
@@ -290,8 +303,8 @@ def _clamped_span_count(s: FloatArray) -> IntArray:
 def frequencies(layout: Layout, count: int) -> FloatArray:
     """The lowest natural frequencies, as roots z = beta L.
 
-    Every root is bracketed by the count, so none can be missed; near-degenerate pairs come out as two.  Relative
-    error of z: a few rounding errors.
+    Every root is bracketed by the count, so none can be missed; near-degenerate pairs come out as two.  The count is
+    asked again just below and just above each root.  Relative error of z: a few rounding errors.
 
     Parameters
     ----------
@@ -304,13 +317,19 @@ def frequencies(layout: Layout, count: int) -> FloatArray:
     -------
     FloatArray, shape (count,)
         beta L, without unit, ascending, 0 for rigid-body modes.
+
+    Raises
+    ------
+    SolverError
+        If the count puts a root elsewhere.
     """
     rigid = min(layout.rigid_modes(), count)
     index = np.arange(rigid, count)  # the root with this index has this many below it
     lo = np.full(index.size, 1e-6)
     while index.size and count_below(layout, lo[:1])[0] > rigid:
         lo *= 1e-3
-    hi = np.full(index.size, math.pi * (count + layout.x.size + 1))
+    # A clamped span has at least z length / pi - 2 frequencies below z, and releasing its ends takes none away.
+    hi = np.full(index.size, math.pi * (count + 2 * layout.spans.size + 1))
     lo, hi = _isolate(layout, index, lo, hi)
     alone = np.append(lo[1:] >= hi[:-1], True) & np.append(True, lo[1:] >= hi[:-1])
     f_lo, f_hi = characteristic(layout, lo), characteristic(layout, hi)
@@ -325,6 +344,11 @@ def frequencies(layout: Layout, count: int) -> FloatArray:
         few = ~alone
         narrow = _bisect(layout, index[few], lo[few], hi[few], steps=80)
         roots[few] = (narrow[0] + narrow[1]) / 2
+    beside = np.concatenate([roots * (1 - _ERROR), roots * (1 + _ERROR)])
+    below, above = count_below(layout, beside).reshape(2, -1)
+    wrong = np.flatnonzero((below > index) | (above <= index))
+    if wrong.size:
+        raise SolverError(f"the count of frequencies below beta L = {roots[wrong[0]]:.6g} does not bear that root out")
     return np.concatenate([np.zeros(rigid), roots])
 
 

@@ -29,18 +29,23 @@ import numpy as np
 from scipy.linalg import eigh, solve_banded
 
 from analytic.modes.beam_functions import BeamFunctions, gram, squares
-from analytic.modes.boundary_conditions import BAND, boundary_band, boundary_matrix, mode_waves
+from analytic.modes.boundary_conditions import BAND, boundary_band, mode_waves, whole
 from analytic.modes.characteristic_equation import Layout, frequencies, layout_of
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.errors import SolverError
 from lapjoint.problem import Beam, FloatArray, Problem
 
 _POOL = 40  # least number of modes computed at once; doubled until it is enough
 _FEW_SPANS = 6  # up to so many all modes are solved for at once, as dense matrices; more take them by their diagonals
-_TWIN = 1e-9  # relative distance of roots below which they are one root to the boundary matrix
+_TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
 _SLOW = 1e-2
 """beta L up to which a mode has the shape of a rigid bar's motion.  It bends by some (beta L)^4 / 200, 5e-11 at this
 limit; waves that nearly cancel lose more: impulses of a beam on two soft springs were off by 2e-6 at half of it."""
 _STILL = 1e-9  # displacement of the tip, over that of the bar, up to which the bar turns about its tip, to rounding
+_LEFT = 1e-8  # part of unit amplitudes that may be left of a condition at a support: half of the digits
+_APART = (
+    1e-3  # least eigenvalue of the inner products of unit shapes, 1 where they are orthogonal and 0 where one is lost
+)
 _CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are made orthogonal
 
 
@@ -139,16 +144,27 @@ def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:
     waves, spans = mode_waves(z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
+        bands = boundary_band(layout, waves)
         if spans <= _FEW_SPANS:
-            amplitudes = _null_vectors(boundary_matrix(layout, waves))
-        else:
-            amplitudes = np.array([_null_vector_of_band(band) for band in boundary_band(layout, waves)])
-        # Roots that coincide to rounding share a null space of two dimensions: take one vector each.
-        twin = np.flatnonzero(np.diff(z) < _TWIN * z[1:])
-        if twin.size:
-            vh = np.linalg.svd(boundary_matrix(layout, mode_waves(z[twin])))[2]
-            amplitudes[twin], amplitudes[twin + 1] = vh[:, -2], vh[:, -1]
+            amplitudes = _null_vectors(whole(bands))
+        # Roots that coincide to rounding share a null space of as many dimensions: take one vector each.
+        for members in np.split(np.arange(z.size), np.flatnonzero(np.diff(z) > _TWIN * z[1:]) + 1):
+            if spans > _FEW_SPANS or members.size > 1:
+                amplitudes[members] = _null_space_of_band(bands[members[members.size // 2]], members.size)
+        _refuse_what_meets_no_conditions(bands, amplitudes, z)
     return waves.functions(layout.x * L, amplitudes.reshape(z.size, spans, 4), L)
+
+
+def _refuse_what_meets_no_conditions(bands: FloatArray, amplitudes: FloatArray, z: FloatArray) -> None:
+    """Raise `SolverError` where amplitudes of unit length, ``(n, m)``, leave more of (13a)-(13h) than `_LEFT`."""
+    m = amplitudes.shape[1]
+    left = np.zeros_like(amplitudes)
+    for offset in range(-BAND, BAND + 1):
+        columns = np.arange(max(0, -offset), min(m, m - offset))
+        left[:, columns + offset] += bands[:, BAND + offset, columns] * amplitudes[:, columns]
+    wrong = np.flatnonzero(~(np.abs(left).max(axis=1) <= _LEFT))
+    if wrong.size:
+        raise SolverError(f"no shape at beta L = {z[wrong[0]]:.6g} meets the conditions at all supports")
 
 
 def _null_vectors(matrix: FloatArray) -> FloatArray:
@@ -169,23 +185,22 @@ def _null_vectors(matrix: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.svd(matrix)[2][:, -1])
 
 
-def _null_vector_of_band(band: FloatArray) -> FloatArray:
-    """The same of one matrix by its diagonals, ``(2 BAND + 1, m)``, in a time that grows as m does; gives ``(m,)``."""
+def _null_space_of_band(band: FloatArray, count: int) -> FloatArray:
+    """Orthonormal null vectors of one matrix by its diagonals, ``(2 BAND + 1, m)``, in a time as m; ``(count, m)``."""
     m = band.shape[1]
     transposed = np.zeros_like(band)
     for offset in range(-BAND, BAND + 1):
         columns = np.arange(max(0, -offset), min(m, m - offset))
         transposed[BAND - offset, columns + offset] = band[BAND + offset, columns]
-    start, wave = np.cos(np.arange(m)), np.cos(np.arange(band.size).reshape(band.shape))
+    start, wave = np.cos(np.outer(np.arange(m), np.arange(1, count + 1))), np.cos(np.arange(band.size))
     for wobble in (0.0, 8 * np.finfo(float).eps, 64 * np.finfo(float).eps):
+        near = 1 + wobble * wave.reshape(band.shape)
         try:
-            left = solve_banded((BAND, BAND), transposed * (1 + wobble * wave), start)
-            found = solve_banded((BAND, BAND), band * (1 + wobble * wave), left / np.abs(left).max())
+            left = np.linalg.qr(solve_banded((BAND, BAND), transposed * near, start))[0]
+            return np.asarray(np.linalg.qr(solve_banded((BAND, BAND), band * near, left))[0].T)
         except np.linalg.LinAlgError:
             continue
-        return np.asarray(found / np.sqrt(found @ found))
-    matrix = sum(np.diag(band[BAND + d, max(0, -d) : min(m, m - d)], -d) for d in range(-BAND, BAND + 1))
-    return np.asarray(np.linalg.svd(matrix)[2][-1])
+    return np.asarray(np.linalg.svd(whole(band[None])[0])[2][-count:])
 
 
 def _rigid_shapes(layout: Layout, count: int, L: float) -> FloatArray:
@@ -239,6 +254,8 @@ def _orthogonal_clusters(shapes: BeamFunctions, z: FloatArray, m: float) -> Beam
         members = np.arange(cluster[0], cluster[-1] + 2)
         one = shapes.chosen(members)
         values, vectors = np.linalg.eigh(m * gram(one, one))
+        if values[0] < _APART:
+            raise SolverError(f"the shapes of modes {members[0] + 1} to {members[-1] + 1} cannot be told apart")
         # The exponents of the members agree to 1e-6 of themselves or better; exchanging them changes the
         # shapes by no more than their own uncertainty within the cluster.
         c[members] = one.mixed(vectors @ np.diag(values**-0.5) @ vectors.T).c

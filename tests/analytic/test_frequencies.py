@@ -12,57 +12,9 @@ from hypothesis import strategies as st
 
 from analytic.modes.characteristic_equation import Layout, characteristic, count_below, frequencies, layout_of
 from lapjoint import Beam, Problem, Stop, Support, contact_states, paper_joint
+from tests.helpers.dynamic_stiffness import dynamic_stiffness_count
 
 DIGITS = 50
-
-
-def dynamic_stiffness_count(layout: Layout, z: mp.mpf) -> int:
-    """Frequencies below z by the Wittrick-Williams algorithm on the dynamic stiffness matrix, in 50 digits.
-
-    Independent of the minors: members are assembled from the textbook stiffness functions, and the sign count of
-    an LDL^T factorisation is added to the clamped-clamped roots of the members.
-    """
-    x = [mp.mpf(float(value)) for value in layout.x]
-    n = 2 * len(x)
-    K = mp.zeros(n, n)
-    total = 0
-    for e in range(len(x) - 1):
-        length = x[e + 1] - x[e]
-        s = z * length
-        c, sn, ch, sh = mp.cos(s), mp.sin(s), mp.cosh(s), mp.sinh(s)
-        d = 1 - c * ch
-        entries = {
-            (0, 0): (z**3, sn * ch + c * sh), (0, 1): (z**2, sn * sh), (0, 2): (z**3, -(sn + sh)),
-            (0, 3): (z**2, ch - c), (1, 1): (z, sn * ch - c * sh), (1, 2): (z**2, -(ch - c)),
-            (1, 3): (z, sh - sn), (2, 2): (z**3, sn * ch + c * sh), (2, 3): (z**2, -sn * sh),
-            (3, 3): (z, sn * ch - c * sh),
-        }  # fmt: skip
-        for (i, j), (power, value) in entries.items():
-            K[2 * e + i, 2 * e + j] += power * value / d
-            if i != j:
-                K[2 * e + j, 2 * e + i] += power * value / d
-        k = int(mp.floor(s / mp.pi))
-        total += 0 if k == 0 else k - 1 + int((d > 0) == (k % 2 == 0))
-    kept = []
-    for node in range(len(x)):
-        for offset, spring in ((0, layout.translational[node]), (1, layout.torsional[node])):
-            if not math.isinf(spring):
-                K[2 * node + offset, 2 * node + offset] += mp.mpf(float(spring))
-                kept.append(2 * node + offset)
-    return total + negative_pivots(K, kept)
-
-
-def negative_pivots(K: mp.matrix, kept: list[int]) -> int:
-    a = [[K[i, j] for j in kept] for i in kept]
-    negative = 0
-    for p in range(len(kept)):
-        pivot = a[p][p]
-        negative += pivot < 0
-        for i in range(p + 1, len(kept)):
-            factor = a[i][p] / pivot
-            for j in range(p, len(kept)):
-                a[i][j] -= factor * a[p][j]
-    return negative
 
 
 springs = st.one_of(st.just(0.0), st.just(math.inf), st.integers(0, 15).map(lambda n: 10.0**n), st.floats(1.0, 1e15))

@@ -12,7 +12,7 @@ from analytic.modes import beam_functions, normal_modes
 from analytic.modes.beam_functions import gram, integral, squares
 from analytic.modes.boundary_conditions import BAND
 from analytic.modes.characteristic_equation import layout_of
-from analytic.modes.normal_modes import _null_vector_of_band, exact_modes
+from analytic.modes.normal_modes import _null_space_of_band, exact_modes
 from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, contact_states, paper_joint
 
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
@@ -255,7 +255,7 @@ def test_a_band_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
     exact = np.tile(np.array([0.0] * BAND + [1.0] + [0.0] * BAND)[:, None], (1, size))
     exact[BAND, -1] = 0.0  # the last equation is 0 = 0
     exact[BAND - 1, -1] = values[3]
-    null = _null_vector_of_band(exact)
+    null = _null_space_of_band(exact, 1)[0]
     assert np.abs(null[:-2]).max() < 1e-12
     assert null[-2] == pytest.approx(-values[3] * null[-1], rel=1e-12)
 

@@ -1,0 +1,158 @@
+"""Modes of beams on many supports, against closed forms, 60-digit counts and quadrature."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.optimize import brentq, elementwise
+
+from analytic.modes import normal_modes
+from analytic.modes.beam_functions import gram
+from analytic.modes.characteristic_equation import frequencies, layout_of
+from analytic.modes.normal_modes import NormalModes, exact_modes
+from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support
+from lapjoint.errors import SolverError
+from tests.helpers.dynamic_stiffness import dynamic_stiffness_count
+
+MODES = 40
+DIGITS = 60
+KINDS = ["pinned", "sprung", "clamped", "nearly clamped", "stops"]
+"""What holds the beam at an inner node; 'stops' are closed."""
+
+
+def unit_beam(x: np.ndarray, supports: list[Support], stops: list[Stop]) -> Problem:
+    beam = Beam(length=float(x[-1]), bending_stiffness=1.0, mass_per_length=1.0)
+    return Problem(beam=beam, supports=tuple(supports), stops=tuple(stops))
+
+
+def equal_spans(spans: int) -> Problem:
+    """Spans of 1 m on pins."""
+    x = np.arange(spans + 1.0)
+    return unit_beam(x, [Support(x=float(at), translational=math.inf) for at in x], [])
+
+
+def many_supports(seed: int, most: int) -> tuple[Problem, ContactState]:
+    """2 to `most` spans: equal, of two lengths or random; ends free, pinned or clamped; nodes of one kind or mixed."""
+    rng = np.random.default_rng(seed)
+    spans = round(math.exp(rng.uniform(math.log(2), math.log(most))))
+    choices = [np.ones(spans), rng.choice([1.0, 1.3], spans), np.exp(rng.uniform(-1.0, 1.0, spans))]
+    x = np.concatenate([[0.0], np.cumsum(choices[rng.integers(3)])])
+    held, alike = rng.choice([*KINDS, "mixed"]), rng.random() < 0.5
+    supports, stops = [], []
+    for node, at in enumerate(x.tolist()):
+        if node in (0, spans):
+            end = rng.choice(["free", "pinned", "clamped"])
+            if end != "free":
+                torsional = math.inf if end == "clamped" else 0.0
+                supports.append(Support(x=at, translational=math.inf, torsional=torsional))
+            continue
+        kind = rng.choice(KINDS) if held == "mixed" else held
+        k = 194.0 if alike else 10 ** rng.uniform(0.0, 5.0)
+        if kind == "stops":
+            stops.append(Stop(x=at, side="top", gap=1e-3, stiffness=k))
+        else:
+            torsional = {"clamped": math.inf, "nearly clamped": 1e9}.get(kind, 0.0)
+            supports.append(Support(x=at, translational=k if kind == "sprung" else math.inf, torsional=torsional))
+    return unit_beam(x, supports, stops), ContactState(tuple(range(len(stops))))
+
+
+def assert_modes_are_right(problem: Problem, state: ContactState, judged: list[int]) -> None:
+    layout, z = layout_of(problem, state.closed), frequencies(layout_of(problem, state.closed), MODES)
+    with mp.workdps(DIGITS):
+        for i in judged:
+            if z[i] > 0:
+                # 5e-13 of z is 1e-12 of the frequency; see `test_frequencies`.
+                assert dynamic_stiffness_count(layout, mp.mpf(float(z[i])) * (1 - mp.mpf(5e-13))) <= i
+                assert dynamic_stiffness_count(layout, mp.mpf(float(z[i])) * (1 + mp.mpf(5e-13))) > i
+    modes = exact_modes(problem, state, MODES)
+    np.testing.assert_allclose(modes.omega, (z / problem.beam.length) ** 2, rtol=1e-13)
+    products = gram(modes.shapes, modes.shapes)
+    # Frequencies that agree to 1e-12 have shapes that hold the rest of sixteen digits only together.
+    np.testing.assert_allclose(products, np.eye(MODES), atol=1e-9)
+    # Twenty points integrate the few half waves that a 40th of the beam holds to rounding.
+    nodes = np.union1d(modes.shapes.nodes, np.linspace(0.0, problem.beam.length, 41))
+    points, weights = np.polynomial.legendre.leggauss(20)
+    half = np.diff(nodes)[:, None] / 2
+    values = modes.shapes((nodes[:-1, None] + half * (1 + points)).ravel())
+    np.testing.assert_allclose((values * (half * weights).ravel()) @ values.T, products, atol=1e-10)
+    assert_conditions(problem, state, modes)
+
+
+def assert_conditions(problem: Problem, state: ContactState, modes: NormalModes) -> None:
+    """(13a)-(13h) at every node, over the largest amplitude of each mode, from derivatives on both sides."""
+    x, h, shapes = modes.shapes.nodes, 1e-9, modes.shapes
+    beta = np.maximum(np.sqrt(modes.omega), 1 / problem.beam.length)[:, None]
+    left, right = np.zeros((2, 4, modes.omega.size, x.size))
+    for d in range(4):
+        left[d, :, 1:] = shapes(x[1:], d) / beta**d
+        right[d, :, :-1] = (shapes(x[:-1] + h, d) - h * shapes(x[:-1] + h, d + 1)) / beta**d
+    largest = np.abs([left, right]).max(axis=(0, 1, 3))[:, None]
+    layout, L = layout_of(problem, state.closed), problem.beam.length
+    for d, k, sign in ((0, layout.translational / L**3, 1.0), (1, layout.torsional / L, -1.0)):
+        assert np.all(np.abs(right - left)[d, :, 1:-1] <= 1e-8 * largest)
+        value = np.where(x == 0, right[d], left[d])
+        relative = np.where(np.isinf(k), 0.0, k) / beta ** (3 - 2 * d)
+        balance = (right[3 - d] - left[3 - d] + sign * relative * value) / (1 + relative)
+        assert np.all(np.abs(np.where(np.isinf(k), value, balance)) <= 1e-8 * largest)
+
+
+@pytest.mark.parametrize("spans", [2, 44, 51, pytest.param(300, marks=pytest.mark.slow)])
+def test_equal_pinned_spans_have_the_frequencies_of_the_three_moment_equation(spans: int) -> None:
+    """cos(j pi / n) = -G / F: the first band goes from a pinned span's frequency (j = n) to below a clamped span's."""
+
+    def rotation(s: float, j: int) -> float:
+        near, far = 1 / math.tanh(s) - 1 / math.tan(s), 1 / math.sin(s) - 1 / math.sinh(s)
+        return near + math.cos(j * math.pi / spans) * far
+
+    omega = exact_modes(equal_spans(spans), FREE, spans).omega
+    clamped = 4.730040744862704
+    expected = [brentq(rotation, math.pi + 1e-9, clamped, args=(j,), xtol=1e-15) for j in range(spans - 1, 0, -1)]
+    np.testing.assert_allclose(np.sqrt(omega), [math.pi, *expected], rtol=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_modes_on_some_supports_are_right(seed: int) -> None:
+    assert_modes_are_right(*many_supports(seed, most=16), judged=[39])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 150))
+def test_modes_on_many_supports_are_right(seed: int) -> None:
+    assert_modes_are_right(*many_supports(seed, most=300), judged=[0, 1, 17, 38, 39])
+
+
+@pytest.mark.parametrize("spans", [3, 12])
+def test_clamped_spans_that_are_alike_have_as_many_modes_of_one_frequency(spans: int) -> None:
+    x = np.arange(spans + 1.0)
+    problem = unit_beam(x, [Support(x=float(at), translational=math.inf, torsional=math.inf) for at in x], [])
+    modes = exact_modes(problem, FREE, 2 * spans)
+    np.testing.assert_allclose(
+        np.sqrt(modes.omega), np.repeat([4.730040744862704, 7.853204624095838], spans), rtol=1e-13
+    )
+    np.testing.assert_allclose(gram(modes.shapes, modes.shapes), np.eye(2 * spans), atol=1e-11)
+
+
+@pytest.mark.parametrize("torsional", 10.0 ** np.arange(2, 17, 2))
+def test_modes_are_orthonormal_however_near_their_frequencies(torsional: float) -> None:
+    x = np.arange(9.0)
+    problem = unit_beam(x, [Support(x=float(at), translational=math.inf, torsional=torsional) for at in x], [])
+    modes = exact_modes(problem, FREE, 16)
+    np.testing.assert_allclose(gram(modes.shapes, modes.shapes), np.eye(16), atol=1e-9)
+
+
+def test_a_root_that_the_count_does_not_bear_out_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(elementwise, "find_root", lambda f, bracket, **_: SimpleNamespace(x=bracket[0]))
+    with pytest.raises(SolverError, match="the count of frequencies"):
+        frequencies(layout_of(equal_spans(3)), 4)
+
+
+@pytest.mark.parametrize("spans", [3, 51])
+def test_a_shape_of_a_root_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch, spans: int) -> None:
+    monkeypatch.setattr(normal_modes, "frequencies", lambda layout, count: frequencies(layout, count) * (1 + 1e-5))
+    normal_modes._exact_modes.cache_clear()
+    with pytest.raises(SolverError, match="meets the conditions at all supports"):
+        exact_modes(equal_spans(spans), FREE, 2)
