@@ -82,6 +82,8 @@ class FlatState(NamedTuple):
 class Tables(NamedTuple):
     """``S`` slots, at most ``N`` modes and ``T = 2 N`` terms, ``P`` stops at ``U`` positions, ``H`` harmonics.
 
+    A matrix S_ij is kept only for the switches that are known: of the ``S P`` that could be, motions make few.
+
     There are ``R`` sampled loads, linear between knots; see `analytic.march.ramps`.
     """
 
@@ -118,10 +120,13 @@ class Tables(NamedTuple):
     """Whether each stop is closed, shape ``(S, P)``."""
     next_slot: IntArray
     """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
+    passage: IntArray
+    """Row of that switch in `carry` and `carry_residual`, or -1, shape ``(S, P)``."""
     carry: FloatArray
-    """S_ij of (36), (41) for that switch, without unit, shape ``(S, P, N, N)``."""
+    """S_ij of (36), (41) for each known switch, without unit, shape ``(K, N, N)``; rows that are not taken yet come
+    last."""
     carry_residual: FloatArray
-    """S0 and Sh of that switch, kg^1/2 m, those of sampled loads for each unit of load, ``(S, P, 1 + H + R, N)``."""
+    """S0 and Sh of these switches, kg^1/2 m, those of sampled loads for each unit of load, ``(K, 1 + H + R, N)``."""
     omega: FloatArray
     """Angular frequencies of the harmonics, rad/s, shape ``(H,)``."""
     phase: FloatArray
@@ -140,7 +145,8 @@ class Tables(NamedTuple):
     """The unit of time, s; see `unit_of_time`."""
 
 
-_PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
+_PER_SLOT = Tables._fields[: Tables._fields.index("carry")]
+_PER_SWITCH = "carry", "carry_residual"
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
@@ -306,7 +312,8 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
         Not to be written to.
     """
     problem, size, S = family.problem, max(counts), len(known.states)
-    tables = empty_tables(problem, Harmonics.of_unit_frequency(len(family.places)), size, S)
+    harmonics = Harmonics.of_unit_frequency(len(family.places))
+    tables = empty_tables(problem, harmonics, size, S, 2 * len(known.switches))
     U, loads = tables.constant.shape[1], tables.force.shape[1]
     borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
     unscaled = Unscaled(np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
@@ -338,7 +345,7 @@ def connect(
     Parameters
     ----------
     tables : Tables
-        With both states; changed in place.
+        With both states, and room for two switches; changed in place.
     family : Family
         The problems that share these states.
     counts : tuple of int
@@ -351,9 +358,26 @@ def connect(
     for (slot, state), (target, other) in ((old, new), (new, old)):
         unit = passage(family, state, count_in(state, counts), other, count_in(other, counts))
         n_new, n_old = unit.S.shape
-        tables.carry[slot, stop, :n_new, :n_old] = unit.S
-        tables.carry_residual[slot, stop, :, :n_new] = unit.residual
-        tables.next_slot[slot, stop] = target
+        row = known_switches(tables)
+        tables.carry[row, :n_new, :n_old] = unit.S
+        tables.carry_residual[row, :, :n_new] = unit.residual
+        tables.next_slot[slot, stop], tables.passage[slot, stop] = target, row
+
+
+def known_switches(tables: Tables) -> int:
+    """How many switches the tables know, each way by itself.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of a joint.
+
+    Returns
+    -------
+    int
+        The number of rows of `Tables.carry` that are taken.
+    """
+    return int(np.count_nonzero(tables.passage >= 0))
 
 
 def count_in(state: ContactState, counts: tuple[int, int]) -> int:
@@ -374,7 +398,9 @@ def count_in(state: ContactState, counts: tuple[int, int]) -> int:
     return counts[0] if state == FREE else counts[1]
 
 
-def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, sampled: int = 0) -> Tables:
+def empty_tables(
+    problem: Problem, harmonics: Harmonics, size: int, slots: int, switches: int, sampled: int = 0
+) -> Tables:
     """Tables without a state.
 
     Parameters
@@ -387,6 +413,8 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         Most modes in a state, ``N``.
     slots : int
         Number of slots ``S``.
+    switches : int
+        Number of switches ``K`` for which there is room.
     sampled : int
         Number ``R`` of its sampled loads, which have rows after those of the harmonic ones.
 
@@ -415,8 +443,9 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         constant=np.zeros((S, U)),
         closed=np.zeros((S, P), dtype=np.bool_),
         next_slot=np.full((S, P), -1, dtype=np.int64),
-        carry=np.zeros((S, P, N, N)),
-        carry_residual=np.zeros((S, P, 1 + H + R, N)),
+        passage=np.full((S, P), -1, dtype=np.int64),
+        carry=np.zeros((switches, N, N)),
+        carry_residual=np.zeros((switches, 1 + H + R, N)),
         omega=harmonics.omega,
         phase=harmonics.phase,
         harmonic_turn=turns(steps, harmonics.omega),
@@ -429,23 +458,24 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
 
 
 def grown(tables: Tables, empty: Tables) -> Tables:
-    """The same tables with more slots.
+    """The same tables with room for more.
 
     Parameters
     ----------
     tables : Tables
         The states of the joint.
     empty : Tables
-        Tables with more slots, for the same harmonics, modes and stops; the states are written to its first slots.
+        Tables with more slots and rows for switches, for the same harmonics, modes and stops; the states and switches
+        are written to the first of them.
 
     Returns
     -------
     Tables
         `empty`.
     """
-    used = tables.modes.size
-    for name in _PER_SLOT:
-        getattr(empty, name)[:used] = getattr(tables, name)
+    for name in (*_PER_SLOT, *_PER_SWITCH):
+        part = getattr(tables, name)
+        getattr(empty, name)[: part.shape[0]] = part
     return empty
 
 
@@ -485,16 +515,15 @@ def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: F
     tables : Tables
         With the frequencies and phases of the harmonics; changed in place.
     first : int
-        First of ``S`` slots, without switches unless they are of unit loads too.
+        First of ``S`` slots.
     unscaled : Unscaled
         Of these states.
     sizes : ndarray, shape (1 + H + R,)
         Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
     """
     omega = unscaled.natural.copy()
-    loads = unit.force, tables.force, unit.carry_residual, tables.carry_residual
     answers = tables.omega, tables.weight, tables.harmonic, tables.forced
-    if _scale(*loads, *answers, first, unscaled.damping_rate, unscaled.residual, omega, sizes):
+    if _scale(unit.force, tables.force, *answers, first, unscaled.damping_rate, unscaled.residual, omega, sizes):
         for row, i in np.argwhere(omega != unscaled.natural):
             _move(tables, first + int(row), int(i), omega[row, i : i + 1], unscaled.damping_rate[row, i : i + 1])
 
@@ -503,8 +532,6 @@ def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: F
 def _scale(
     unit_force: FloatArray,
     force: FloatArray,
-    unit_carry: FloatArray,
-    carry: FloatArray,
     frequency: FloatArray,
     weight: FloatArray,
     harmonic: ComplexArray,
@@ -530,8 +557,6 @@ def _scale(
         for load in range(sizes.size):
             for i in range(omega.shape[1]):
                 force[slot, load, i] = unit_force[slot, load, i] * sizes[load]
-                for k in range(carry.shape[1]):
-                    carry[slot, k, load, i] = unit_carry[slot, k, load, i] * sizes[load]
         for h in range(frequency.size):
             for u in range(forced.shape[1]):
                 forced[slot, u, h] = residual[row, u, 1 + h] * sizes[1 + h]
@@ -567,8 +592,8 @@ def owned(tables: Tables) -> Tables:
     return Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in tables)
 
 
-def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
-    """The known states with a joint's harmonics, but for what `scale` writes.
+def copied(unit: UnitTables, harmonics: Harmonics, sizes: FloatArray) -> Tables:
+    """The known states with a joint's harmonics, and the known switches under its loads, but for what `scale` writes.
 
     Parameters
     ----------
@@ -576,6 +601,8 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
         The known states.
     harmonics : Harmonics
         Frequencies and phases of the joint's ``H`` harmonic loads.
+    sizes : ndarray, shape (1 + H + R,)
+        Factors of the unit loads, as `scale` takes them.
 
     Returns
     -------
@@ -594,6 +621,6 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
         forced=np.empty((S, U, H), dtype=complex),
         force=np.empty(borrowed.force.shape),
         constant=borrowed.constant.copy(),
-        carry_residual=np.empty(borrowed.carry_residual.shape),
+        carry_residual=borrowed.carry_residual * sizes[:, None],
     )
     return owned(own) if unit.resonant else own
