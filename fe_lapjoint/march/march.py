@@ -9,7 +9,7 @@ switch in that motion; there the state is changed, the modal coordinates are map
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Coordinates, Flow
 from fe_lapjoint.march.ramp_motion import RampMotion, follow
-from fe_lapjoint.march.system import SAMPLES
+from fe_lapjoint.march.system import SAMPLES, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
@@ -32,7 +32,27 @@ _GAUSS = np.polynomial.legendre.leggauss(10)  # points and weights on [-1, 1]
 WINDOWS_PER_PERIOD = 3  # windows, each of `SAMPLES` steps, in the shorter of excitation period and slowest bending
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
+class FlowFrom:
+    """The coordinates of an exact flow, made anew where they are asked for: a tenth of the memory that it takes."""
+
+    system: System
+    start: float
+    """s."""
+    y: FloatArray
+    """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
+
+    @property
+    def flow(self) -> Flow:
+        """The flow, to its bits as it was integrated."""
+        return Flow(self.system, self.start, *self.y.reshape(2, -1))
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative of the modal displacements at times ``(m,)``, shape ``(n, m)``."""
+        return self.flow(t, dt)
+
+
+@dataclass(frozen=True, slots=True)
 class Piece:
     """A stretch of the motion in one state, as integrated."""
 
@@ -45,10 +65,20 @@ class Piece:
     """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     coordinates: Coordinates
     """The modal displacements and their derivatives within the piece."""
-    flow: Flow | None
-    """The exact flow, if the method is exact."""
     switched: int
     """The stop that switches at the end; -1 if none does."""
+
+    @property
+    def flow(self) -> Flow | None:
+        """The exact flow, if the method is exact."""
+        it = self.coordinates
+        return it if isinstance(it, Flow) else it.flow if isinstance(it, FlowFrom) else None
+
+    def kept(self, model: Model) -> Piece:
+        """The same for later, without what was made to integrate it."""
+        if not isinstance(self.coordinates, Flow):
+            return self
+        return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
 
 
 def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
@@ -201,9 +231,9 @@ def march(
     t, switches = start, 0
     while t < end or not pieces:
         piece, y = _advance(model, state, t, end, step, y, since)
-        pieces.append(piece)
         if record:
             _account(model, piece, going, peaks)
+        pieces.append(piece.kept(model))
         t = piece.end
         if piece.switched >= 0:
             k, switches = piece.switched, switches + 1
@@ -230,7 +260,11 @@ def march(
 
 
 def window_of(model: Model, state: ContactState) -> float:
-    """The time in which switches are searched for at once: a third of the shortest excitation period or slow bending.
+    """The time in which switches are searched for at once: a third of the shortest excitation period or slow motion.
+
+    The slow motion is the first bending of the beam, or the slowest mode that oscillates with all stops closed if that
+    is slower: on springs that are soft beside the beam the joint swings as a rigid body, and bending hardly moves it.
+    The search is by bounds, which hold whatever the window; a library method gives none, and keeps to bending.
 
     Parameters
     ----------
@@ -245,9 +279,11 @@ def window_of(model: Model, state: ContactState) -> float:
         s.
     """
     beam = model.problem.beam
-    slow = 2 * math.pi * math.sqrt(beam.m * beam.length**4 / beam.EI)
-    periods = [2 * math.pi / omega for omega in model.system(state).driven]
-    return float(min([slow, *periods]) / WINDOWS_PER_PERIOD)
+    slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
+    if model.method == "exact":
+        omega = model.system(ContactState(tuple(range(model.sign.size)))).omega
+        slow = min(slow, float(omega[omega > 0].min(initial=math.inf)))
+    return 2 * math.pi / float(max([slow, *model.system(state).driven])) / WINDOWS_PER_PERIOD
 
 
 def _advance(
@@ -273,7 +309,7 @@ def _advance(
             rounding = since.rounding_until_now(gaps.rounding)
             time, stop = gaps.first_switch(grid, h, rounding, since.switch == t)
         until, stop = (time, stop) if time <= until else (until, -1)
-        return Piece(state, t, until, y, flow, flow, stop), flow.at(until)
+        return Piece(state, t, until, y, flow, stop), flow.at(until)
     return _advance_by_library(model, state, t, until, y, since)
 
 
@@ -286,7 +322,7 @@ def _advance_on_ramps(
     until, y_end, switched = follow(
         motion, min(end, last) if last > t else end, since.switch == t, since.shift, since.rounding
     )
-    return Piece(state, t, until, y, motion, None, switched), y_end
+    return Piece(state, t, until, y, motion, switched), y_end
 
 
 def _advance_by_library(
@@ -301,7 +337,7 @@ def _advance_by_library(
     until = end if stop < 0 else time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
-    return Piece(state, t, until, y, coordinates, None, stop), y_end
+    return Piece(state, t, until, y, coordinates, stop), y_end
 
 
 def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) -> None:
