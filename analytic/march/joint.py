@@ -24,7 +24,6 @@ from analytic.march.tables import (
     connect,
     copied,
     count_in,
-    empty_tables,
     fill,
     flat_state,
     grown,
@@ -39,8 +38,9 @@ from lapjoint.problem import FloatArray, Problem
 
 _FEW_PLACES, _KEPT_PLACES = 64, 256
 """Shapes at few places are kept, up to so many: with 20 modes 3 MB."""
-_SPARE = 4  # slots added when all are filled: a few, so that the tables are not copied for each new state
-_SPARE_SWITCHES = 8  # rows added for switches when all are taken, or half as many as there are, if these are more
+_SPARE = 4
+"""Slots, or rows for switches, that are added when all are taken; or half as many as there are, if these are more, so
+that what is copied for new ones is at most three times as much as there is in the end."""
 
 
 class Joint:
@@ -257,7 +257,7 @@ class Joint:
         """
         if state not in self._slots:
             if len(self._states) == self.tables.modes.size:
-                self._grow(len(self._states) + _SPARE, self.tables.carry.shape[0])
+                self._grow(_with_spare(len(self._states)), self.tables.carry.shape[0])
             self._slots[state] = len(self._states)
             self._states.append(state)
             self._fill(self._slots[state])
@@ -293,7 +293,7 @@ class Joint:
         new = old.toggled(stop)
         target, row = self.slot(new), known_switches(self.tables)
         if row + 2 > self.tables.carry.shape[0]:
-            self._grow(self.tables.modes.size, row + max(_SPARE_SWITCHES, row // 2))
+            self._grow(self.tables.modes.size, _with_spare(row))
         connect(self.tables, self.family, self.counts, stop, (slot, old), (target, new))
         self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
@@ -312,9 +312,8 @@ class Joint:
         self._scale(unit.borrowed, 0, unit.unscaled)
 
     def _grow(self, slots: int, switches: int) -> None:
-        self._borrows = False
-        empty = empty_tables(self.family.problem, self.harmonics, max(self.counts), slots, switches, self.sampled)
-        self.tables = grown(self.tables, empty)
+        self._own()
+        self.tables = grown(self.tables, slots, switches)
 
     def _fill(self, slot: int) -> None:
         """Fill in a state that is met for the first time."""
@@ -330,3 +329,8 @@ class Joint:
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
         scale(unit, self.tables, first, unscaled, self.sizes)
+
+
+def _with_spare(taken: int) -> int:
+    """So many, and some to spare; see `_SPARE`."""
+    return taken + max(_SPARE, taken // 2)

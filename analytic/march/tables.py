@@ -11,8 +11,7 @@ that joint alone, which may fill more slots.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +33,7 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.by_reference import by_reference
 from lapjoint.compiled_arrays import complex_zeros
 from lapjoint.compiling import njit_called
+from lapjoint.kept import kept
 from lapjoint.problem import FloatArray, Problem
 
 IntArray = npt.NDArray[np.int64]
@@ -147,6 +147,7 @@ class Tables(NamedTuple):
 
 _PER_SLOT = Tables._fields[: Tables._fields.index("carry")]
 _PER_SWITCH = "carry", "carry_residual"
+_UNKNOWN = "next_slot", "passage"  # hold -1 where a switch is not known
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
@@ -208,7 +209,7 @@ def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
     return turned
 
 
-@lru_cache(maxsize=_FLAT_STATES)
+@kept(_FLAT_STATES)
 def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
     """The flat view of a contact state, for unit loads.
 
@@ -293,7 +294,7 @@ class UnitTables(NamedTuple):
     writes to them."""
 
 
-@lru_cache(maxsize=_UNIT_TABLES)
+@kept(_UNIT_TABLES)
 def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> UnitTables:
     """The known states of a family, in sorted order, with the known switches between them, for unit loads.
 
@@ -398,9 +399,7 @@ def count_in(state: ContactState, counts: tuple[int, int]) -> int:
     return counts[0] if state == FREE else counts[1]
 
 
-def empty_tables(
-    problem: Problem, harmonics: Harmonics, size: int, slots: int, switches: int, sampled: int = 0
-) -> Tables:
+def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, switches: int) -> Tables:
     """Tables without a state.
 
     Parameters
@@ -415,8 +414,6 @@ def empty_tables(
         Number of slots ``S``.
     switches : int
         Number of switches ``K`` for which there is room.
-    sampled : int
-        Number ``R`` of its sampled loads, which have rows after those of the harmonic ones.
 
     Returns
     -------
@@ -425,7 +422,7 @@ def empty_tables(
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
-    S, N, T, R = slots, size, 2 * size, sampled
+    S, N, T = slots, size, 2 * size
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),
@@ -437,7 +434,7 @@ def empty_tables(
         turn=np.zeros((S, steps.size, T), dtype=complex),
         static=np.zeros((S, N, 3)),
         harmonic=np.zeros((S, H, N), dtype=complex),
-        force=np.zeros((S, 1 + H + R, N)),
+        force=np.zeros((S, 1 + H, N)),
         weight=np.zeros((S, U, T)),
         forced=np.zeros((S, U, H), dtype=complex),
         constant=np.zeros((S, U)),
@@ -445,7 +442,7 @@ def empty_tables(
         next_slot=np.full((S, P), -1, dtype=np.int64),
         passage=np.full((S, P), -1, dtype=np.int64),
         carry=np.zeros((switches, N, N)),
-        carry_residual=np.zeros((switches, 1 + H + R, N)),
+        carry_residual=np.zeros((switches, 1 + H, N)),
         omega=harmonics.omega,
         phase=harmonics.phase,
         harmonic_turn=turns(steps, harmonics.omega),
@@ -457,26 +454,33 @@ def empty_tables(
     )
 
 
-def grown(tables: Tables, empty: Tables) -> Tables:
+def grown(tables: Tables, slots: int, switches: int) -> Tables:
     """The same tables with room for more.
 
     Parameters
     ----------
     tables : Tables
-        The states of the joint.
-    empty : Tables
-        Tables with more slots and rows for switches, for the same harmonics, modes and stops; the states and switches
-        are written to the first of them.
+        The states of a joint.
+    slots : int
+        Number of slots, at least as many as there are.
+    switches : int
+        Number of rows for switches, at least as many as there are.
 
     Returns
     -------
     Tables
-        `empty`.
+        Its other arrays are those of `tables`.
     """
-    for name in (*_PER_SLOT, *_PER_SWITCH):
-        part = getattr(tables, name)
-        getattr(empty, name)[: part.shape[0]] = part
-    return empty
+    parts: dict[str, Any] = {}
+    for names, rows in ((_PER_SLOT, slots), (_PER_SWITCH, switches)):
+        for name in names:
+            old = getattr(tables, name)
+            if old.shape[0] < rows:
+                parts[name] = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)
+                parts[name][: old.shape[0]] = old
+                if name in _UNKNOWN:
+                    parts[name][old.shape[0] :] = -1
+    return tables._replace(**parts)
 
 
 def fill(tables: Tables, slot: int, flat: FlatState) -> None:
