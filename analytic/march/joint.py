@@ -17,6 +17,7 @@ import numpy as np
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import Harmonics, harmonics_of, load_sizes
 from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
+from analytic.march.room import grown, with_spare
 from analytic.march.tables import (
     FlatState,
     Tables,
@@ -26,7 +27,6 @@ from analytic.march.tables import (
     count_in,
     fill,
     flat_state,
-    grown,
     known_switches,
     owned,
     scale,
@@ -38,9 +38,6 @@ from lapjoint.problem import FloatArray, Problem
 
 _FEW_PLACES, _KEPT_PLACES = 64, 256
 """Shapes at few places are kept, up to so many: with 20 modes 3 MB."""
-_SPARE = 4
-"""Slots, or rows for switches, that are added when all are taken; or half as many as there are, if these are more, so
-that what is copied for new ones is at most three times as much as there is in the end."""
 
 
 class Joint:
@@ -257,7 +254,7 @@ class Joint:
         """
         if state not in self._slots:
             if len(self._states) == self.tables.modes.size:
-                self._grow(_with_spare(len(self._states)), self.tables.carry.shape[0])
+                self._grow(with_spare(len(self._states)), self.tables.carry.shape[0])
             self._slots[state] = len(self._states)
             self._states.append(state)
             self._fill(self._slots[state])
@@ -293,7 +290,7 @@ class Joint:
         new = old.toggled(stop)
         target, row = self.slot(new), known_switches(self.tables)
         if row + 2 > self.tables.carry.shape[0]:
-            self._grow(self.tables.modes.size, _with_spare(row))
+            self._grow(self.tables.modes.size, with_spare(row))
         connect(self.tables, self.family, self.counts, stop, (slot, old), (target, new))
         self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
@@ -329,8 +326,3 @@ class Joint:
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
         scale(unit, self.tables, first, unscaled, self.sizes)
-
-
-def _with_spare(taken: int) -> int:
-    """So many, and some to spare; see `_SPARE`."""
-    return taken + max(_SPARE, taken // 2)

@@ -11,7 +11,7 @@ that joint alone, which may fill more slots.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -145,9 +145,9 @@ class Tables(NamedTuple):
     """The unit of time, s; see `unit_of_time`."""
 
 
-_PER_SLOT = Tables._fields[: Tables._fields.index("carry")]
-_PER_SWITCH = "carry", "carry_residual"
-_UNKNOWN = "next_slot", "passage"  # hold -1 where a switch is not known
+PER_SLOT = Tables._fields[: Tables._fields.index("carry")]
+PER_SWITCH = "carry", "carry_residual"
+UNKNOWN = "next_slot", "passage"  # hold -1 where a switch is not known
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
@@ -452,35 +452,6 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         step=steps,
         unit=unit_of_time(steps, harmonics),
     )
-
-
-def grown(tables: Tables, slots: int, switches: int) -> Tables:
-    """The same tables with room for more.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of a joint.
-    slots : int
-        Number of slots, at least as many as there are.
-    switches : int
-        Number of rows for switches, at least as many as there are.
-
-    Returns
-    -------
-    Tables
-        Its other arrays are those of `tables`.
-    """
-    parts: dict[str, Any] = {}
-    for names, rows in ((_PER_SLOT, slots), (_PER_SWITCH, switches)):
-        for name in names:
-            old = getattr(tables, name)
-            if old.shape[0] < rows:
-                parts[name] = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)
-                parts[name][: old.shape[0]] = old
-                if name in _UNKNOWN:
-                    parts[name][old.shape[0] :] = -1
-    return tables._replace(**parts)
 
 
 def fill(tables: Tables, slot: int, flat: FlatState) -> None:

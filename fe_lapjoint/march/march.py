@@ -25,10 +25,13 @@ from fe_lapjoint.march.system import SAMPLES, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
+from lapjoint.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
 _GAUSS = np.polynomial.legendre.leggauss(10)  # points and weights on [-1, 1]
+_PIECE = 1000  # bytes that a piece of a motion takes at most, beside (q, q') at its start
+_ACCOUNTED = 1024  # pieces between two looks at the memory that they take: some MB
 WINDOWS_PER_PERIOD = 3  # windows, each of `SAMPLES` steps, in the shorter of excitation period and slowest bending
 
 
@@ -129,6 +132,7 @@ class March:
 
     model: Model
     pieces: tuple[Piece, ...]
+    """All, or the last; see `march`."""
     contacts: tuple[Contact, ...]
     """By start time; empty if the march was not to be recorded."""
     state: ContactState
@@ -188,6 +192,7 @@ def march(
     progress: Progress | None = None,
     record: bool = True,
     peaks: bool = True,
+    keep: bool = True,
     max_switches: int = 200_000,
 ) -> March:
     """March from one time to another.
@@ -208,6 +213,8 @@ def march(
         Whether to list contacts.
     peaks : bool
         Whether to find the peak forces of the contacts, too.
+    keep : bool
+        Whether to keep every piece of the motion, and not only the last.
     max_switches : int
         After how many switches to give up.
 
@@ -219,21 +226,28 @@ def march(
     Raises
     ------
     SolverError
-        If the integrator fails, more than `max_switches` switches occur, or those of a stop crowd that is too stiff for
-        the mesh; see `fe_lapjoint.march.crowding`.
+        If the integrator fails, more than `max_switches` switches occur, those of a stop crowd that is too stiff for
+        the mesh, see `fe_lapjoint.march.crowding`, or the motion takes too much memory.
     """
-    window = window_of(model, state)
+    window, size = window_of(model, state), 0.0
+    if keep and model.problem.forces.ramps is None:
+        size = require_room(model, (end - start) / window)
     step, crowd = window / SAMPLES, Crowd(model, window)
     since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
     going = {k: _Going(start, True) for k in state.closed}
     pieces: list[Piece] = []
     contacts: list[Contact] = []
-    t, switches = start, 0
+    t, switches, done = start, 0, 0
     while t < end or not pieces:
         piece, y = _advance(model, state, t, end, step, y, since)
         if record:
             _account(model, piece, going, peaks)
+        if not keep:
+            pieces.clear()
         pieces.append(piece.kept(model))
+        done += 1
+        if keep and done % _ACCOUNTED == 0:
+            size = require_room(model, done, size)
         t = piece.end
         if piece.switched >= 0:
             k, switches = piece.switched, switches + 1
@@ -251,12 +265,41 @@ def march(
             S = model.transfer(state, new)
             y = (y.reshape(2, -1) @ S.T).ravel()
             state = new
-        if progress is not None and len(pieces) % 32 == 0:
+        if progress is not None and done % 32 == 0:
             progress(t - start, end - start)
     if record:
         contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
     contacts.sort(key=lambda contact: (contact.start, contact.stop))
     return March(model, tuple(pieces), tuple(contacts), state, y, switches)
+
+
+def require_room(model: Model, pieces: float, before: float = 0.0) -> float:
+    """Account for the memory that the pieces of a motion take.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    pieces : float
+        How many there are, or will be at least.
+    before : float
+        What was accounted for before, bytes.
+
+    Returns
+    -------
+    float
+        What they take, bytes.
+
+    Raises
+    ------
+    SolverError
+        If that is too much; see `lapjoint.memory`.
+    """
+    modes = model.assembly.free.size
+    size = pieces * (_PIECE + 16.0 * modes)
+    what = f"{pieces:.3g} pieces of a motion, of {modes} degrees of freedom each,"
+    require(size, what, "take a shorter motion, fewer elements, or statistics, which keep sums alone", before)
+    return size
 
 
 def window_of(model: Model, state: ContactState) -> float:
