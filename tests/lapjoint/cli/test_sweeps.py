@@ -141,7 +141,7 @@ def test_a_search_says_what_is_known_so_far_and_no_time_that_is_left() -> None:
 @pytest.fixture
 def loggers() -> Iterator[None]:
     """What tells of delays, as it was before."""
-    those = [logging.getLogger(name) for name in ("lapjoint.compiling", "lapjoint.campaigns.pace")]
+    those = [logging.getLogger(name) for name in ("lapjoint.compiling", "lapjoint.campaigns.pace", "lapjoint.memory")]
     before = [(logger.level, logger.handlers[:]) for logger in those]
     yield
     for logger, (level, handlers) in zip(those, before, strict=True):
