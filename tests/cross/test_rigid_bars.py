@@ -83,17 +83,16 @@ def compare(seed: int, solver: str) -> None:
         assert np.abs((contacts - exact) / scales).max() < BENT, seed
 
 
-@pytest.mark.parametrize("seed", range(10))
-@pytest.mark.parametrize("solver", ["analytic", "fe"])
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("solver", [pytest.param("analytic", marks=pytest.mark.thorough), "fe"])
 def test_a_rigid_bar_moves_as_one_degree_of_freedom(solver: str, seed: int) -> None:
     compare(seed, solver)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", ["analytic", "fe"])
-def test_two_hundred_rigid_bars_move_as_one_degree_of_freedom(solver: str) -> None:
+def test_two_hundred_rigid_bars_move_as_one_degree_of_freedom() -> None:
     for seed in range(200):
-        compare(seed, solver)
+        compare(seed, "fe")
 
 
 @pytest.mark.parametrize("EI", [1e8, 1e13, 1e18])

@@ -10,7 +10,7 @@ from analytic.march.tables import PER_SLOT, PER_SWITCH, known_switches
 from lapjoint import BaseMotion, Beam, ModalDamping, Problem, SolverError, Stop, Support, memory
 from lapjoint.kept import bytes_in
 
-MODES, STOPS = 80, 40
+MODES, STOPS = 80, 20
 
 
 def pinned(stops: int) -> Problem:
@@ -51,7 +51,7 @@ def test_tables_take_what_the_states_and_switches_met_take(met: Joint) -> None:
     assert switches <= 2 * states * STOPS
     taken = sum(bytes_in(getattr(tables, name)) for name in (*PER_SLOT, *PER_SWITCH))
     assert taken <= bound(states, switches, STOPS, MODES)
-    assert taken < states * STOPS * MODES**2 * 8 / 4  # of a matrix for every stop of every state
+    assert taken < states * STOPS * MODES**2 * 8 / 2  # half of a matrix for every stop of every state
 
 
 def test_each_known_switch_has_a_row_of_its_own(met: Joint) -> None:
