@@ -78,7 +78,18 @@ class Piece:
         return it if isinstance(it, Flow) else it.flow if isinstance(it, FlowFrom) else None
 
     def kept(self, model: Model) -> Piece:
-        """The same for later, without what was made to integrate it."""
+        """The same for later, without what was made to integrate it.
+
+        Parameters
+        ----------
+        model : Model
+            The problem on a mesh.
+
+        Returns
+        -------
+        Piece
+            With coordinates that are made anew where they are asked for.
+        """
         if not isinstance(self.coordinates, Flow):
             return self
         return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
