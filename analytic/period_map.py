@@ -22,13 +22,13 @@ from analytic.march import (
 )
 from analytic.march.carried import size_of
 from analytic.march.change import Change
-from analytic.march.compiled import Log
+from analytic.march.compiled import Log, new_log
 from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of, with_deviations
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.linearised import Carried, carried_along
 from analytic.march.loads import Harmonics
-from analytic.march.march import joined
+from analytic.march.march import joined, recorded
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
@@ -146,6 +146,7 @@ class PeriodMap:
         History
             The motion from 0 to `duration`, with its contacts.
         """
+        recorded(0.0, new_log(1, max(self.joint.counts), self.joint.stops), duration / self.period)  # at least
         motion = self._recorded(started(self.joint), period_pieces(self.period, duration), progress)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
 
@@ -268,10 +269,10 @@ class PeriodMap:
         return np.array([stop.sign * stop.stiffness for stop in self.joint.family.problem.stops]) * penetration
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
-        now, motions = start, []
+        now, motions, size = start, [], 0.0
         for i, piece in enumerate(pieces):
             motions.append(march(self.joint, now, 0.0, piece, depth=True))
-            now = motions[-1].end
+            now, size = motions[-1].end, recorded(size, motions[-1].log)
             if progress is not None:
                 progress(float(i + 1), float(len(pieces)))
         motion = _as_one(motions, self.period)

@@ -16,7 +16,7 @@ import numpy as np
 
 from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
-from fe_lapjoint.march.march import March, march
+from fe_lapjoint.march.march import March, longest_window, march, require_room, window_of
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.tangent import Carried
 from fe_lapjoint.modes.assembly import Assembly
@@ -90,7 +90,7 @@ class PeriodMap:
         """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         point, total, switches = start, np.zeros(len(self.problem.stops)), 0
         for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
-            motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False)
+            motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False, keep=False)
             point = self._section_point(motion.state, motion.y)
             total += motion.impulses
             switches += motion.switches
@@ -116,6 +116,8 @@ class PeriodMap:
         History
             The motion from 0 to `duration`, with its contacts.
         """
+        longest = max(window_of(self.model, FREE), longest_window(self.model, FREE, duration))
+        require_room(self.model, duration / longest)
         motion = self._recorded(self.initial(), period_pieces(self.period, duration), progress)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
 
@@ -142,9 +144,11 @@ class PeriodMap:
             start = end
 
     def _recorded(self, start: SectionPoint, pieces: list[float], progress: Progress | None) -> History:
-        motions = []
+        motions, number, size = [], 0, 0.0
         for motion in self._marched(start, pieces):
             motions.append(motion)
+            number += len(motion.pieces)
+            size = require_room(self.model, number, size)
             if progress is not None:
                 progress(float(len(motions)), float(len(pieces)))
         return history_of(self.name, self.model, motions, self.period)

@@ -147,7 +147,7 @@ def add_switch_change(
         Deviations (dq, dv) just after the switch, likewise.
     """
     last, n_new = now.shape[1] - 1, tables.modes[tables.next_slot[old, k]]
-    onto, jump = tables.carry_residual[old, k], work.jump
+    onto, jump = tables.carry_residual[tables.passage[old, k]], work.jump
     delay = -_own_change(tables, change, old, k, t, theta) / rate
     work.delay[last] += delay
     for j in range(n_new):

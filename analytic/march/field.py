@@ -192,5 +192,5 @@ def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) ->
         states=tuple(states[slot] for slot in log.slot[np.append(0, switched + 1)].tolist()),
         contacts=contacts_of(joint, log),
         field=field or ModalField(joint, log),
-        highest_mode=max(float(joint.modal(state).modes.omega[-1]) for state in states.values()),
+        highest_mode=max(float(joint.flat(state).omega[-1]) for state in states.values()),
     )

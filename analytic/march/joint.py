@@ -18,6 +18,7 @@ from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import Harmonics, harmonics_of, load_sizes
 from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
 from analytic.march.oscillator import ABOVE
+from analytic.march.room import grown, with_spare
 from analytic.march.tables import (
     FlatState,
     Tables,
@@ -25,10 +26,9 @@ from analytic.march.tables import (
     connect,
     copied,
     count_in,
-    empty_tables,
     fill,
     flat_state,
-    grown,
+    known_switches,
     owned,
     scale,
     unit_tables,
@@ -39,7 +39,6 @@ from lapjoint.problem import FloatArray, Problem
 
 _FEW_PLACES, _KEPT_PLACES = 64, 256
 """Shapes at few places are kept, up to so many: with 20 modes 3 MB."""
-_SPARE = 4  # slots added when all are filled: a few, so that the tables are not copied for each new state
 
 
 class Joint:
@@ -258,7 +257,7 @@ class Joint:
         """
         if state not in self._slots:
             if len(self._states) == self.tables.modes.size:
-                self._grow(len(self._states) + _SPARE)
+                self._grow(with_spare(len(self._states)), self.tables.carry.shape[0])
             self._slots[state] = len(self._states)
             self._states.append(state)
             self._fill(self._slots[state])
@@ -292,10 +291,11 @@ class Joint:
         self._own()
         old = self._states[slot]
         new = old.toggled(stop)
-        target = self.slot(new)
+        target, row = self.slot(new), known_switches(self.tables)
+        if row + 2 > self.tables.carry.shape[0]:
+            self._grow(self.tables.modes.size, with_spare(row))
         connect(self.tables, self.family, self.counts, stop, (slot, old), (target, new))
-        for at in (slot, target):
-            self.tables.carry_residual[at, stop] *= self.sizes[:, None]
+        self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
 
     def _own(self) -> None:
@@ -307,14 +307,13 @@ class Joint:
         unit = unit_tables(self.family, self.counts, known)
         self._states = list(known.states)
         self._slots = known.slots.copy()
-        self.tables = copied(unit, self.harmonics)
+        self.tables = copied(unit, self.harmonics, self.sizes)
         self._borrows = True
         self._scale(unit.borrowed, 0, unit.unscaled)
 
-    def _grow(self, slots: int) -> None:
-        self._borrows = False
-        empty = empty_tables(self.family.problem, self.harmonics, max(self.counts), slots, self.sampled)
-        self.tables = grown(self.tables, empty)
+    def _grow(self, slots: int, switches: int) -> None:
+        self._own()
+        self.tables = grown(self.tables, slots, switches)
 
     def _fill(self, slot: int) -> None:
         """Fill in a state that is met for the first time."""

@@ -21,6 +21,7 @@ from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from analytic.march.terms import set_phases
 from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.memory import require
 from lapjoint.problem import FloatArray
 
 _ALL = slice(None)
@@ -89,6 +90,8 @@ def carried_along(
     if deviations is not None:
         now[0, :rows, :n] = deviations
     first, last, _ = kept.indices(log.slot.size)
+    what = f"the deviations at {last - first} switches, of {most // 2} modes each,"
+    require(8.0 * (last - first) * most * columns, what, "take fewer modes (n_modes)")
     starts, end = np.empty((last - first, most, columns)), np.empty((most, columns))
     factors = _carry(tables, change, log, later, now, n, first, starts, end)
     end = end[: 2 * int(tables.modes[log.slot[-1]])]

@@ -29,11 +29,15 @@ from analytic.march.joint import Joint
 from analytic.march.ramps import RampState
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
+from lapjoint.kept import bytes_in
+from lapjoint.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
 MOST_SWITCHES = 1_000_000  # of one march by default, i.e. half a million impacts: minutes of marching
 _ROOM = 256  # segments logged before the log is emptied: as 64 do not hold all, logs to be joined took 6 % of a branch
+_SWITCHES_AT_ONCE = 1000  # half a second of a march with 320 modes
+_PART = 2000  # bytes that a part of a motion takes beside its segments: a dozen arrays, and where it ends
 _PROGRESS_PARTS = 50  # reports in a march without a log: one every two percent of the time
 
 
@@ -118,13 +122,42 @@ def march(
     """
     marching = Marching(joint, begin, start, room=_ROOM if record else 0, depth=depth, max_switches=max_switches)
     parts = _PROGRESS_PARTS if progress is not None and not record else 1
-    full = []
+    full, size = [], 0.0
     for goal in [start + (end - start) * (i + 1) / parts for i in range(parts - 1)] + [end]:
         for log in marching.logs_to(goal):
             full.append(log)
+            size = recorded(size, log)
             if progress is not None:
                 progress(marching.time - start, end - start)
     return March(joint, joined(full), marching.end, marching.penetration)
+
+
+def recorded(before: float, log: Log, times: float = 1) -> float:
+    """Account for the memory that the record of a motion takes.
+
+    Parameters
+    ----------
+    before : float
+        What it has taken before, bytes.
+    log : Log
+        The segments that are added.
+    times : float
+        How often.
+
+    Returns
+    -------
+    float
+        What it takes now, bytes.
+
+    Raises
+    ------
+    SolverError
+        If that is too much; see `lapjoint.memory`.
+    """
+    size = before + times * (bytes_in(log) + _PART)
+    what = f"the segments of a motion, of {log.q.shape[1]} modes each,"
+    require(size, what, "take a shorter motion, fewer modes (n_modes), or statistics, which keep sums alone", before)
+    return size
 
 
 class Marching:
@@ -215,6 +248,24 @@ class Marching:
             yield copied(self._log, logged)
 
 
+def next_switches(motion: Motion, max_switches: int) -> int:
+    """Most switches in all that a compiled march may come to before it comes back, so that Ctrl-C is heeded.
+
+    Parameters
+    ----------
+    motion : Motion
+        Where the march is.
+    max_switches : int
+        Most switches allowed.
+
+    Returns
+    -------
+    int
+        What a compiled march takes as its `most`; `settle_status` lets it go on.
+    """
+    return min(int(motion.counts[SWITCHES]) + _SWITCHES_AT_ONCE, max_switches)
+
+
 def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
     """A march at its beginning.
 
@@ -282,7 +333,7 @@ def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) 
     slot, t = int(motion.counts[SLOT]), float(motion.time[0])
     if status == MISSING_SWITCH:
         joint.connect(slot, int(motion.counts[PENDING]))
-    elif status == TOO_MANY:
+    elif status == TOO_MANY and motion.counts[SWITCHES] > max_switches:
         raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
     elif status == STUCK:
         raise SolverError(f"the march makes no progress at t = {t:.12g} s in {joint.state_in(slot)}")

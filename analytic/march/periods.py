@@ -10,7 +10,7 @@ from analytic.march.carried import advance_periods
 from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
-from analytic.march.march import MOST_SWITCHES, begun, ended, settle_status
+from analytic.march.march import MOST_SWITCHES, begun, ended, next_switches, settle_status
 from analytic.march.tables import IntArray
 from lapjoint.problem import FloatArray
 
@@ -95,8 +95,9 @@ def march_periods(
     coordinates, status = np.zeros((rows, 2, size)), MISSING_SWITCH
     now, level, sizes = np.zeros((2 * size, 0)), np.zeros((motion.total.size, 0)), np.zeros(0)
     while status != DONE:
+        most = next_switches(motion, max_switches)
         status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, max_switches
+            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, most
         )
         settle_status(joint, motion, status, max_switches)
     end = ended(joint, motion)

@@ -398,7 +398,7 @@ def carry_ramps(
     q, v : FloatArray, shape (N,)
         Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, after the switch; added to.
     """
-    j, onto = interval_at(ramps, ramps.interval[0], t), tables.carry_residual[slot, stop]
+    j, onto = interval_at(ramps, ramps.interval[0], t), tables.carry_residual[tables.passage[slot, stop]]
     for r in range(ramps.slope.shape[1]):
         g = ramps.slope[j, r]
         f = ramps.force[j, r] + g * (t - ramps.time[j])

@@ -51,7 +51,8 @@ def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatAr
     """
     target = tables.next_slot[slot, stop]
     n_old, n_new = tables.modes[slot], tables.modes[target]
-    S, onto = tables.carry[slot, stop], tables.carry_residual[slot, stop]
+    row = tables.passage[slot, stop]
+    S, onto = tables.carry[row], tables.carry_residual[row]
     q_old, v_old = q.copy(), v.copy()
     q[:] = 0.0
     v[:] = 0.0

@@ -11,7 +11,6 @@ that joint alone, which may fill more slots.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +34,7 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.by_reference import by_reference
 from lapjoint.compiled_arrays import complex_zeros
 from lapjoint.compiling import njit_called
+from lapjoint.kept import kept
 from lapjoint.problem import FloatArray, Problem
 
 IntArray = npt.NDArray[np.int64]
@@ -83,6 +83,8 @@ class FlatState(NamedTuple):
 class Tables(NamedTuple):
     """``S`` slots, at most ``N`` modes and ``T = 2 N`` terms, ``P`` stops at ``U`` positions, ``H`` harmonics.
 
+    A matrix S_ij is kept only for the switches that are known: of the ``S P`` that could be, motions make few.
+
     There are ``R`` sampled loads, linear between knots; see `analytic.march.ramps`.
     """
 
@@ -119,10 +121,13 @@ class Tables(NamedTuple):
     """Whether each stop is closed, shape ``(S, P)``."""
     next_slot: IntArray
     """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
+    passage: IntArray
+    """Row of that switch in `carry` and `carry_residual`, or -1, shape ``(S, P)``."""
     carry: FloatArray
-    """S_ij of (36), (41) for that switch, without unit, shape ``(S, P, N, N)``."""
+    """S_ij of (36), (41) for each known switch, without unit, shape ``(K, N, N)``; rows that are not taken yet come
+    last."""
     carry_residual: FloatArray
-    """S0 and Sh of that switch, kg^1/2 m, those of sampled loads for each unit of load, ``(S, P, 1 + H + R, N)``."""
+    """S0 and Sh of these switches, kg^1/2 m, those of sampled loads for each unit of load, ``(K, 1 + H + R, N)``."""
     omega: FloatArray
     """Angular frequencies of the harmonics, rad/s, shape ``(H,)``."""
     phase: FloatArray
@@ -141,7 +146,9 @@ class Tables(NamedTuple):
     """The unit of time, s; see `unit_of_time`."""
 
 
-_PER_SLOT = Tables._fields[: Tables._fields.index("omega")]
+PER_SLOT = Tables._fields[: Tables._fields.index("carry")]
+PER_SWITCH = "carry", "carry_residual"
+UNKNOWN = "next_slot", "passage"  # hold -1 where a switch is not known
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
@@ -203,7 +210,7 @@ def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
     return turned
 
 
-@lru_cache(maxsize=_FLAT_STATES)
+@kept(_FLAT_STATES)
 def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
     """The flat view of a contact state, for unit loads.
 
@@ -288,7 +295,7 @@ class UnitTables(NamedTuple):
     writes to them."""
 
 
-@lru_cache(maxsize=_UNIT_TABLES)
+@kept(_UNIT_TABLES)
 def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> UnitTables:
     """The known states of a family, in sorted order, with the known switches between them, for unit loads.
 
@@ -307,7 +314,8 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
         Not to be written to.
     """
     problem, size, S = family.problem, max(counts), len(known.states)
-    tables = empty_tables(problem, Harmonics.of_unit_frequency(len(family.places)), size, S)
+    harmonics = Harmonics.of_unit_frequency(len(family.places))
+    tables = empty_tables(problem, harmonics, size, S, 2 * len(known.switches))
     U, loads = tables.constant.shape[1], tables.force.shape[1]
     borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
     unscaled = Unscaled(np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
@@ -339,7 +347,7 @@ def connect(
     Parameters
     ----------
     tables : Tables
-        With both states; changed in place.
+        With both states, and room for two switches; changed in place.
     family : Family
         The problems that share these states.
     counts : tuple of int
@@ -352,9 +360,26 @@ def connect(
     for (slot, state), (target, other) in ((old, new), (new, old)):
         unit = passage(family, state, count_in(state, counts), other, count_in(other, counts))
         n_new, n_old = unit.S.shape
-        tables.carry[slot, stop, :n_new, :n_old] = unit.S
-        tables.carry_residual[slot, stop, :, :n_new] = unit.residual
-        tables.next_slot[slot, stop] = target
+        row = known_switches(tables)
+        tables.carry[row, :n_new, :n_old] = unit.S
+        tables.carry_residual[row, :, :n_new] = unit.residual
+        tables.next_slot[slot, stop], tables.passage[slot, stop] = target, row
+
+
+def known_switches(tables: Tables) -> int:
+    """How many switches the tables know, each way by itself.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of a joint.
+
+    Returns
+    -------
+    int
+        The number of rows of `Tables.carry` that are taken.
+    """
+    return int(np.count_nonzero(tables.passage >= 0))
 
 
 def count_in(state: ContactState, counts: tuple[int, int]) -> int:
@@ -375,7 +400,7 @@ def count_in(state: ContactState, counts: tuple[int, int]) -> int:
     return counts[0] if state == FREE else counts[1]
 
 
-def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, sampled: int = 0) -> Tables:
+def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, switches: int) -> Tables:
     """Tables without a state.
 
     Parameters
@@ -388,8 +413,8 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         Most modes in a state, ``N``.
     slots : int
         Number of slots ``S``.
-    sampled : int
-        Number ``R`` of its sampled loads, which have rows after those of the harmonic ones.
+    switches : int
+        Number of switches ``K`` for which there is room.
 
     Returns
     -------
@@ -398,7 +423,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
-    S, N, T, R = slots, size, 2 * size, sampled
+    S, N, T = slots, size, 2 * size
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),
@@ -410,14 +435,15 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         turn=np.zeros((S, steps.size, T), dtype=complex),
         static=np.zeros((S, N, 3)),
         harmonic=np.zeros((S, H, N), dtype=complex),
-        force=np.zeros((S, 1 + H + R, N)),
+        force=np.zeros((S, 1 + H, N)),
         weight=np.zeros((S, U, T)),
         forced=np.zeros((S, U, H), dtype=complex),
         constant=np.zeros((S, U)),
         closed=np.zeros((S, P), dtype=np.bool_),
         next_slot=np.full((S, P), -1, dtype=np.int64),
-        carry=np.zeros((S, P, N, N)),
-        carry_residual=np.zeros((S, P, 1 + H + R, N)),
+        passage=np.full((S, P), -1, dtype=np.int64),
+        carry=np.zeros((switches, N, N)),
+        carry_residual=np.zeros((switches, 1 + H, N)),
         omega=harmonics.omega,
         phase=harmonics.phase,
         harmonic_turn=turns(steps, harmonics.omega),
@@ -427,27 +453,6 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         step=steps,
         unit=unit_of_time(steps, harmonics),
     )
-
-
-def grown(tables: Tables, empty: Tables) -> Tables:
-    """The same tables with more slots.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    empty : Tables
-        Tables with more slots, for the same harmonics, modes and stops; the states are written to its first slots.
-
-    Returns
-    -------
-    Tables
-        `empty`.
-    """
-    used = tables.modes.size
-    for name in _PER_SLOT:
-        getattr(empty, name)[:used] = getattr(tables, name)
-    return empty
 
 
 def fill(tables: Tables, slot: int, flat: FlatState) -> None:
@@ -486,7 +491,7 @@ def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: F
     tables : Tables
         With the frequencies and phases of the harmonics; changed in place.
     first : int
-        First of ``S`` slots, without switches unless they are of unit loads too.
+        First of ``S`` slots.
     unscaled : Unscaled
         Of these states.
     sizes : ndarray, shape (1 + H + R,)
@@ -495,9 +500,8 @@ def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: F
         To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
     """
     omega = unscaled.natural.copy()
-    loads = unit.force, tables.force, unit.carry_residual, tables.carry_residual
     answers = tables.omega, tables.weight, tables.harmonic, tables.forced
-    if _scale(*loads, *answers, first, unscaled.damping_rate, unscaled.residual, omega, sizes, side):
+    if _scale(unit.force, tables.force, *answers, first, unscaled.damping_rate, unscaled.residual, omega, sizes, side):
         for row, i in np.argwhere(omega != unscaled.natural):
             _move(tables, first + int(row), int(i), omega[row, i : i + 1], unscaled.damping_rate[row, i : i + 1])
 
@@ -506,8 +510,6 @@ def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: F
 def _scale(
     unit_force: FloatArray,
     force: FloatArray,
-    unit_carry: FloatArray,
-    carry: FloatArray,
     frequency: FloatArray,
     weight: FloatArray,
     harmonic: ComplexArray,
@@ -534,8 +536,6 @@ def _scale(
         for load in range(sizes.size):
             for i in range(omega.shape[1]):
                 force[slot, load, i] = unit_force[slot, load, i] * sizes[load]
-                for k in range(carry.shape[1]):
-                    carry[slot, k, load, i] = unit_carry[slot, k, load, i] * sizes[load]
         for h in range(frequency.size):
             for u in range(forced.shape[1]):
                 forced[slot, u, h] = residual[row, u, 1 + h] * sizes[1 + h]
@@ -571,8 +571,8 @@ def owned(tables: Tables) -> Tables:
     return Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in tables)
 
 
-def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
-    """The known states with a joint's harmonics, but for what `scale` writes.
+def copied(unit: UnitTables, harmonics: Harmonics, sizes: FloatArray) -> Tables:
+    """The known states with a joint's harmonics, and the known switches under its loads, but for what `scale` writes.
 
     Parameters
     ----------
@@ -580,6 +580,8 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
         The known states.
     harmonics : Harmonics
         Frequencies and phases of the joint's ``H`` harmonic loads.
+    sizes : ndarray, shape (1 + H + R,)
+        Factors of the unit loads, as `scale` takes them.
 
     Returns
     -------
@@ -598,6 +600,6 @@ def copied(unit: UnitTables, harmonics: Harmonics) -> Tables:
         forced=np.empty((S, U, H), dtype=complex),
         force=np.empty(borrowed.force.shape),
         constant=borrowed.constant.copy(),
-        carry_residual=np.empty(borrowed.carry_residual.shape),
+        carry_residual=borrowed.carry_residual * sizes[:, None],
     )
     return owned(own) if unit.resonant else own

@@ -227,12 +227,13 @@ def saltation(
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
-    onto, mode = tables.carry_residual[old, k], tables.weight[old, tables.position[k]]
+    row = tables.passage[old, k]
+    onto, mode = tables.carry_residual[row], tables.weight[old, tables.position[k]]
     delay, before, after, jump = work.delay, work.before, work.after, work.jump
     write_rates(tables, old, theta, q_old, v_old, before)
     write_rates(tables, new, theta, q_new, v_new, after)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
-    S = tables.carry[old, k][:n_new]
+    S = tables.carry[row][:n_new]
     for c in range(m):
         delay[c] = work.level[k, c] / rate
     for i in range(n_old):

@@ -82,9 +82,11 @@ class PublishedJoint(Joint):
         self.order = np.arange(len(known.states))
         """The slots in the order in which to sum over states, shape ``(states,)``."""
 
-    def _grow(self, slots: int) -> None:
-        super()._grow(slots)
+    def _grow(self, slots: int, switches: int) -> None:
+        super()._grow(slots, switches)
         used, size = self.cross.shape[0], max(self.counts)
+        if slots == used:
+            return
         cross = np.zeros((slots, slots, size, size))
         cross[:used, :used] = self.cross
         self.cross = cross

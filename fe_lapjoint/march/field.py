@@ -39,7 +39,7 @@ class ElementField:
         return result
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Later:
     """Coordinates of a piece of the whole motion, whose own march counts time from 0."""
 
@@ -93,7 +93,7 @@ def _later(piece: Piece, offset: float) -> Piece:
     if not offset:
         return piece
     start, end = piece.start + offset, piece.end + offset
-    return replace(piece, start=start, end=end, coordinates=Later(piece.coordinates, offset), flow=None)
+    return replace(piece, start=start, end=end, coordinates=Later(piece.coordinates, offset))
 
 
 def _joined(motions: Sequence[March], period: float, first: int) -> tuple[Contact, ...]:

@@ -11,7 +11,7 @@ to a third of the shortest excitation period, so that a slow motion takes few; a
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,18 +23,41 @@ from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Coordinates, Flow
 from fe_lapjoint.march.ramp_motion import RampMotion, follow
-from fe_lapjoint.march.system import SAMPLES
+from fe_lapjoint.march.system import SAMPLES, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
+from lapjoint.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
 _GAUSS = np.polynomial.legendre.leggauss(10)  # points and weights on [-1, 1]
+_PIECE = 1000  # bytes that a piece of a motion takes at most, beside (q, q') at its start
+_ACCOUNTED = 1024  # pieces between two looks at the memory that they take: some MB
 WINDOWS_PER_PERIOD = 3  # windows, each of `SAMPLES` steps, in the shorter of excitation period and slowest bending
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
+class FlowFrom:
+    """The coordinates of an exact flow, made anew where they are asked for: a tenth of the memory that it takes."""
+
+    system: System
+    start: float
+    """s."""
+    y: FloatArray
+    """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
+
+    @property
+    def flow(self) -> Flow:
+        """The flow, to its bits as it was integrated."""
+        return Flow(self.system, self.start, *self.y.reshape(2, -1))
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative of the modal displacements at times ``(m,)``, shape ``(n, m)``."""
+        return self.flow(t, dt)
+
+
+@dataclass(frozen=True, slots=True)
 class Piece:
     """A stretch of the motion in one state, as integrated."""
 
@@ -47,10 +70,31 @@ class Piece:
     """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     coordinates: Coordinates
     """The modal displacements and their derivatives within the piece."""
-    flow: Flow | None
-    """The exact flow, if the method is exact."""
     switched: int
     """The stop that switches at the end; -1 if none does."""
+
+    @property
+    def flow(self) -> Flow | None:
+        """The exact flow, if the method is exact."""
+        it = self.coordinates
+        return it if isinstance(it, Flow) else it.flow if isinstance(it, FlowFrom) else None
+
+    def kept(self, model: Model) -> Piece:
+        """The same for later, without what was made to integrate it.
+
+        Parameters
+        ----------
+        model : Model
+            The problem on a mesh.
+
+        Returns
+        -------
+        Piece
+            With coordinates that are made anew where they are asked for.
+        """
+        if not isinstance(self.coordinates, Flow):
+            return self
+        return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
 
 
 def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
@@ -101,6 +145,7 @@ class March:
 
     model: Model
     pieces: tuple[Piece, ...]
+    """All, or the last; see `march`."""
     contacts: tuple[Contact, ...]
     """By start time; empty if the march was not to be recorded."""
     state: ContactState
@@ -160,6 +205,7 @@ def march(
     progress: Progress | None = None,
     record: bool = True,
     peaks: bool = True,
+    keep: bool = True,
     max_switches: int = 200_000,
 ) -> March:
     """March from one time to another.
@@ -180,6 +226,8 @@ def march(
         Whether to list contacts.
     peaks : bool
         Whether to find the peak forces of the contacts, too.
+    keep : bool
+        Whether to keep every piece of the motion, and not only the last.
     max_switches : int
         After how many switches to give up.
 
@@ -191,22 +239,29 @@ def march(
     Raises
     ------
     SolverError
-        If the integrator fails, more than `max_switches` switches occur, or those of a stop crowd that is too stiff for
-        the mesh; see `fe_lapjoint.march.crowding`.
+        If the integrator fails, more than `max_switches` switches occur, those of a stop crowd that is too stiff for
+        the mesh, see `fe_lapjoint.march.crowding`, or the motion takes too much memory.
     """
-    window, longest = window_of(model, state), longest_window(model, state, end - start)
+    window, longest, size = window_of(model, state), longest_window(model, state, end - start), 0.0
+    if keep and model.problem.forces.ramps is None:
+        size = require_room(model, (end - start) / max(longest, window))
     step, crowd = window / SAMPLES, Crowd(model, window)
     since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
     going = {k: _Going(start, True) for k in state.closed}
     pieces: list[Piece] = []
     contacts: list[Contact] = []
-    t, switches = start, 0
+    t, switches, done = start, 0, 0
     while t < end or not pieces:
         piece, y, clear = _advance(model, state, t, end, step, y, since)
-        pieces.append(piece)
         step = min(2 * step, max(longest, window) / SAMPLES) if clear else window / SAMPLES
         if record:
             _account(model, piece, going, peaks)
+        if not keep:
+            pieces.clear()
+        pieces.append(piece.kept(model))
+        done += 1
+        if keep and done % _ACCOUNTED == 0:
+            size = require_room(model, done, size)
         t = piece.end
         if piece.switched >= 0:
             k, switches = piece.switched, switches + 1
@@ -224,7 +279,7 @@ def march(
             S = model.transfer(state, new)
             y = (y.reshape(2, -1) @ S.T).ravel()
             state = new
-        if progress is not None and len(pieces) % 32 == 0:
+        if progress is not None and done % 32 == 0:
             progress(t - start, end - start)
     if record:
         contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
@@ -232,8 +287,41 @@ def march(
     return March(model, tuple(pieces), tuple(contacts), state, y, switches)
 
 
+def require_room(model: Model, pieces: float, before: float = 0.0) -> float:
+    """Account for the memory that the pieces of a motion take.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    pieces : float
+        How many there are, or will be at least.
+    before : float
+        What was accounted for before, bytes.
+
+    Returns
+    -------
+    float
+        What they take, bytes.
+
+    Raises
+    ------
+    SolverError
+        If that is too much; see `lapjoint.memory`.
+    """
+    modes = model.assembly.free.size
+    size = pieces * (_PIECE + 16.0 * modes)
+    what = f"{pieces:.3g} pieces of a motion, of {modes} degrees of freedom each,"
+    require(size, what, "take a shorter motion, fewer elements, or statistics, which keep sums alone", before)
+    return size
+
+
 def window_of(model: Model, state: ContactState) -> float:
-    """The time in which switches are searched for at once: a third of the shortest excitation period or slow bending.
+    """The time in which switches are searched for at once: a third of the shortest excitation period or slow motion.
+
+    The slow motion is the first bending of the beam, or the slowest mode that oscillates with all stops closed if that
+    is slower: on springs that are soft beside the beam the joint swings as a rigid body, and bending hardly moves it.
+    The search is by bounds, which hold whatever the window; a library method gives none, and keeps to bending.
 
     Parameters
     ----------
@@ -248,9 +336,11 @@ def window_of(model: Model, state: ContactState) -> float:
         s.
     """
     beam = model.problem.beam
-    slow = 2 * math.pi * math.sqrt(beam.m * beam.length**4 / beam.EI)
-    periods = [2 * math.pi / omega for omega in model.system(state).driven]
-    return float(min([slow, *periods]) / WINDOWS_PER_PERIOD)
+    slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
+    if model.method == "exact":
+        omega = model.system(ContactState(tuple(range(model.sign.size)))).omega
+        slow = min(slow, float(omega[omega > 0].min(initial=math.inf)))
+    return 2 * math.pi / float(max([slow, *model.system(state).driven])) / WINDOWS_PER_PERIOD
 
 
 def longest_window(model: Model, state: ContactState, duration: float) -> float:
@@ -301,7 +391,7 @@ def _advance(
             time, stop = gaps.first_switch(grid, h, rounding, since.switch == t)
             clear = bool(np.all(h.max(axis=1) <= -gaps.curvature * (2 * step) ** 2 / 8))
         until, stop = (time, stop) if time <= until else (until, -1)
-        return Piece(state, t, until, y, flow, flow, stop), flow.at(until), clear
+        return Piece(state, t, until, y, flow, stop), flow.at(until), clear
     return *_advance_by_library(model, state, t, until, y, since), False
 
 
@@ -314,7 +404,7 @@ def _advance_on_ramps(
     until, y_end, switched = follow(
         motion, min(end, last) if last > t else end, since.switch == t, since.shift, since.rounding
     )
-    return Piece(state, t, until, y, motion, None, switched), y_end
+    return Piece(state, t, until, y, motion, switched), y_end
 
 
 def _advance_by_library(
@@ -329,7 +419,7 @@ def _advance_by_library(
     until = end if stop < 0 else time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
-    return Piece(state, t, until, y, coordinates, None, stop), y_end
+    return Piece(state, t, until, y, coordinates, stop), y_end
 
 
 def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) -> None:

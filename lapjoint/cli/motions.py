@@ -19,9 +19,10 @@ def find_motion(problem: Problem, solver: Solver, duration: float, errors: bool)
 
 def find_steady_state(problem: Problem, solver: Solver, errors: bool) -> SteadyState:
     """The steady state, with progress shown."""
-    from lapjoint.cli.progress import shown_progress
+    from lapjoint.cli.progress import shown_search
 
-    with shown_progress("steady state") as progress:
+    with shown_search("steady state", "periods allowed") as progress:
+        progress(0.0, 1.0)  # the time is counted from here
         return solver.steady_state(problem, errors=errors, progress=progress)
 
 

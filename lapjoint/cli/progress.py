@@ -110,15 +110,18 @@ def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic
 
 
 @contextmanager
-def shown_search(title: str) -> Iterator[Progress]:
-    """Give a callback ``progress(done, known)`` that shows how much is done of what a search knows of so far."""
+def shown_search(title: str, known_as: str = "known so far") -> Iterator[Progress]:
+    """Give a callback ``progress(done, known)`` that shows how much is done of what a search knows of so far.
+
+    `known_as` says what is known, or allowed at most: a search may well end sooner.
+    """
     if not sys.stderr.isatty():
-        yield lines_of_search(title)
+        yield lines_of_search(title, known_as=known_as)
         return
     import rich.console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("known so far"))
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn(known_as))
     with Progress(*columns, TimeElapsedColumn(), console=rich.console.Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=None)
         yield lambda done, known: bar.update(task, completed=done, total=known)
@@ -128,7 +131,9 @@ MOST = 60.0
 """Longest time between two lines of a search, s."""
 
 
-def lines_of_search(title: str, clock: Callable[[], float] = time.monotonic) -> Progress:
+def lines_of_search(
+    title: str, clock: Callable[[], float] = time.monotonic, known_as: str = "known so far"
+) -> Progress:
     """A callback that prints a line after `EARLY`, and then ever more rarely, but every `MOST`.
 
     What is found leads to more that is to be done, so that no time that is left can be told.
@@ -142,12 +147,12 @@ def lines_of_search(title: str, clock: Callable[[], float] = time.monotonic) -> 
         if began is None:
             began = now
             if done:
-                echo(f"{title}: goes on from {done:g} of {known:g} known so far", err=True)
+                echo(f"{title}: goes on from {done:g} of {known:g} {known_as}", err=True)
         if now - began < due:
             return
         wait = min(1.5 * wait, MOST)
         due = now - began + wait
-        echo(f"{title}: {done:.3g} of {known:g} known so far, after {duration_text(now - began)}", err=True)
+        echo(f"{title}: {done:.3g} of {known:g} {known_as}, after {duration_text(now - began)}", err=True)
 
     return progress
 
@@ -161,11 +166,11 @@ class _Lines(logging.Handler):
 
 
 def tell_of_delays() -> None:
-    """Say on standard error, from now on, when compiling begins, and what points cost that do not repeat.
+    """Say on standard error, from now on, when compiling begins, what points cost that do not repeat, and much memory.
 
-    `lapjoint.compiling` and `lapjoint.campaigns.pace` say when.
+    `lapjoint.compiling`, `lapjoint.campaigns.pace` and `lapjoint.memory` say when.
     """
-    for name in ("lapjoint.compiling", "lapjoint.campaigns.pace"):
+    for name in ("lapjoint.compiling", "lapjoint.campaigns.pace", "lapjoint.memory"):
         logger = logging.getLogger(name)
         if not any(isinstance(handler, _Lines) for handler in logger.handlers):
             logger.addHandler(_Lines())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from pathlib import Path
 
 import click
@@ -89,7 +90,7 @@ def lines_printed(lines: Callable[..., Progress], title: str, steps: Iterable[tu
     @click.command()
     def work() -> None:
         nonlocal now
-        progress = lines(title, lambda: now)
+        progress = lines(title, clock=lambda: now)
         for done, total, later in steps:
             progress(done, total)
             now += later
@@ -141,7 +142,7 @@ def test_a_search_says_what_is_known_so_far_and_no_time_that_is_left() -> None:
 @pytest.fixture
 def loggers() -> Iterator[None]:
     """What tells of delays, as it was before."""
-    those = [logging.getLogger(name) for name in ("lapjoint.compiling", "lapjoint.campaigns.pace")]
+    those = [logging.getLogger(name) for name in ("lapjoint.compiling", "lapjoint.campaigns.pace", "lapjoint.memory")]
     before = [(logger.level, logger.handlers[:]) for logger in those]
     yield
     for logger, (level, handlers) in zip(those, before, strict=True):
@@ -184,3 +185,12 @@ def test_progress_off_a_terminal_is_a_line_for_every_tenth() -> None:
 
     lines = CliRunner().invoke(work).stderr.splitlines()
     assert lines == [f"work: {percent} %" for percent in range(10, 101, 10)]
+
+
+def test_a_search_for_a_steady_state_says_how_many_periods_it_has_marched() -> None:
+    steps = [(0, 1, 24.0), (8, 16000, 2.0), (9, 16000, 600.0), (33, 16000, 0.0)]
+    lines = partial(lines_of_search, known_as="periods allowed")
+    assert lines_printed(lines, "steady state", steps) == [
+        "steady state: 8 of 16000 periods allowed, after 24 s",
+        "steady state: 33 of 16000 periods allowed, after 10 min",
+    ]

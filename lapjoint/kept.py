@@ -1,0 +1,103 @@
+"""Results that are kept for later calls, up to a number of them and up to a size of their arrays.
+
+`functools.lru_cache` bounds the number alone: of what takes 15 kB with 20 modes it keeps as many with 500, where each
+takes 2 MB.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from functools import update_wrapper
+from threading import Lock
+from typing import Any, Generic, ParamSpec, TypeVar
+
+import numpy as np
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+MOST_BYTES = 100_000_000
+"""Size of the arrays that one function keeps at most, bytes: a few such functions take less than a gigabyte."""
+
+
+class Kept(Generic[P, T]):
+    """A function whose latest results are kept; the last one is, however large it is.
+
+    Threads may call it: two that miss the same result at once both make it.
+
+    Parameters
+    ----------
+    make : callable
+        The function, of positional arguments that are hashable.
+    most : int
+        Number of results that are kept.
+    most_bytes : int
+        Size of their arrays, bytes.
+    """
+
+    def __init__(self, make: Callable[P, T], most: int, most_bytes: int) -> None:
+        self._make, self._most, self._most_bytes = make, most, most_bytes
+        self._found: OrderedDict[tuple[Any, ...], tuple[T, int]] = OrderedDict()
+        self._bytes, self._lock = 0, Lock()
+        update_wrapper(self, make)
+
+    def __call__(self, *args: P.args, **none: P.kwargs) -> T:
+        """The result for these arguments, kept or made."""
+        assert not none
+        with self._lock:
+            if args in self._found:
+                self._found.move_to_end(args)
+                return self._found[args][0]
+        made = self._make(*args, **none)
+        size = bytes_in(made)
+        with self._lock:
+            self._bytes += size - self._found.pop(args, (made, 0))[1]
+            self._found[args] = made, size
+            while len(self._found) > 1 and (len(self._found) > self._most or self._bytes > self._most_bytes):
+                self._bytes -= self._found.popitem(last=False)[1][1]
+        return made
+
+    def cache_clear(self) -> None:
+        """Keep nothing of what was found before."""
+        with self._lock:
+            self._found.clear()
+            self._bytes = 0
+
+
+def kept(most: int, most_bytes: int = MOST_BYTES) -> Callable[[Callable[P, T]], Kept[P, T]]:
+    """Decorate a function so that its latest results are kept; see `Kept`.
+
+    Parameters
+    ----------
+    most : int
+        Number of results that are kept.
+    most_bytes : int
+        Size of their arrays, bytes.
+
+    Returns
+    -------
+    callable
+        The decorator.
+    """
+    return lambda make: Kept(make, most, most_bytes)
+
+
+def bytes_in(value: object) -> int:
+    """The size of the arrays that a value holds, in its fields and items, too.
+
+    Parameters
+    ----------
+    value : object
+        An array, a tuple, or an object with fields; anything else counts as nothing.
+
+    Returns
+    -------
+    int
+        Bytes; an array that is held twice counts twice.
+    """
+    if isinstance(value, np.ndarray):
+        return value.nbytes
+    if isinstance(value, tuple):
+        return sum(bytes_in(item) for item in value)
+    return sum(bytes_in(item) for item in getattr(value, "__dict__", {}).values())
