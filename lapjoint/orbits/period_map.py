@@ -419,7 +419,7 @@ def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tupl
     deviation : FloatArray, shape (n,)
         The deviation at the end of the period, in the coordinates of the period map.
     norm : callable
-        `PeriodMap.norm`.
+        `PeriodMap.norm`, of a deviation of shape ``(n,)``.
 
     Returns
     -------
