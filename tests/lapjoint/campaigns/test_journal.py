@@ -156,15 +156,6 @@ def test_another_sweep_is_thrown_away_only_when_told(out: Path) -> None:
     assert run(plan(), out=out, force=True).attrs["seed"] == 0
 
 
-def test_a_sweep_with_other_options_of_the_solver_is_another_sweep(tmp_path: Path) -> None:
-    few, more = (plan(solver="analytic", options={"n_modes": n}) for n in (4, 5))
-    journal = Journal(few, tmp_path / "curve.nc")
-    journal.append({0: POINT})
-    journal.close()
-    with pytest.raises(InputError, match=r"journal: holds another sweep, not finished \(it differs in options\)"):
-        Journal(more, tmp_path / "curve.nc").close()
-
-
 @pytest.mark.parametrize("sealed", [True, False])
 @pytest.mark.parametrize(
     ("version", "whose"), [pytest.param(1, "an older", marks=pytest.mark.thorough), (2, "an older"), (4, "a newer")]

@@ -239,3 +239,12 @@ def test_a_rate_too_low_for_the_beam_is_a_warning() -> None:
         _joint(rate=10.0)
     with pytest.warns(RecordWarning, match="base_motion: has 10 samples a second, and the beam bends at"):
         paper_joint().with_excitation(base_motion=_joint(rate=1e4).base_motion.model_copy(update={"rate": 10.0}))
+
+
+def test_a_column_of_times_is_used_as_it_is(tmp_path: Path) -> None:
+    times, heights = np.array([0.0, 0.01, 0.04, 0.05, 0.07, 0.1]), np.array([0.0, 1.0, -2.0, 0.5, 3.0, -1.0])
+    rows = "".join(f"{t!r},{a!r}\n" for t, a in zip((times + 3).tolist(), heights.tolist(), strict=True))
+    (tmp_path / "uneven.csv").write_text(f"time,acceleration\n{rows}")
+    tables = {"quantity": "acceleration", "file": "uneven.csv", "time_column": "time"}
+    record = RecordBaseMotion.model_validate(tables, context={"folder": str(tmp_path)})
+    np.testing.assert_allclose(record.at(times[:-1], 2), heights[:-1], rtol=0, atol=1e-9)

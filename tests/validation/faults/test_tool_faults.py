@@ -72,7 +72,7 @@ FAULTS = (
             '            "options": dict(self.options),\n',
             "",
         ),
-        "tests/lapjoint/campaigns/test_journal.py::test_a_sweep_with_other_options_of_the_solver_is_another_sweep",
+        "tests/lapjoint/campaigns/test_plan.py::test_work_with_other_options_of_the_solver_is_other_work",
     ),
     Watched(
         Fault(
@@ -116,7 +116,7 @@ FAULTS = (
             '("Hz", 2 * math.pi) if hz',
             '("Hz", 1.0) if hz',
         ),
-        "tests/lapjoint/figures/test_sweep_variables.py::test_a_sweep_in_hz_is_of_the_same_angular_frequencies",
+        "tests/lapjoint/cli/test_arguments.py::test_frequencies_in_hz_become_angular_ones",
     ),
     Watched(
         Fault(
