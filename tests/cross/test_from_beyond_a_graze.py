@@ -26,7 +26,6 @@ from lapjoint.campaigns.branch_parts import family_of, motion_from
 from lapjoint.campaigns.confirm_plan import confirm_plan
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.branches.by_another_solver import _Search, by_another
-from lapjoint.orbits.branches.carrier import Carrier
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.found_beside import Beside
@@ -96,7 +95,6 @@ def test_a_flip_beside_a_graze_that_is_touched_is_found_from_beyond_that() -> No
     assert one.way is not None
     (graze,) = one.way.grazes
     elements = Family(fe_lapjoint.Solver(elements=100), own.problem_at, FREQUENCY, LOW, HIGH)
-    assert Carrier(one.family, graze.before.place).carried(elements) is None
     found = Beside(one.family, one.found, graze).found_by(elements)
     assert found is not None
     assert abs(found.value - BESIDE["value"]) <= 1e-6 * found.value
