@@ -177,12 +177,22 @@ def _null_vectors(matrix: FloatArray) -> FloatArray:
         try:
             # (A' A)^-1 of any vector: inverse iteration, and one step is enough, as the ratio of the two least singular
             # values enters squared: it is 1e-16 to 1e-7 where there are no twins.
-            left = np.linalg.solve(near.transpose(0, 2, 1), start)
-            found = np.linalg.solve(near, left / np.abs(left).max(axis=1, keepdims=True))[:, :, 0]
+            left = _of_size_one(np.asarray(np.linalg.solve(near.transpose(0, 2, 1), start), dtype=float), 1)
+            found = _of_size_one(np.asarray(np.linalg.solve(near, left), dtype=float)[:, :, 0], 1)
         except np.linalg.LinAlgError:
             continue
         return np.asarray(found / np.sqrt((found**2).sum(axis=1, keepdims=True)))
     return np.asarray(np.linalg.svd(matrix)[2][:, -1])
+
+
+def _of_size_one(found: FloatArray, axis: int) -> FloatArray:
+    """Solutions scaled to a largest element of 1 along an axis; `LinAlgError` where a solution overflows.
+
+    A matrix that is singular to the last bit may have a pivot of any size, and squares of its solutions overflow.
+    """
+    if not np.isfinite(found).all():
+        raise np.linalg.LinAlgError("the solution overflows")
+    return np.asarray(found / np.abs(found).max(axis=axis, keepdims=True), dtype=float)
 
 
 def _null_space_of_band(band: FloatArray, count: int) -> FloatArray:
@@ -196,8 +206,8 @@ def _null_space_of_band(band: FloatArray, count: int) -> FloatArray:
     for wobble in (0.0, 8 * np.finfo(float).eps, 64 * np.finfo(float).eps):
         near = 1 + wobble * wave.reshape(band.shape)
         try:
-            left = np.linalg.qr(solve_banded((BAND, BAND), transposed * near, start))[0]
-            return np.asarray(np.linalg.qr(solve_banded((BAND, BAND), band * near, left))[0].T)
+            left = np.linalg.qr(_of_size_one(solve_banded((BAND, BAND), transposed * near, start), 0))[0]
+            return np.asarray(np.linalg.qr(_of_size_one(solve_banded((BAND, BAND), band * near, left), 0))[0].T)
         except np.linalg.LinAlgError:
             continue
     return np.asarray(np.linalg.svd(whole(band[None])[0])[2][-count:])

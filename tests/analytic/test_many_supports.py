@@ -12,6 +12,7 @@ from scipy.optimize import brentq, elementwise
 
 from analytic.modes import normal_modes
 from analytic.modes.beam_functions import gram
+from analytic.modes.boundary_conditions import BAND
 from analytic.modes.characteristic_equation import frequencies, layout_of
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support
@@ -156,3 +157,17 @@ def test_a_shape_of_a_root_that_is_none_is_refused(monkeypatch: pytest.MonkeyPat
     normal_modes._exact_modes.cache_clear()
     with pytest.raises(SolverError, match="meets the conditions at all supports"):
         exact_modes(equal_spans(spans), FREE, 2)
+
+
+@pytest.mark.parametrize("pivot", [0.0, 5e-324, 1e-310, 1e-200, 1e-160, 1e-100, 1e-30, 1e-17])
+def test_a_null_vector_is_found_however_small_the_pivot_of_its_matrix(pivot: float) -> None:
+    """Three matrices at a time: the middle element alone belongs to the null vector."""
+    m = 5
+    matrices = np.tile(np.diag([2.0, 1.0, pivot, -1.0, 3.0]), (3, 1, 1))
+    expected = np.zeros(m)
+    expected[2] = 1.0
+    rounding = 1e-14  # of the wobble that stands in for the last bits of a singular matrix
+    assert np.abs(np.abs(normal_modes._null_vectors(matrices)) - expected).max() <= rounding
+    band = np.zeros((2 * BAND + 1, m))
+    band[BAND] = np.diagonal(matrices[0])
+    assert np.abs(np.abs(normal_modes._null_space_of_band(band, 1)) - expected).max() <= rounding
