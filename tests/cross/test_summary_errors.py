@@ -12,6 +12,7 @@ import os
 from collections import defaultdict
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -118,8 +119,9 @@ def test_errors_of_twenty_summaries_hold(monkeypatch: pytest.MonkeyPatch) -> Non
 @pytest.mark.slow
 def test_errors_of_summaries_hold() -> None:
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        results = (task.result() for task in [pool.submit(judged, index) for index in range(DRAWN)])
-        found = [one for one in results if one is not None][:COUNT]
+        results = pool.map(judged, range(DRAWN))
+        found = list(islice((one for one in results if one is not None), COUNT))
+        pool.shutdown(cancel_futures=True)
     assert len(found) == COUNT
     check(gathered(found))
 
