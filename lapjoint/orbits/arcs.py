@@ -44,8 +44,7 @@ class ContactSequence:
     @cached_property
     def returning(self) -> tuple[bool, ...]:
         """Whether the event before each event was of the same stop, ``M`` of them."""
-        before = (-1, *self.stops[:-1])
-        return tuple(stop == other for stop, other in zip(self.stops, before, strict=True))
+        return tuple(i > 0 and stop == self.stops[i - 1] for i, stop in enumerate(self.stops))
 
 
 @dataclass(frozen=True)

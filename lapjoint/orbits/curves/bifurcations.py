@@ -1,0 +1,245 @@
+r"""Bifurcations of a curve with a fixed contact sequence, by test functions that change their signs there.
+
+With the multipliers mu_i over the motion's half periods:
+
+    fold              the parameter's part of the tangent
+    flip              prod_i (1 + mu_i); it breaks the symmetry of a motion that repeats mirrored
+    Neimark-Sacker    prod_(i < j) (1 - mu_i mu_j), where a pair is complex (Kuznetsov, Elements of Applied Bifurcation
+                      Theory, section 10.2)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import brentq
+
+from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.orbits.curves.newton import solve
+from lapjoint.orbits.curves.point import CurvePoint
+
+Kind = Literal["fold", "flip", "neimark-sacker"]
+_FAINT = 1e-4
+"""Modulus of a multiplier below which its products with others are not near 1: others are below 1e4 then."""
+_AT_GRAZE = 1e-6
+"""Arclength between a graze and the nearest motions whose multipliers are asked: at a graze itself the time of a switch
+has no derivative by the section, and multipliers are limits."""
+_REAL = 1e-9
+"""Imaginary part of a multiplier, over its modulus, up to which it is real."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A step of a curve: two points of one contact sequence, and the arclength between them."""
+
+    start: CurvePoint
+    """The first point."""
+    end: CurvePoint
+    """The second, in the direction of the first one's tangent."""
+    length: float
+    """Arclength along the first one's tangent."""
+
+
+@dataclass(frozen=True)
+class Bifurcation:
+    """A bifurcation of a curve."""
+
+    kind: Kind
+    """What happens."""
+    point: CurvePoint
+    """The motion there."""
+
+
+def fold_test(point: CurvePoint) -> float:
+    """The test function of folds.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        A point of a curve.
+
+    Returns
+    -------
+    float
+        Without unit.
+    """
+    return float(point.tangent[-1])
+
+
+def flip_test(point: CurvePoint) -> float:
+    """The test function of flips.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        A point of a curve.
+
+    Returns
+    -------
+    float
+        Without unit; divided by the sizes of multipliers beyond 1.
+    """
+    mu = point.multipliers
+    return float(np.prod((1 + mu) / np.maximum(np.abs(mu), 1.0)).real)
+
+
+def torus_test(point: CurvePoint) -> float:
+    """The test function of Neimark-Sacker bifurcations.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        A point of a curve.
+
+    Returns
+    -------
+    float
+        Without unit; divided by the sizes of products beyond 1.
+    """
+    mu = point.multipliers
+    mu = mu[np.abs(mu) > _FAINT]
+    i, j = np.triu_indices(mu.size, 1)
+    products = mu[i] * mu[j]
+    return float(np.prod((1 - products) / np.maximum(np.abs(products), 1.0)).real)
+
+
+_TESTS: dict[Kind, Callable[[CurvePoint], float]] = {
+    "fold": fold_test,
+    "flip": flip_test,
+    "neimark-sacker": torus_test,
+}
+
+
+def test_of(kind: Kind) -> Callable[[CurvePoint], float]:
+    """The test function of a kind of bifurcation.
+
+    Parameters
+    ----------
+    kind : str
+        The kind.
+
+    Returns
+    -------
+    callable
+        Takes a point of a curve, and returns the value.
+    """
+    return _TESTS[kind]
+
+
+def within(stretch: Stretch) -> Iterator[Bifurcation]:
+    """The bifurcations in a step of a curve whose test functions change their signs.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The step.
+
+    Yields
+    ------
+    Bifurcation
+        In the order of the arclength.
+    """
+    found, (start, end) = list[tuple[float, Bifurcation]](), _ends(stretch)
+    for kind, test in _TESTS.items():
+        if start is not None and end is not None and test(start[1]) * test(end[1]) < 0:
+            located = located_in(stretch, kind, start[0], end[0])
+            if located is not None and (kind != "neimark-sacker" or has_torus(located[1].multipliers)):
+                found.append((located[0], Bifurcation(kind, located[1])))
+    yield from (one for _, one in sorted(found, key=lambda each: each[0]))
+
+
+def _ends(stretch: Stretch) -> tuple[tuple[float, CurvePoint] | None, tuple[float, CurvePoint] | None]:
+    """The first and the last point of a step whose multipliers are known, with their arclengths from the start."""
+    start, end = (0.0, stretch.start), (stretch.length, stretch.end)
+    return tuple(
+        (s, point) if not _at_graze(point) else _with_length(stretch.start, s + way)
+        for (s, point), way in ((start, _AT_GRAZE), (end, -_AT_GRAZE))
+    )  # type: ignore[return-value]  # it has two parts
+
+
+def _with_length(start: CurvePoint, length: float) -> tuple[float, CurvePoint] | None:
+    point = beside(start, length)
+    return None if point is None else (length, point)
+
+
+def _at_graze(point: CurvePoint) -> bool:
+    """Whether a contact or a flight has no duration, all but for less than the way to the motions that are asked."""
+    returning = np.array(point.problem.sequence.returning, dtype=bool)
+    return bool((np.abs(point.shares[:-1])[returning] < 0.1 * _AT_GRAZE).any())
+
+
+def has_torus(multipliers: ComplexArray) -> bool:
+    """Whether the pair of multipliers whose product is nearest to 1 is complex.
+
+    Parameters
+    ----------
+    multipliers : ndarray, shape (n,)
+        The multipliers.
+
+    Returns
+    -------
+    bool
+        Otherwise the pair is a real saddle's, which is no bifurcation.
+    """
+    mu = multipliers[np.abs(multipliers) > _FAINT]
+    i, j = np.triu_indices(mu.size, 1)
+    nearest = int(np.argmin(np.abs(1 - mu[i] * mu[j])))
+    return bool(abs(mu[i[nearest]].imag) > _REAL * abs(mu[i[nearest]]))
+
+
+def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple[float, CurvePoint] | None:
+    """Where a test function is zero in a step in which it changes its sign.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The step.
+    kind : str
+        The kind of bifurcation.
+    first, last : float
+        Arclengths from the start between which the test function changes its sign.
+
+    Returns
+    -------
+    tuple of float and CurvePoint, or None
+        The arclength from the start, and the point; None if Newton's method loses the curve.
+    """
+    start, test = stretch.start, _TESTS[kind]
+    known = dict[float, CurvePoint]()
+
+    def value(s: float) -> float:
+        point = beside(start, s)
+        if point is None:
+            raise ValueError
+        known[s] = point
+        return test(point)
+
+    try:
+        at = brentq(value, first, last, xtol=1e-13, rtol=1e-11)
+        if at not in known:
+            value(at)
+    except ValueError:
+        return None
+    return at, known[at]
+
+
+def beside(start: CurvePoint, length: float) -> CurvePoint | None:
+    """The point of a curve in the hyperplane some arclength along a point's tangent.
+
+    Parameters
+    ----------
+    start : CurvePoint
+        The point.
+    length : float
+        The arclength, of either sign.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes in the same direction; None if Newton's method finds none.
+    """
+    found = solve(start.problem, start.predicted(length), start.scale, start.tangent)
+    return None if found is None else CurvePoint.of(start.problem, found, start.scale)

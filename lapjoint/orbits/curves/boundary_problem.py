@@ -1,0 +1,193 @@
+r"""Periodic motions with a given contact sequence as a boundary value problem, and its derivative.
+
+The unknowns are u = (x, delta_1 ... delta_M, p): displacements and velocities x at the section, the durations of all
+arcs but the last over the length L of the motion, and the parameter p.  The equations are the closure y(L) = x (for an
+odd number of half periods the mirror image -y(L) = x) and one equation for each of the M events, see
+`lapjoint.orbits.arcs`.  With the derivatives A = y_x, B = y_delta, C = g_x, D = g_delta of closure and events the
+monodromy matrix is A - B D^-1 C.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.orbits.arcs import Arcs, Chain, ContactSequence
+from lapjoint.orbits.curves.resolution import Resolution
+from lapjoint.problem import FloatArray
+
+
+@dataclass(frozen=True)
+class BoundaryProblem:
+    """Motions of one contact sequence, over a range of the parameter."""
+
+    resolution: Resolution
+    """The solver at one resolution, and the parameter."""
+    sequence: ContactSequence
+    """Which stops switch between the section and its image, ``M`` events."""
+    half_periods: int
+    """Number of half periods of the excitation after which the motion repeats; mirrored, if it is odd."""
+    phase: float
+    """Time of the section over the excitation period, from 0 to 1."""
+
+    @property
+    def events(self) -> int:
+        """Number ``M`` of events."""
+        return len(self.sequence.stops)
+
+    def arcs(self, u: FloatArray) -> Arcs:
+        """The arcs at the parameter of a solution.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + M + 1,)
+            The unknowns.
+
+        Returns
+        -------
+        Arcs
+            Of the problem with that parameter.
+        """
+        return self.resolution.arcs(float(u[-1]))
+
+    def durations(self, u: FloatArray) -> FloatArray:
+        """Durations of all arcs.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + M + 1,)
+            The unknowns.
+
+        Returns
+        -------
+        FloatArray, shape (M + 1,)
+            s.
+        """
+        shares = u[u.size - 1 - self.events : -1]
+        return self.length(u) * np.append(shares, 1.0 - shares.sum())
+
+    def length(self, u: FloatArray) -> float:
+        """Length L of the motion, s.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + M + 1,)
+            The unknowns.
+
+        Returns
+        -------
+        float
+            Half periods of the excitation at the parameter.
+        """
+        return self.half_periods * self.arcs(u).period / 2
+
+    def time(self, u: FloatArray) -> float:
+        """Time of the section, s from a multiple of the excitation period.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + M + 1,)
+            The unknowns.
+
+        Returns
+        -------
+        float
+            The time.
+        """
+        return self.phase * self.arcs(u).period
+
+    def chain(self, u: FloatArray, derivatives: bool = False) -> Chain:
+        """The arcs of a set of unknowns, whether or not they solve the equations.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + M + 1,)
+            The unknowns.
+        derivatives : bool
+            Whether to carry derivatives along.
+
+        Returns
+        -------
+        Chain
+            The arcs.
+        """
+        n = u.size - 1 - self.events
+        return self.arcs(u).chain(self.sequence, u[:n], self.time(u), self.durations(u), derivatives)
+
+    def residual(self, u: FloatArray, chain: Chain | None = None) -> FloatArray:
+        """Left sides of the equations.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + M + 1,)
+            The unknowns.
+        chain : Chain, optional
+            Their arcs, if they are known.
+
+        Returns
+        -------
+        FloatArray, shape (n + M,)
+            Of the closure, in the unit of each coordinate, then of the events, m or m/s.
+        """
+        chain = self.chain(u) if chain is None else chain
+        return np.concatenate([self._sign * chain.end - u[: chain.end.size], chain.events])
+
+    def linearised(self, u: FloatArray) -> Linearisation:
+        """Equations and their derivative.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + M + 1,)
+            The unknowns.
+
+        Returns
+        -------
+        Linearisation
+            At the unknowns.
+        """
+        chain, M = self.chain(u, derivatives=True), self.events
+        n = chain.end.size
+        assert chain.end_by is not None and chain.events_by is not None
+        residual = self.residual(u, chain)
+        J = np.empty((n + M, n + M + 1))
+        by_all = np.concatenate([self._sign * chain.end_by, chain.events_by])
+        J[:, :n] = by_all[:, :n]
+        J[:n, :n] -= np.eye(n)
+        J[:, n:-1] = self.length(u) * (by_all[:, n : n + M] - by_all[:, n + M :])  # the last arc takes what is left
+        step = self.resolution.difference_step(float(u[-1]))
+        moved = u.copy()
+        moved[-1] += step
+        J[:, -1] = (self.residual(moved) - residual) / step
+        return Linearisation(residual, J, chain)
+
+    @property
+    def _sign(self) -> float:
+        return -1.0 if self.half_periods % 2 else 1.0
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """The equations of a boundary value problem and their derivative at one set of unknowns."""
+
+    residual: FloatArray
+    """Left sides of the equations, shape ``(n + M,)``."""
+    jacobian: FloatArray
+    """Their derivatives by the unknowns, shape ``(n + M, n + M + 1)``."""
+    chain: Chain
+    """The arcs."""
+
+    @cached_property
+    def monodromy(self) -> FloatArray:
+        """Derivative of the section's image by the section while the events keep their equations, shape ``(n, n)``."""
+        n = self.chain.end.size
+        J = self.jacobian[:, :-1]
+        A, B, C, D = J[:n, :n] + np.eye(n), J[:n, n:], J[n:, :n], J[n:, n:]
+        return A if not D.size else A - B @ np.linalg.solve(D, C)
+
+    @cached_property
+    def multipliers(self) -> ComplexArray:
+        """Eigenvalues of the monodromy matrix over the motion's half periods, shape ``(n,)``."""
+        return np.linalg.eigvals(self.monodromy).astype(complex)

@@ -1,0 +1,184 @@
+"""Pseudo-arclength continuation of periodic motions, from contact sequence to contact sequence.
+
+A step goes along the tangent, and Newton's method leads back to the curve within the hyperplane normal to the tangent.
+Where the contact sequence ceases to fit within a step, the change is located, and the curve goes on with the sequence
+after the change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from lapjoint.orbits.curves.bifurcations import Stretch
+from lapjoint.orbits.curves.newton import solve
+from lapjoint.orbits.curves.point import CurvePoint, resectioned
+from lapjoint.orbits.curves.sequence_changes import SequenceChange, crossed, first_change, nearest, violated
+
+
+@dataclass(frozen=True)
+class End:
+    """Why a curve ends."""
+
+    reason: str
+    """``boundary`` at an end of the range, ``graze`` where no motion of the joint lies beyond a change of the contact sequence, ``contacts`` where contacts
+    accumulate, ``lost`` where no step leads on."""
+    change: SequenceChange | None = None
+    """The change at which it ends."""
+
+
+Step = Stretch | SequenceChange | End
+
+
+def follow(start: CurvePoint) -> Iterator[Step]:
+    """Follow a curve in the direction of a point's tangent.
+
+    Parameters
+    ----------
+    start : CurvePoint
+        The first point, which is not given again.
+
+    Yields
+    ------
+    Stretch, SequenceChange or End
+        Steps in their sequence, changes between them, and last, unless the caller stops asking, why the curve ends.
+    """
+    options = start.problem.resolution.options
+    here, step, last = start, options.first_step, None
+    while step > options.smallest_step:
+        new, at_boundary = _next(here, step)
+        if new is None:
+            step *= 0.5
+            continue
+        there = violated(new)
+        if there and last is not None:  # what has just changed leaves zero first
+            step *= 0.25
+            if step <= options.smallest_step:
+                yield End("graze", last)
+                return
+            continue
+        length = float(here.tangent @ ((new.u - here.u) / here.scale))
+        if there:
+            located = first_change(here, new, length)
+            if located is None:
+                step *= 0.5
+                continue
+            last = crossed(*located)
+            yield Stretch(here, last.before, float(here.tangent @ ((last.before.u - here.u) / here.scale)))
+            yield last
+            if last.after is None:
+                break
+            if last.after.problem.events > options.max_contacts:
+                yield End("contacts", last)
+                return
+            here, step = centred(last.after), options.first_step
+            continue
+        yield Stretch(here, new, length)
+        if at_boundary:
+            yield End("boundary")
+            return
+        angle = float(np.arccos(np.clip(_turn(here, new), -1.0, 1.0)))
+        growth = options.turning / max(angle, 0.5 * options.turning)
+        step, last = min(step * max(growth, 0.5), options.largest_step), None
+        here = centred(new)
+    yield End("lost", last)
+
+
+def _next(here: CurvePoint, step: float) -> tuple[CurvePoint | None, bool]:
+    """The point a step along a curve, or the one at the end of the range where that is nearer; and whether it is."""
+    resolution, value = here.problem.resolution, float(here.predicted(step)[-1])
+    if resolution.low < value < resolution.high:
+        new = stepped(here, step)
+        if new is None or resolution.low <= new.value <= resolution.high:
+            return new, False
+        value = new.value
+    boundary = resolution.low if value <= resolution.low else resolution.high
+    return at_value(here, boundary, step), True
+
+
+def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
+    """The point of a curve at a value of the parameter, which the tangent leads to.
+
+    Parameters
+    ----------
+    here : CurvePoint
+        The point before.
+    value : float
+        The parameter there, in its SI unit.
+    most : float
+        Largest arclength of the way.
+
+    Returns
+    -------
+    CurvePoint, or None
+        None if Newton's method finds none, or the curve turns too much.
+    """
+    rate = float(here.tangent[-1] * here.scale[-1])
+    length = (value - here.value) / rate if rate else most
+    guess, row = here.predicted(min(max(length, 0.0), most)), np.zeros(here.u.size)
+    guess[-1], row[-1] = value, 1.0
+    found = solve(here.problem, guess, here.scale, row)
+    if found is None:
+        return None
+    new = CurvePoint.of(here.problem, found, here.scale)
+    if np.arccos(np.clip(abs(_turn(here, new)), 0.0, 1.0)) > 2 * here.problem.resolution.options.turning:
+        return None
+    return new if _turn(here, new) > 0 else new.turned()
+
+
+def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
+    """The point a step along a curve; None if Newton's method finds none, or the curve turns too much.
+
+    Parameters
+    ----------
+    here : CurvePoint
+        The point before.
+    length : float
+        Arclength of the step, of either sign.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes on in the direction of the one before.
+    """
+    found = solve(here.problem, here.predicted(length), here.scale, here.tangent)
+    if found is None:
+        return None
+    new = CurvePoint.of(here.problem, found, here.scale)
+    if np.arccos(np.clip(abs(_turn(here, new)), 0.0, 1.0)) > 2 * here.problem.resolution.options.turning:
+        return None
+    return new if _turn(here, new) > 0 else new.turned()
+
+
+def _turn(here: CurvePoint, new: CurvePoint) -> float:
+    """Cosine of the angle between two tangents, by the scale of the first."""
+    other = new.tangent * new.scale / here.scale
+    return float(here.tangent @ other / np.linalg.norm(other))
+
+
+def centred(point: CurvePoint) -> CurvePoint:
+    """The same point, its section moved to the middle of the longest flight if an event has come near the section.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The point.
+
+    Returns
+    -------
+    CurvePoint
+        With its tangent in the same direction along the curve.
+    """
+    shares = point.shares
+    if point.problem.events < 2:
+        return point
+    margin = point.problem.resolution.options.section_margin * (shares[0] + shares[-1])
+    if min(shares[0], shares[-1]) >= margin > 0:
+        return point
+    problem, u, ahead = resectioned(point)
+    found = nearest(problem, u)
+    if found is None:
+        return point
+    return found if float(found.tangent @ (ahead / found.scale)) > 0 else found.turned()

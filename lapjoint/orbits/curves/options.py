@@ -1,0 +1,42 @@
+"""How a curve is followed: all that may be tuned, in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from lapjoint.errors import InputError
+
+
+@dataclass(frozen=True)
+class ContinuationOptions:
+    """Numerical options of continuation; arclengths are without unit, see `CurvePoint.scale`."""
+
+    first_step: float = 1e-3
+    """Arclength of the first step from a start."""
+    largest_step: float = 0.1
+    """Largest arclength of a step: a tenth of the size of the motion."""
+    smallest_step: float = 1e-9
+    """Arclength of a step below which the curve counts as lost: steps of rounding size, 1e-12, lead nowhere."""
+    turning: float = 0.2
+    """Angle by which the tangent should turn in a step, rad: Newton's method then takes two or three iterations."""
+    newton_tolerance: float = 1e-9
+    """Arclength of Newton's last step: what that step leaves is of the size of its square."""
+    newton_iterations: int = 8
+    """Largest number of Newton's iterations; near the curve three suffice."""
+    newton_radius: float = 0.5
+    """Longest step of Newton's method, as an arclength: a longer one has left the neighbourhood of the guess."""
+    difference_step: float = 3e-8
+    """Step of the difference by the parameter over the parameter's scale: rounding, 1e-16 / 3e-8, and curvature leave
+    seven digits of the derivative, which Newton's method needs only for its speed."""
+    section_margin: float = 0.15
+    """Least share of the arc that holds the section on either side of the section, before the section is moved."""
+    grazing_tolerance: float = 1e-11
+    """Distance of an extremum from its stop, over the stop's gap or the motion's size, that counts as zero."""
+    max_contacts: int = 200
+    """Largest number of switches of a contact sequence: a branch with more accumulates contacts, and ends."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not 0 < value < float("inf"):
+                raise InputError(f"{field.name} = {value!r}: must be positive and finite")

@@ -1,0 +1,275 @@
+"""A point of a curve: one periodic motion with its contact sequence, where it comes near its stops, and its section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import ComplexArray, SectionPoint
+from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.branches.compiled_extrema import gap_extrema
+from lapjoint.orbits.branches.gap_extrema import stops_of
+from lapjoint.orbits.compiled_intervals import IndexArray
+from lapjoint.orbits.curves.boundary_problem import BoundaryProblem, Linearisation
+from lapjoint.orbits.curves.newton import Solution
+from lapjoint.problem import FloatArray
+from lapjoint.problem.symmetry import mirror_twins
+
+
+_BESIDE = 1e-6
+"""Arclength of a way along the tangent that is told from rounding, and on which a curve does not turn."""
+
+
+@dataclass(frozen=True)
+class GapExtrema:
+    """The extrema of gap functions at which an open stop comes nearest, or a closed one is nearest to opening."""
+
+    arc: IndexArray
+    """The arc of each, shape ``(m,)``."""
+    stop: IndexArray
+    """The stop of each, shape ``(m,)``."""
+    time: FloatArray
+    """When, s from the section, shape ``(m,)``."""
+    violation: FloatArray
+    """Distance beyond the stop, over its gap or, without one, over the motion there; above zero where the contact
+    sequence lacks two events, shape ``(m,)``."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """A solution of a boundary value problem, and the tangent of its curve."""
+
+    problem: BoundaryProblem
+    """The equations."""
+    u: FloatArray = field(repr=False)
+    """The unknowns, shape ``(n + M + 1,)``."""
+    scale: FloatArray = field(repr=False)
+    """Size of each unknown: of coordinates that of the motion, 1 of durations over the length, and the parameter's."""
+    tangent: FloatArray = field(repr=False)
+    """Unit tangent in scaled unknowns, in either direction along the curve."""
+    linearisation: Linearisation = field(repr=False)
+    """Equations and derivative."""
+
+    @staticmethod
+    def of(problem: BoundaryProblem, solution: Solution, scale: FloatArray) -> CurvePoint:
+        """A solution as a point, with the scale that belongs to it.
+
+        Parameters
+        ----------
+        problem : BoundaryProblem
+            The equations.
+        solution : Solution
+            One of their solutions.
+        scale : FloatArray, shape (n + M + 1,)
+            The scale by which it was found.
+
+        Returns
+        -------
+        CurvePoint
+            The point.
+        """
+        own = scale_of(problem, solution.u)
+        tangent = solution.tangent * scale / own
+        return CurvePoint(problem, solution.u, own, tangent / np.linalg.norm(tangent), solution.linearisation)
+
+    @property
+    def value(self) -> float:
+        """The parameter, in its SI unit."""
+        return float(self.u[-1])
+
+    @property
+    def coordinates(self) -> int:
+        """Number ``n`` of coordinates of the section."""
+        return self.u.size - 1 - self.problem.events
+
+    @cached_property
+    def durations(self) -> FloatArray:
+        """Durations of all arcs, s, shape ``(M + 1,)``."""
+        return self.problem.durations(self.u)
+
+    @property
+    def shares(self) -> FloatArray:
+        """Durations of all arcs over the length of the motion, shape ``(M + 1,)``."""
+        return self.durations / self.problem.length(self.u)
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """Eigenvalues of the derivative over the motion's half periods, shape ``(n,)``."""
+        return self.linearisation.multipliers
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether all of them lie within the unit circle."""
+        return bool(np.abs(self.multipliers).max(initial=0.0) < 1)
+
+    @cached_property
+    def twins(self) -> tuple[int, ...] | None:
+        """The twin of each stop, if the motion repeats after an odd number of half periods, mirrored."""
+        return mirror_twins(self.problem.arcs(self.u).problem) if self.problem.half_periods % 2 else None
+
+    @cached_property
+    def extrema(self) -> GapExtrema:
+        """Where open stops are nearest, and closed ones nearest to opening."""
+        arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
+        structure = arcs.problem.structure
+        if not structure.stops:
+            none = np.zeros(0, dtype=np.intp)
+            return GapExtrema(none, none, np.zeros(0), np.zeros(0))
+        motion, (stops, _) = arcs.motion(self.problem.sequence, chain, self.durations), stops_of(structure)
+        stop, time, value, highest = gap_extrema(motion, stops)
+        began = motion.start[motion.duration > 0]
+        arc = np.flatnonzero(motion.duration > 0)[np.searchsorted(began, time, side="right") - 1]
+        is_open = motion.orientation[arc, stop] > 0
+        sizes = self._sizes(stops.gap)
+        keep: npt.NDArray[np.bool_] = highest == is_open
+        violation = np.where(is_open, value, -value) / sizes[stop]
+        return GapExtrema(arc[keep], stop[keep], time[keep], violation[keep])
+
+    def _sizes(self, gaps: FloatArray) -> FloatArray:
+        """What distances from stops are compared with: their gaps, or the largest of them, or a size of the motion."""
+        largest = float(gaps.max(initial=0.0))
+        return np.where(gaps > 0, gaps, largest if largest > 0 else float(np.abs(self.scale[: self.coordinates]).max()))
+
+    def predicted(self, length: float) -> FloatArray:
+        """Unknowns along the tangent.
+
+        Parameters
+        ----------
+        length : float
+            Arclength from here, of either sign.
+
+        Returns
+        -------
+        FloatArray, shape (n + M + 1,)
+            The unknowns.
+        """
+        return self.u + length * self.scale * self.tangent
+
+    def turned(self) -> CurvePoint:
+        """The same point with the opposite tangent.
+
+        Returns
+        -------
+        CurvePoint
+            The point.
+        """
+        return replace(self, tangent=-self.tangent)
+
+    def sections(self) -> list[SectionPoint]:
+        """The motion at multiples of the excitation period and, mirrored, of half periods where the problem allows that.
+
+        Returns
+        -------
+        list of SectionPoint
+            Those within the motion's length: of the motion or, if it is not symmetric, of its mirror image, too.
+        """
+        arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
+        twins, half = mirror_twins(arcs.problem), arcs.period / 2
+        first, found = int(np.ceil(chain.times[0] / half - 1e-9)), list[SectionPoint]()
+        for k in range(first, first + self.problem.half_periods):
+            if k % 2 and twins is None:
+                continue
+            i = max(int(np.searchsorted(chain.times, k * half, side="right")) - 1, 0)
+            state, began = self.problem.sequence.states[i], float(chain.times[i])
+            there = arcs.later(state, chain.starts[i], began, k * half - began)
+            if k % 2 and twins is not None:
+                state, there = ContactState(tuple(twins[stop] for stop in state.closed)), -there
+            found.append(arcs.point(state, there))
+        return found
+
+    def section(self) -> SectionPoint:
+        """The motion, or the mirror image that it is of itself, at a multiple of the excitation period.
+
+        Returns
+        -------
+        SectionPoint
+            Where the solver's march of the same motion may begin.
+        """
+        arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
+        k = int(np.ceil(2 * chain.times[0] / arcs.period - 1e-9))
+        mirrors = mirror_twins(arcs.problem) is not None
+        if self.problem.half_periods % 2:
+            return self.sections()[0]  # each half period of such a motion is the mirror image of the one before
+        return self.sections()[1 if mirrors and k % 2 else 0]
+
+
+def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
+    """Size of each unknown.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    u : FloatArray, shape (n + M + 1,)
+        The unknowns.
+
+    Returns
+    -------
+    FloatArray, shape (n + M + 1,)
+        In the unit of each.
+    """
+    n = u.size - 1 - problem.events
+    units = problem.arcs(u).unit_norms(problem.sequence.first)
+    size = float(np.linalg.norm(u[:n] * units))
+    return np.concatenate([max(size, 1e-300) / units, np.ones(problem.events), [problem.resolution.scale(u[-1])]])
+
+
+def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
+    """The same motion with the section in the middle of its longest arc.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion, with two events or more.
+
+    Returns
+    -------
+    BoundaryProblem
+        Its equations.
+    FloatArray, shape (n' + M + 1,)
+        The unknowns.
+    FloatArray, shape (n' + M + 1,)
+        A small way along the curve, in the direction of the point's tangent.
+    """
+    durations = point.durations
+    lengths = np.append(durations[1:-1], durations[0] + durations[-1])
+    arc = (int(np.argmax(lengths)) + 1) % lengths.size
+    shift = 0.5 * (durations[arc] if arc else durations[0] - durations[-1])
+    problem, u = _at_section(point.problem, point.u, arc, shift)
+    ahead = point.predicted(_BESIDE)
+    moved = float(_began(point.problem, ahead, arc) - _began(point.problem, point.u, arc))
+    _, there = _at_section(point.problem, ahead, arc, shift - moved, problem.phase)
+    return problem, u, there - u
+
+
+def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
+    """Time at which an arc begins."""
+    return problem.time(u) + float(problem.durations(u)[:arc].sum())
+
+
+def _at_section(
+    problem: BoundaryProblem, u: FloatArray, arc: int, shift: float, phase: float | None = None
+) -> tuple[BoundaryProblem, FloatArray]:
+    """The same motion with the section some time after the start of an arc, from 0 to M - 1, or before the first one."""
+    arcs, chain, sequence = problem.arcs(u), problem.chain(u), problem.sequence
+    durations, stops, mirrored = problem.durations(u), sequence.stops, problem.half_periods % 2
+    twins = mirror_twins(arcs.problem) if mirrored else None
+    if arc == 0 and shift < 0:  # in the last arc: free motion is not followed back in time, where fast modes grow
+        start = arcs.later(sequence.states[-1], chain.starts[-1], float(chain.times[-1]), float(durations[-1]) + shift)
+        start = -start if mirrored else start
+    else:
+        start = arcs.later(sequence.states[arc], chain.starts[arc], float(chain.times[arc]), shift)
+    image = [twins[k] for k in stops[:arc]] if twins is not None else list(stops[:arc])
+    if arc:
+        lengths = [durations[arc] - shift, *durations[arc + 1 : -1], durations[-1] + durations[0], *durations[1:arc]]
+    else:
+        lengths = [durations[0] - shift, *durations[1:-1]]
+    order = ContactSequence(sequence.states[arc], (*stops[arc:], *image))
+    if phase is None:
+        phase = ((float(chain.times[arc]) + shift) / arcs.period) % 1.0
+    moved = replace(problem, sequence=order, phase=phase)
+    return moved, np.concatenate([start, np.array(lengths) / problem.length(u), u[-1:]])

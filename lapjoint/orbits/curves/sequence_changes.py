@@ -1,0 +1,353 @@
+"""Changes of the contact sequence along a curve: contacts that are born, end, split or merge, and events out of order.
+
+An arc whose duration passes zero ends: between events of one stop the stop's contact (or flight) vanishes with both
+events, between events of two stops the events change their order.  An extremum that passes its stop in an open arc gives
+birth to a contact, and in a closed arc it splits the contact by a flight.  The curves on both sides of a change meet
+where the arc's duration and the extremum are zero.  A solver whose passages lose part of the motion has the meeting point
+a little elsewhere on either side; the distance is an error of truncation, see `SequenceChange.offset`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
+from lapjoint.orbits.curves.newton import solve
+from lapjoint.orbits.curves.point import CurvePoint, scale_of
+from lapjoint.problem import FloatArray
+
+ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
+"""A contact begins or ends at a graze, a contact splits into two or two merge, or two events change their order."""
+_ACROSS = 0.5
+"""Share of a step, beyond its ends, within which a change that lies in the step may be located."""
+
+
+class Monitor(NamedTuple):
+    """A function along a curve that is above zero where the contact sequence does not fit any more."""
+
+    kind: Literal["duration", "extremum"]
+    """A duration below zero, or an extremum beyond its stop."""
+    arc: int
+    """The arc whose duration this is, or that holds the extremum."""
+    stop: int
+    """The stop of the extremum; -1 for a duration."""
+    time: float
+    """Time of the extremum over the length of the motion, from the section; 0 for a duration."""
+    value: float
+    """The function: minus a duration over the length of the motion, or `GapExtrema.violation`."""
+
+
+@dataclass(frozen=True)
+class SequenceChange:
+    """A change of the contact sequence, located on both sides."""
+
+    kind: ChangeKind
+    """What happens."""
+    stops: tuple[int, ...]
+    """The stop, or the two stops that change their order."""
+    before: CurvePoint
+    """The point with the sequence before, its tangent towards the change."""
+    after: CurvePoint | None
+    """The point with the sequence after, its tangent away from the change; None where there is none."""
+
+    @property
+    def value(self) -> float:
+        """The parameter at the change, from the side with fewer events: the smooth side of a graze."""
+        if self.after is not None and self.after.problem.events < self.before.problem.events:
+            return self.after.value
+        return self.before.value
+
+    @property
+    def offset(self) -> float:
+        """Distance of the parameter on both sides, in its unit; infinite where one side is not known."""
+        return np.inf if self.after is None else abs(self.after.value - self.before.value)
+
+
+def violated(point: CurvePoint) -> list[Monitor]:
+    """The monitors of a point that are above zero.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The point.
+
+    Returns
+    -------
+    list of Monitor
+        Empty if the motion has the contact sequence that it was solved with.
+    """
+    tolerance, shares = point.problem.resolution.options.grazing_tolerance, point.shares
+    found = [
+        Monitor("duration", i, -1, 0.0, float(-shares[i]))
+        for i in range(1, point.problem.events)
+        if shares[i] < -tolerance
+    ]
+    its, length = point.extrema, point.problem.length(point.u)
+    for i in np.flatnonzero(its.violation > tolerance):
+        found.append(
+            Monitor(
+                "extremum", int(its.arc[i]), int(its.stop[i]), float(its.time[i]) / length, float(its.violation[i])
+            )
+        )
+    return found
+
+
+def same_monitor(point: CurvePoint, monitor: Monitor) -> Monitor | None:
+    """A monitor as another point of the same curve has it.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The other point, with the same contact sequence.
+    monitor : Monitor
+        The monitor.
+
+    Returns
+    -------
+    Monitor, or None
+        With its value there; None if the motion there has no such extremum.
+    """
+    if monitor.kind == "duration":
+        return monitor._replace(value=float(-point.shares[monitor.arc]))
+    its = point.extrema
+    mine = np.flatnonzero((its.stop == monitor.stop) & (its.arc == monitor.arc))
+    if not mine.size:
+        return None
+    time = its.time[mine] / point.problem.length(point.u)
+    best = int(np.argmin(np.abs(time - monitor.time)))
+    return monitor._replace(time=float(time[best]), value=float(its.violation[mine[best]]))
+
+
+def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Monitor, CurvePoint] | None:
+    """The first monitor that passes zero in a step of a curve, and the point where it does.
+
+    Parameters
+    ----------
+    start, end : CurvePoint
+        The ends of the step, with one contact sequence; the second violates some monitor.
+    length : float
+        Arclength of the step.
+
+    Returns
+    -------
+    tuple of Monitor and CurvePoint, or None
+        None if the point is not found.
+    """
+    there, upper, seen = violated(end), length, 0
+    best: tuple[Monitor, CurvePoint] | None = None
+    while there:
+        # Where an arc has ended, the arcs beside it overlap, and have an extremum beyond the stop, too.
+        ended = [one for one in there if one.kind == "duration"]
+        monitor = min(ended or there, key=lambda one: _estimate(start, one, upper))
+        located = _located(start, monitor, upper)
+        if located is None:
+            return best
+        best, seen = located, seen + 1
+        upper = float(start.tangent @ ((located[1].u - start.u) / start.scale))
+        there = [one for one in violated(located[1]) if not _is_same(one, located[0])]
+        if seen > end.problem.events + len(end.extrema.stop):
+            return None
+    return best
+
+
+def _is_same(one: Monitor, other: Monitor) -> bool:
+    return one[:3] == other[:3] and abs(one.time - other.time) < 1e-6
+
+
+def _estimate(start: CurvePoint, monitor: Monitor, length: float) -> float:
+    """Where a monitor passes zero if it is linear in the step."""
+    before = same_monitor(start, monitor)
+    if before is None or before.value >= 0:
+        return 0.5 * length
+    return length * before.value / (before.value - monitor.value)
+
+
+def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monitor, CurvePoint] | None:
+    """A monitor at its zero, and the point there."""
+    if monitor.kind == "duration":
+        n, at = start.coordinates, _estimate(start, monitor, length)
+        guess, row = start.predicted(at), np.zeros(start.u.size)
+        guess[n + monitor.arc], row[n + monitor.arc] = 0.0, 1.0
+        found = solve(start.problem, guess, start.scale, row)
+        if found is None:
+            return None
+        point = CurvePoint.of(start.problem, found, start.scale)
+        if abs(float(start.tangent @ ((point.u - start.u) / start.scale)) - at) > (1 + _ACROSS) * length:
+            return None
+        return monitor._replace(value=0.0), point if point.tangent @ start.tangent > 0 else point.turned()
+    return zero_along(start, monitor, 0.0, length)
+
+
+def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -> tuple[Monitor, CurvePoint] | None:
+    """Where an extremum is zero on a part of a curve.
+
+    Parameters
+    ----------
+    start : CurvePoint
+        A point of the curve.
+    monitor : Monitor
+        The extremum, as one end of the part has it.
+    first, last : float
+        The part, as arclengths from the point; the extremum has different signs at its ends.
+
+    Returns
+    -------
+    tuple of Monitor and CurvePoint, or None
+        None if Newton's method loses the curve, or the signs do not differ.
+    """
+    known: dict[float, tuple[Monitor, CurvePoint]] = {}
+    now = [monitor]
+
+    def value(s: float) -> float:
+        found = solve(start.problem, start.predicted(s), start.scale, start.tangent)
+        if found is None:
+            raise _LostError
+        point = CurvePoint.of(start.problem, found, start.scale)
+        its = same_monitor(point, now[0])
+        if its is None:  # it has arisen between: there it was below zero
+            return -1.0
+        now[0], known[s] = its, (its, point)
+        return its.value
+
+    try:
+        at = brentq(value, first, last, xtol=1e-14, rtol=1e-13)
+        if at not in known:
+            value(at)
+    except (_LostError, ValueError):
+        return None
+    its, point = known[at]
+    if point.tangent @ start.tangent < 0:
+        point = point.turned()
+    return its, point
+
+
+class _LostError(Exception):
+    """Newton's method lost the curve."""
+
+
+def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """The change of the contact sequence where a monitor is zero.
+
+    Parameters
+    ----------
+    monitor : Monitor
+        The monitor.
+    before : CurvePoint
+        The point where it is zero, its tangent towards the change.
+
+    Returns
+    -------
+    SequenceChange
+        With the point on the other side, if there is one.
+    """
+    if monitor.kind == "extremum":
+        return _with_new_events(monitor, before)
+    stops, i = before.problem.sequence.stops, monitor.arc
+    if stops[i - 1] != stops[i]:
+        return _exchanged(monitor, before)
+    return _without_events(monitor, before)
+
+
+def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """Two events are born at an extremum."""
+    problem, i, stop, n = before.problem, monitor.arc, monitor.stop, before.coordinates
+    sequence, shares = problem.sequence, before.shares.tolist()
+    began = sum(shares[:i])
+    shares[i : i + 1] = [monitor.time - began, 0.0, shares[i] - (monitor.time - began)]
+    stops = (*sequence.stops[:i], stop, stop, *sequence.stops[i:])
+    after = _on_duration(
+        replace(problem, sequence=ContactSequence(sequence.first, stops)),
+        np.concatenate([before.u[:n], shares[:-1], before.u[-1:]]),
+        i + 1,
+    )
+    kind: ChangeKind = "split" if stop in sequence.states[i] else "birth"
+    return SequenceChange(kind, (stop,), before, after)
+
+
+def _exchanged(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """Two events of different stops change their order."""
+    sequence, i = before.problem.sequence, monitor.arc
+    stops = list(sequence.stops)
+    stops[i - 1], stops[i] = stops[i], stops[i - 1]
+    problem = replace(before.problem, sequence=ContactSequence(sequence.first, tuple(stops)))
+    return SequenceChange("exchange", (stops[i], stops[i - 1]), before, _on_duration(problem, before.u, i))
+
+
+def _on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
+    """The point of a curve at which an arc has no duration, its tangent towards a longer one."""
+    row, scale = np.zeros(guess.size), scale_of(problem, guess)
+    at = guess.size - 1 - problem.events + arc
+    row[at] = 1.0
+    found = solve(problem, guess, scale, row)
+    if found is None:
+        return None
+    point = CurvePoint.of(problem, found, scale)
+    return point if point.tangent[at] > 0 else point.turned()
+
+
+def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """Two events of one stop vanish with the arc between them."""
+    problem, i, n = before.problem, monitor.arc, before.coordinates
+    sequence, shares = problem.sequence, before.shares.tolist()
+    stop, time = sequence.stops[i], sum(shares[:i])
+    kind: ChangeKind = "end" if stop in sequence.states[i] else "merge"
+    shares[i - 1 : i + 2] = [shares[i - 1] + shares[i] + shares[i + 1]]
+    stops = (*sequence.stops[: i - 1], *sequence.stops[i + 1 :])
+    problem = replace(problem, sequence=ContactSequence(sequence.first, stops))
+    guess = np.concatenate([before.u[:n], shares[:-1], before.u[-1:]])
+    monitor = Monitor("extremum", i - 1, stop, time, 0.0)
+    return SequenceChange(kind, (stop,), before, _at_graze(problem, guess, monitor))
+
+
+def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
+    """The point of a curve near a guess at which an extremum is zero, its tangent towards where it is below zero."""
+    near = nearest(problem, guess)
+    its = None if near is None else same_monitor(near, monitor)
+    if near is None or its is None:
+        return None
+    beside = near
+    step = problem.resolution.options.first_step
+    for length in (step, -step, 0.1 * step, -0.1 * step):
+        found = solve(problem, near.predicted(length), near.scale, near.tangent)
+        other = None if found is None else same_monitor(CurvePoint.of(problem, found, near.scale), its)
+        if other is not None and other.value != its.value:
+            slope = (other.value - its.value) / length
+            break
+    else:
+        return None
+    tolerance = problem.resolution.options.grazing_tolerance
+    if abs(its.value) > tolerance:  # the passages of the events that vanished have moved the curve
+        at = -its.value / slope
+        located = zero_along(near, its, 2 * at, 0.0) if at < 0 else zero_along(near, its, 0.0, 2 * at)
+        if located is None:
+            return None
+        beside = located[1]
+    return beside if slope < 0 else beside.turned()
+
+
+def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
+    """The point of a curve nearest to a guess of which no direction is known.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + M + 1,)
+        The unknowns to begin with.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent has either direction; None if Newton's method finds no point.
+    """
+    scale = scale_of(problem, guess)
+    J = problem.linearised(guess).jacobian * scale
+    sizes = np.abs(J).max(axis=1)
+    row = np.linalg.svd(J / np.where(sizes > 0, sizes, 1.0)[:, None])[2][-1]
+    found = solve(problem, guess, scale, row)
+    return None if found is None else CurvePoint.of(problem, found, scale)

@@ -1,0 +1,289 @@
+"""A whole branch from one of its motions: followed both ways, with its bifurcations, and what springs from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.curves.bifurcations import Bifurcation, Stretch, within
+from lapjoint.orbits.curves.continuation import End, Step, at_value, centred, follow
+from lapjoint.orbits.curves.halves import half_difference, meeting, springing
+from lapjoint.orbits.curves.point import CurvePoint
+from lapjoint.orbits.curves.resolution import ParameterRange, Resolution
+from lapjoint.orbits.curves.sequence_changes import SequenceChange, nearest
+from lapjoint.orbits.curves.starts import Start
+from lapjoint.orbits.half_periods import HalfPeriods
+
+_SAME = 1e-6
+"""Distance of two motions over their size up to which they are one: both are solved to 1e-9."""
+_GONE_ROUND = 3
+"""Least number of steps after which a curve may close to a ring."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a branch is followed."""
+
+    max_points: int = 5000
+    """Largest number of its points."""
+    progress: Callable[[float], None] | None = None
+    """Called with the share of the range, or of the points, that is behind."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A bifurcation, or a graze, of a curve."""
+
+    what: Bifurcation | SequenceChange
+    """What was located."""
+    index: int
+    """Number of points of the curve before it."""
+    after: str = ""
+    """What the curve does at a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``."""
+
+
+@dataclass
+class Way:
+    """A curve followed in one direction."""
+
+    points: list[CurvePoint]
+    """Its points in sequence, from the start."""
+    found: list[Found] = field(default_factory=list)
+    """Its bifurcations and grazes, in sequence."""
+    end: str = ""
+    """Why it ends."""
+    mother: Start | None = None
+    """The motion over half of the time where it ends as ``bifurcation``."""
+
+    def turned(self) -> Way:
+        """The same curve in the opposite direction.
+
+        Returns
+        -------
+        Way
+            Its grazes and bifurcations have the indices that belong to the opposite sequence.
+        """
+        count = len(self.points)
+        found = [replace(one, index=count - one.index) for one in reversed(self.found)]
+        return Way([point.turned() for point in reversed(self.points)], found, self.end, self.mother)
+
+
+@dataclass(frozen=True)
+class Traced:
+    """A branch, and the motions that lead to other branches."""
+
+    points: list[CurvePoint] = field(repr=False)
+    """Its points in sequence."""
+    found: list[Found]
+    """Its bifurcations and grazes, in sequence."""
+    ends: tuple[str, str]
+    """Why it ends at its first and its last point."""
+    starts: list[Start] = field(repr=False)
+    """A motion of each branch that springs from it, or that it springs from."""
+    springs: list[tuple[float, SectionPoint]] = field(repr=False)
+    """Where it springs from other branches, at either end: the parameter, and the motion."""
+    unsprung: list[Bifurcation] = field(repr=False)
+    """Its bifurcations from which a branch springs of which no motion was found."""
+
+
+def trace(of: ParameterRange, start: Start, most_multiple: int, limits: Limits | None = None) -> Traced | None:
+    """The branch of a motion.
+
+    Parameters
+    ----------
+    of : ParameterRange
+        The range.
+    start : Start
+        The motion.
+    most_multiple : int
+        Largest period multiple of branches that spring from this one.
+    limits : Limits, optional
+        How far it is followed.
+
+    Returns
+    -------
+    Traced, or None
+        None if Newton's method does not find the motion again.
+    """
+    limits = limits or Limits()
+    first = start.solved(of)
+    if first is None:
+        return None
+    ahead = one_way(of, first, limits)
+    left = replace(limits, max_points=max(limits.max_points - len(ahead.points), 1))
+    back = Way([first.turned()], end="closed") if ahead.end == "closed" else one_way(of, first.turned(), left)
+    before = back.turned()
+    shift = len(before.points) - 1
+    found = [*before.found, *(replace(one, index=one.index + shift) for one in ahead.found)]
+    starts, unsprung = list[Start](), list[Bifurcation]()
+    for one in found:
+        what = one.what
+        if isinstance(what, Bifurcation) and what.kind == "flip" and what.point.problem.half_periods <= most_multiple:
+            new = springing(what.point)
+            if new is None:
+                unsprung.append(what)
+            else:
+                starts.append(Start.at(new, (what.point.value, what.point.section())))
+    springs = [] if start.away_from is None else [start.away_from]
+    for way in (back, ahead):
+        if way.mother is not None:
+            springs.append((way.points[-1].value, way.points[-1].section()))
+            starts.append(way.mother)
+    return Traced([*before.points, *ahead.points[1:]], found, (back.end, ahead.end), starts, springs, unsprung)
+
+
+def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
+    """Follow a curve in the direction of a point's tangent, until it ends.
+
+    Parameters
+    ----------
+    of : ParameterRange
+        The range.
+    start : CurvePoint
+        The first point.
+    limits : Limits
+        How far it is followed.
+
+    Returns
+    -------
+    Way
+        The curve.
+    """
+    way, change, steps = Way([start]), list[SequenceChange](), 0
+    for step in _through_zones(of, start):
+        if isinstance(step, End):
+            way.end = step.reason
+            if change:
+                way.found.append(Found(change.pop(), len(way.points), "ends" if way.end == "graze" else "lost"))
+            break
+        if isinstance(step, SequenceChange):
+            if change:
+                way.found.append(Found(change.pop(), len(way.points), "persists"))
+            if step.kind != "exchange":
+                change.append(step)
+            continue
+        if change:
+            way.found.append(Found(change[0], len(way.points), _after(change.pop(), step)))
+        met = meeting(step)
+        if met is not None:
+            step = Stretch(step.start, met.point, step.length)
+        way.found += [Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)]
+        if met is not None:
+            way.points.append(met.point)
+            way.end, way.mother = "bifurcation", _mother(met.point, *met.halved())
+            break
+        if step.end.problem.sequence is step.start.problem.sequence and not _is_at_change(step.end):
+            way.points.append(step.end)
+        steps += 1
+        if steps > _GONE_ROUND and _closes(step, start):
+            way.end = "closed"
+            break
+        if len(way.points) >= limits.max_points:
+            way.end = "effort"
+            break
+        if limits.progress is not None:
+            limits.progress(_share(of, way, limits))
+    return way
+
+
+def _is_at_change(point: CurvePoint) -> bool:
+    """Whether a point lies on a change of the contact sequence."""
+    return bool((point.shares[1:-1] == 0).any())
+
+
+def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
+    """Whether a bifurcation is where a branch meets another, which both have."""
+    return abs(one.point.value - point.value) <= _SAME * point.problem.resolution.scale(point.value)
+
+
+def _mother(point: CurvePoint, problem: object, u: object) -> Start | None:
+    """The motion over half of the time, as a start of its own branch."""
+    found = nearest(problem, u)  # type: ignore[arg-type]
+    return None if found is None else replace(Start.at(found), direction=None)
+
+
+def _after(change: SequenceChange, step: Stretch) -> str:
+    """What a curve does at a graze: whether the parameter goes on in the direction in which it came."""
+    came = float(change.before.tangent[-1])
+    goes = step.end.value - change.value
+    return "persists" if came * goes > 0 else "folds"
+
+
+def _through_zones(of: ParameterRange, start: CurvePoint) -> Iterator[Step]:
+    """Follow a curve; where it comes to another zone, it goes on with the resolution of that zone."""
+    here: CurvePoint | None = start
+    while here is not None:
+        steps, here = follow(here), None
+        for step in steps:
+            yield step
+            if isinstance(step, Stretch):
+                other = of.resolution(step.end.value)
+                if other is not step.end.problem.resolution:
+                    here = at_resolution(step.end, other)
+                    if here is None:
+                        yield End("lost")
+                        return
+                    break
+
+
+def at_resolution(point: CurvePoint, resolution: Resolution) -> CurvePoint | None:
+    """A motion by another resolution of its solver.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    resolution : Resolution
+        The other one.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes in the same direction; None if the other one does not have the motion.
+    """
+    value, problem = point.value, point.problem
+    try:
+        section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
+        adopted = resolution.map(value).adopted(section)
+        if adopted.state != problem.sequence.first:
+            return None
+        coordinates = resolution.arcs(value).coordinates(adopted)
+        other = nearest(
+            replace(problem, resolution=resolution), np.concatenate([coordinates, point.u[point.coordinates :]])
+        )
+    except (InputError, SolverError):
+        return None
+    if other is None:
+        return None
+    n, m = point.coordinates, other.coordinates
+    same = float(point.tangent[n:] @ other.tangent[m:])
+    return other if same >= 0 else other.turned()
+
+
+def _closes(step: Stretch, start: CurvePoint) -> bool:
+    """Whether a step leads through the motion that a curve was started from, or its image some periods later."""
+    first, last = step.start.value - start.value, step.end.value - start.value
+    if step.end.problem.events != start.problem.events or first * last > 0:
+        return False
+    there = at_value(step.start, start.value, abs(step.length))
+    if there is None:
+        return False
+    half = HalfPeriods(start.problem.resolution.map(start.value))
+    mine = start.section()
+    try:
+        return any(half.apart(half.map.adopted(image), mine) <= _SAME for image in there.sections())
+    except (InputError, SolverError):
+        return False
+
+
+def _share(of: ParameterRange, way: Way, limits: Limits) -> float:
+    """The share of the range, or of the points allowed, that is behind."""
+    covered = abs(way.points[-1].value - way.points[0].value) / (of.high - of.low)
+    return min(max(covered, len(way.points) / limits.max_points), 1.0)
+
+
+__all__ = ["Found", "Limits", "Traced", "Way", "at_resolution", "centred", "half_difference", "one_way", "trace"]
