@@ -5,8 +5,8 @@ With the answer f(t) of the modes to the harmonics the deviations of its start a
 
     dy = w + f'(t) dt,    dt_i = dd_0 + ... + dd_(i-1),
 
-where w is what travels as the free motion does.  At the end the arc's own duration adds the rate of the motion, which is
-f'(t) and the rate of all the rest.  After the passage y_new = S y + b(t) the deviation is S dy + b'(t) dt, so that
+where w is what travels as the free motion does.  At the end the duration of the arc adds the rate of the motion, which
+is f'(t) and the rate of all the rest.  After the passage y_new = S y + b(t) the deviation is S dy + b'(t) dt, so that
 
     w_new = S w + (S f_old' + b' - f_new') dt
 
@@ -82,7 +82,7 @@ class JointArcs:
         _chain(
             tables, *route, time, np.ascontiguousarray(durations, dtype=float), rows, times, events, end_by, events_by
         )
-        starts = tuple(row[:size] for row, size in zip(rows, sizes.tolist()))
+        starts = tuple(row[:size] for row, size in zip(rows, sizes.tolist(), strict=False))
         end = rows[arcs, : end_by.shape[0]]
         return Chain(starts, times, end, events, *((end_by, events_by) if derivatives else ()))
 
