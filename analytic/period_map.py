@@ -20,6 +20,7 @@ from analytic.march import (
     march_periods,
     measure_growth,
 )
+from analytic.march.arcs import JointArcs
 from analytic.march.carried import size_of
 from analytic.march.change import Change
 from analytic.march.compiled import Log, new_log
@@ -68,6 +69,11 @@ class PeriodMap:
         """The excitation period, s."""
         assert self.problem.excitation_frequency is not None
         return 2 * math.pi / self.problem.excitation_frequency
+
+    @cached_property
+    def arcs(self) -> JointArcs:
+        """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`."""
+        return JointArcs(self.joint, self.period)
 
     @cached_property
     def lowest_damping_rate(self) -> float:

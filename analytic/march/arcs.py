@@ -1,0 +1,367 @@
+r"""A motion with a given contact sequence: arcs of given durations in closed form, whatever the gaps do meanwhile.
+
+Arc i begins at the time t_i with y = (q, v) in the modes of its contact state, and lasts d_i seconds, of either sign.
+With the answer f(t) of the modes to the harmonics the deviations of its start and end are
+
+    dy = w + f'(t) dt,    dt_i = dd_0 + ... + dd_(i-1),
+
+where w is what travels as the free motion does.  At the end the duration of the arc adds the rate of the motion, which
+is f'(t) and the rate of all the rest.  After the passage y_new = S y + b(t) the deviation is S dy + b'(t) dt, so that
+
+    w_new = S w + (S f_old' + b' - f_new') dt
+
+with one vector in the bracket for all durations before.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from analytic.march.joint import Joint
+from analytic.march.mean_rates import mean_rate_at_stop
+from analytic.march.switching import switch
+from analytic.march.tables import BoolArray, IntArray, Tables
+from analytic.march.tangent import flow
+from analytic.march.terms import drift_at_stops, set_phases, start_terms, state_from_terms, turn_exactly
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.compiled_arrays import complex_zeros, put, zeros
+from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.arcs import Chain, ContactSequence
+from lapjoint.orbits.compiled_intervals import Motion
+from lapjoint.problem import FloatArray, Problem
+
+
+class _Route(NamedTuple):
+    """A contact sequence as compiled functions take it: ``M`` events between ``M + 1`` arcs."""
+
+    slot: IntArray
+    """The contact state of each arc, shape ``(M + 1,)``."""
+    stop: IntArray
+    """The stop that switches at each event, shape ``(M,)``."""
+    returning: BoolArray
+    """Whether it is the stop of the event before, shape ``(M,)``."""
+
+
+@dataclass(frozen=True)
+class JointArcs:
+    """The arcs of a joint whose excitation has a period; see `lapjoint.orbits.arcs.Arcs`."""
+
+    joint: Joint
+    period: float
+    """The excitation period, s."""
+
+    @property
+    def problem(self) -> Problem:
+        """The problem."""
+        return self.joint.problem
+
+    @in_one_thread
+    def chain(
+        self,
+        sequence: ContactSequence,
+        start: FloatArray,
+        time: float,
+        durations: FloatArray,
+        derivatives: bool = True,
+    ) -> Chain:
+        """Follow the arcs of a contact sequence. See `lapjoint.orbits.arcs.Arcs.chain`."""
+        route = self._route(sequence)
+        tables, arcs, n = self.joint.tables, route.slot.size, start.size
+        rows, times, events = np.empty((arcs + 1, 2 * tables.kind.shape[1])), np.empty(arcs), np.empty(arcs - 1)
+        rows[0, :n] = start
+        sizes = 2 * tables.modes[route.slot]
+        columns = n + arcs if derivatives else 0
+        end_by, events_by = np.zeros((int(sizes[-1]), columns)), np.zeros((arcs - 1, columns))
+        _chain(
+            tables, *route, time, np.ascontiguousarray(durations, dtype=float), rows, times, events, end_by, events_by
+        )
+        starts = tuple(row[:size] for row, size in zip(rows, sizes.tolist(), strict=False))
+        end = rows[arcs, : end_by.shape[0]]
+        return Chain(starts, times, end, events, *((end_by, events_by) if derivatives else ()))
+
+    def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
+        """The displacement at the stops as sums of exponentials. See `lapjoint.orbits.arcs.Arcs.motion`."""
+        route = self._route(sequence)
+        tables = self.joint.tables
+        M, U, K = route.slot.size, tables.forced.shape[1], int(tables.terms[route.slot].max()) + tables.omega.size
+        rows = np.zeros((M, 2 * tables.kind.shape[1]))
+        for row, start in zip(rows, chain.starts, strict=True):
+            row[: start.size] = start
+        motion = Motion(
+            start=chain.times - chain.times[0],
+            duration=np.array(durations, dtype=float),
+            rates=np.zeros((M, K), dtype=complex),
+            amplitudes=np.zeros((M, K), dtype=complex),
+            weights=np.zeros((M, U, K), dtype=complex),
+            polynomial=np.empty((M, U, 3)),
+            orientation=np.where(tables.closed[route.slot], -1.0, 1.0),
+        )
+        _write_motion(tables, route.slot, chain.times, rows, motion)
+        return motion
+
+    def later(self, state: ContactState, start: FloatArray, time: float, duration: float) -> FloatArray:
+        """The motion some time later in the same state. See `lapjoint.orbits.arcs.Arcs.later`."""
+        return self.chain(ContactSequence(state), start, time, np.array([duration]), derivatives=False).end
+
+    def point(self, state: ContactState, coordinates: FloatArray) -> SectionPoint:
+        """A state of the motion as a section point. See `lapjoint.orbits.arcs.Arcs.point`."""
+        return SectionPoint(state, coordinates.reshape(2, -1).copy())
+
+    def coordinates(self, point: SectionPoint) -> FloatArray:
+        """The coordinates of a section point. See `lapjoint.orbits.arcs.Arcs.coordinates`."""
+        return point.coordinates.flatten()
+
+    def unit_norms(self, state: ContactState) -> FloatArray:
+        """Sizes of units of the coordinates. See `lapjoint.orbits.arcs.Arcs.unit_norms`."""
+        n = self.joint.count(state)
+        return np.repeat([1.0, self.period / (2 * math.pi)], n)
+
+    def _route(self, sequence: ContactSequence) -> _Route:
+        """The slots of a sequence, of which every switch is made known."""
+        joint, states = self.joint, sequence.states
+        slots = np.array([joint.slot(state) for state in states], dtype=np.int64)
+        for slot, stop in zip(slots.tolist(), sequence.stops, strict=False):
+            if joint.tables.next_slot[slot, stop] < 0:
+                joint.connect(slot, stop)
+        return _Route(slots, np.array(sequence.stops, dtype=np.int64), np.array(sequence.returning, dtype=np.bool_))
+
+
+@njit_called(vectorised=True)
+def _chain(
+    tables: Tables,
+    slots: IntArray,
+    stops: IntArray,
+    returning: BoolArray,
+    time: float,
+    durations: FloatArray,
+    rows: FloatArray,
+    times: FloatArray,
+    events: FloatArray,
+    end_by: FloatArray,
+    events_by: FloatArray,
+) -> None:
+    """Follow ``M + 1`` arcs.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slots, stops, returning : ndarray
+        As `_Route` has them.
+    time : float
+        When the first arc begins, s.
+    durations : FloatArray, shape (M + 1,)
+        How long each arc lasts, s.
+    rows : FloatArray, shape (M + 2, 2 N)
+        Has (q, v) at the first start; takes those at each start, and at the end, each as its state has modes.
+    times : FloatArray, shape (M + 1,)
+        Takes when each arc begins, s.
+    events : FloatArray, shape (M,)
+        Takes the left sides of the equations, m or m/s.
+    end_by, events_by : FloatArray, shape (2 N_end, n + M + 1) and (M, n + M + 1)
+        Take the derivatives; without columns, they are not asked for.
+    """
+    most, arcs, n = tables.kind.shape[1], slots.size, end_by.shape[1] - slots.size
+    theta, after, unturned = complex_zeros(tables.omega.size), complex_zeros(tables.omega.size), complex_zeros(0)
+    first, term, poly = complex_zeros(2 * most), complex_zeros(2 * most), zeros((most, 3))
+    q, v, row, rates = zeros(most), zeros(most), zeros(2 * most), zeros(2 * most)
+    here = zeros((2 * tables.modes[slots[0]], max(n, 0)))
+    for j in range(here.shape[1]):
+        here[j, j] = 1.0
+    _read(rows[0], tables.modes[slots[0]], q, v)
+    set_phases(tables, time, theta)
+    for i in range(arcs):
+        slot, d, size = slots[i], durations[i], tables.modes[slots[i]]
+        times[i] = time
+        start_terms(tables, slot, theta, q, v, first, poly)
+        put(term, first)
+        turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], d, term, unturned)
+        time += d
+        set_phases(tables, time, after)
+        state_from_terms(tables, slot, after, d, term, poly, q, v)
+        there = here
+        if n >= 0:
+            there = zeros((2 * size, n + i + 1))
+            live = flow(tables, slot, d, here, there)
+            _free_rates(tables, slot, d, term, poly, rates)
+            for j in range(2 * size):
+                there[j, n + i] = rates[j]
+        if i == arcs - 1:
+            break
+        k = stops[i]
+        u, sign = tables.position[k], tables.sign[k]
+        if returning[i]:
+            events[i], by_duration, by_time = mean_rate_at_stop(tables, slot, u, d, theta, first, poly, row)
+            events[i] *= sign
+            if n >= 0:
+                _apply(row, sign, here, n, by_time, events_by[i])
+                events_by[i, n + i] = sign * by_duration
+        else:
+            z, by_time = _at_stop(tables, slot, u, after, q, row)
+            events[i] = sign * z - tables.gap[k]
+            if n >= 0:
+                _apply(row, sign, there, n, by_time, events_by[i])
+        switch(tables, slot, k, after, q, v)
+        if n >= 0:
+            here = _passed(tables, slot, k, after, live, n, there)
+        put(theta, after)
+        _write(rows[i + 1], tables.modes[slots[i + 1]], q, v)
+    last = slots[arcs - 1]
+    _write(rows[arcs], tables.modes[last], q, v)
+    if n >= 0:
+        _forced_rates(tables, last, after, rates)
+        for j in range(2 * tables.modes[last]):
+            put(end_by[j], there[j])
+            for c in range(n, end_by.shape[1]):
+                end_by[j, c] += rates[j]
+
+
+@njit_inner()
+def _read(row: FloatArray, n: int, q: FloatArray, v: FloatArray) -> None:
+    """Read displacements and velocities of `n` modes that follow each other."""
+    for i in range(n):
+        q[i], v[i] = row[i], row[n + i]
+
+
+@njit_inner()
+def _write(row: FloatArray, n: int, q: FloatArray, v: FloatArray) -> None:
+    """Write displacements and velocities of `n` modes, one after the other."""
+    for i in range(n):
+        row[i], row[n + i] = q[i], v[i]
+
+
+@njit_inner()
+def _free_rates(tables: Tables, slot: int, s: float, term: ComplexArray, poly: FloatArray, rates: FloatArray) -> None:
+    """Write d(q, v)/dt, shape ``(2 N,)``, but for the answer to the harmonics; `term` is that of the time `s`."""
+    n = tables.modes[slot]
+    for i in range(n):
+        rates[i], rates[n + i] = poly[i, 1] + 2 * s * poly[i, 2], 2 * poly[i, 2]
+    for t in range(tables.terms[slot]):
+        i, rate = tables.mode_of[slot, t], tables.root[slot, t] * term[t]
+        rates[i] += rate.real
+        rates[n + i] += (tables.root[slot, t] * rate).real
+
+
+@njit_inner()
+def _forced_rates(tables: Tables, slot: int, theta: ComplexArray, rates: FloatArray) -> None:
+    """Write d(q, v)/dt of the answer to the harmonics at phases `theta`, shape ``(2 N,)``."""
+    n = tables.modes[slot]
+    for i in range(n):
+        rates[i], rates[n + i] = 0.0, 0.0
+    for h in range(theta.size):
+        omega = tables.omega[h]
+        for i in range(n):
+            wave = tables.harmonic[slot, h, i] * theta[h]
+            rates[i] += omega * wave.real
+            rates[n + i] -= omega * omega * wave.imag
+
+
+@njit_inner()
+def _at_stop(
+    tables: Tables, slot: int, u: int, theta: ComplexArray, q: FloatArray, row: FloatArray
+) -> tuple[float, float]:
+    """The displacement at a position of stops, m, and its derivatives.
+
+    `row`, shape ``(2 N,)``, takes those by (q, v), kg^-1/2; the second number is that by time while (q, v) less the
+    answer to the harmonics stays, m/s.
+    """
+    n = tables.modes[slot]
+    z, by_time = tables.constant[slot, u], 0.0
+    for h in range(theta.size):
+        wave: complex = tables.forced[slot, u, h]
+        by_time += tables.omega[h] * (wave * theta[h]).real
+        for i in range(n):
+            wave -= tables.weight[slot, u, i] * tables.harmonic[slot, h, i]
+        z += (wave * theta[h]).imag
+    for i in range(n):
+        z += tables.weight[slot, u, i] * q[i]
+        row[i], row[n + i] = tables.weight[slot, u, i], 0.0
+    return z, by_time
+
+
+@njit_inner()
+def _apply(row: FloatArray, sign: float, w: FloatArray, n: int, by_time: float, values: FloatArray) -> None:
+    """Write `sign` times the product of a row with deviations, and with dt, 1 in the columns from `n` on."""
+    for c in range(w.shape[1]):
+        values[c] = sign * by_time if c >= n else 0.0
+    for j in range(w.shape[0]):
+        factor = sign * row[j]
+        if factor != 0.0:
+            for c in range(w.shape[1]):
+                values[c] += factor * w[j, c]
+
+
+@njit_inner()
+def _passed(tables: Tables, old: int, k: int, theta: ComplexArray, live: int, n: int, there: FloatArray) -> FloatArray:
+    """Deviations w after a stop has switched, of those before, of which modes from `live` on are zero."""
+    new = tables.next_slot[old, k]
+    n_old, n_new, columns = tables.modes[old], tables.modes[new], there.shape[1]
+    row = tables.passage[old, k]
+    S, onto, here = tables.carry[row], tables.carry_residual[row], zeros((2 * n_new, columns))
+    part = zeros((n_new, live))
+    for j in range(n_new):
+        for i in range(live):
+            part[j, i] = S[j, i]
+    if live > 0:
+        np.dot(part, there[:live], here[:n_new])
+        np.dot(part, there[n_old : n_old + live], here[n_new:])
+    before, jump = zeros(2 * n_old), zeros(2 * n_new)
+    _forced_rates(tables, old, theta, before)
+    _forced_rates(tables, new, theta, jump)
+    for j in range(n_new):
+        x, y = -jump[j], -jump[n_new + j]
+        for i in range(n_old):
+            x += S[j, i] * before[i]
+            y += S[j, i] * before[n_old + i]
+        for h in range(theta.size):
+            x += onto[1 + h, j] * tables.omega[h] * theta[h].real
+            y -= onto[1 + h, j] * tables.omega[h] ** 2 * theta[h].imag
+        for c in range(n, columns):
+            here[j, c] += x
+            here[n_new + j, c] += y
+    return here
+
+
+@njit_called()
+def _write_motion(tables: Tables, slots: IntArray, times: FloatArray, rows: FloatArray, motion: Motion) -> None:
+    """Write the terms of arcs at the positions of the stops.
+
+    Parameters
+    ----------
+    tables : Tables
+        The states of the joint.
+    slots : IntArray, shape (S,)
+        The contact state of each arc.
+    times : FloatArray, shape (S,)
+        When each begins, s.
+    rows : FloatArray, shape (S, 2 N)
+        (q, v) at its start.
+    motion : Motion
+        Its `rates`, `amplitudes`, `weights` and `polynomial` are written.
+    """
+    most, theta = tables.kind.shape[1], complex_zeros(tables.omega.size)
+    q, v, poly = zeros(most), zeros(most), zeros((most, 3))
+    for i in range(slots.size):
+        slot, free = slots[i], tables.terms[slots[i]]
+        _read(rows[i], tables.modes[slot], q, v)
+        set_phases(tables, times[i], theta)
+        start_terms(tables, slot, theta, q, v, motion.amplitudes[i], poly)
+        drift_at_stops(tables, slot, poly, motion.polynomial[i])
+        for t in range(free):
+            motion.rates[i, t] = tables.root[slot, t]
+        for h in range(theta.size):
+            motion.rates[i, free + h] = complex(0.0, tables.omega[h])
+            motion.amplitudes[i, free + h] = theta[h]
+        for u in range(motion.weights.shape[1]):
+            for t in range(free):
+                motion.weights[i, u, t] = tables.weight[slot, u, t]
+            for h in range(theta.size):
+                forced = tables.forced[slot, u, h]
+                motion.weights[i, u, free + h] = complex(forced.imag, -forced.real)
