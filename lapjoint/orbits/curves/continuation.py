@@ -73,7 +73,7 @@ def follow(start: CurvePoint) -> Iterator[Step]:
             if last.after.problem.events > options.max_contacts:
                 yield End("contacts", last)
                 return
-            here, step = centred(last.after), options.first_step
+            here, step = centred(last.after), max(0.5 * step, options.first_step)
             continue
         yield Stretch(here, new, length)
         if at_boundary:

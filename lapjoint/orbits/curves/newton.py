@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, LinAlgWarning, lu_factor, lu_solve
 
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem, Linearisation
@@ -65,17 +64,15 @@ def solve(
             b[-1] = -float(row @ ((u - guess) / scale))
             if not (np.isfinite(A).all() and np.isfinite(b).all()):
                 return None
-            factors = lu_factor(A, check_finite=False)
-            step = lu_solve(factors, b, check_finite=False)
+            step, tangent = np.linalg.solve(A, np.stack([b, last], axis=1)).T
             length = float(np.linalg.norm(step))
             if not length <= min(options.newton_radius, 2 * shortest):
                 return None
             shortest = min(shortest, length)
             u = u + step * scale
             if length <= options.newton_tolerance:
-                tangent = lu_solve(factors, last, check_finite=False)
                 return Solution(u, found, tangent / np.linalg.norm(tangent))
-    except (InputError, SolverError, LinAlgError, LinAlgWarning, np.linalg.LinAlgError):  # no such problem, or motion
+    except (InputError, SolverError, np.linalg.LinAlgError):  # no such problem, or motion
         return None
     return None
 

@@ -13,7 +13,7 @@ class ContinuationOptions:
 
     first_step: float = 1e-3
     """Arclength of the first step from a start."""
-    largest_step: float = 0.1
+    largest_step: float = 0.3
     """Largest arclength of a step: a tenth of the size of the motion."""
     smallest_step: float = 1e-9
     """Arclength of a step below which the curve counts as lost: steps of rounding size, 1e-12, lead nowhere."""
@@ -31,7 +31,8 @@ class ContinuationOptions:
     section_margin: float = 0.15
     """Least share of the arc that holds the section on either side of the section, before the section is moved."""
     grazing_tolerance: float = 1e-11
-    """Distance of an extremum from its stop, over the stop's gap or the motion's size, that counts as zero."""
+    """Distance of an extremum from its stop, over the stop's gap or the motion's size, that counts as zero at least:
+    rounding of sums of many terms."""
     max_contacts: int = 200
     """Largest number of switches of a contact sequence: a branch with more accumulates contacts, and ends."""
 

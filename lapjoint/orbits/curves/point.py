@@ -13,7 +13,7 @@ from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.compiled_extrema import gap_extrema
 from lapjoint.orbits.branches.gap_extrema import stops_of
-from lapjoint.orbits.compiled_intervals import IndexArray
+from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem, Linearisation
 from lapjoint.orbits.curves.newton import Solution
 from lapjoint.problem import FloatArray
@@ -37,6 +37,8 @@ class GapExtrema:
     violation: FloatArray
     """Distance beyond the stop, over its gap or, without one, over the motion there; above zero where the contact
     sequence lacks two events, shape ``(m,)``."""
+    lost: float
+    """The largest displacement of a stop, compared likewise, that a passage from one contact state to the next loses."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,11 @@ class CurvePoint:
         return self.durations / self.problem.length(self.u)
 
     @property
+    def tolerance(self) -> float:
+        """Violation up to which an extremum touches its stop and no more: what passages lose of the motion, at least."""
+        return max(self.problem.resolution.options.grazing_tolerance, 10 * self.extrema.lost)
+
+    @property
     def multipliers(self) -> ComplexArray:
         """Eigenvalues of the derivative over the motion's half periods, shape ``(n,)``."""
         return self.linearisation.multipliers
@@ -118,7 +125,7 @@ class CurvePoint:
         structure = arcs.problem.structure
         if not structure.stops:
             none = np.zeros(0, dtype=np.intp)
-            return GapExtrema(none, none, np.zeros(0), np.zeros(0))
+            return GapExtrema(none, none, np.zeros(0), np.zeros(0), 0.0)
         motion, (stops, _) = arcs.motion(self.problem.sequence, chain, self.durations), stops_of(structure)
         stop, time, value, highest = gap_extrema(motion, stops)
         began = motion.start[motion.duration > 0]
@@ -126,8 +133,24 @@ class CurvePoint:
         is_open = motion.orientation[arc, stop] > 0
         sizes = self._sizes(stops.gap)
         keep: npt.NDArray[np.bool_] = highest == is_open
+        levels = self._levels(motion, stops)
+        value = value - levels[arc, stop]
         violation = np.where(is_open, value, -value) / sizes[stop]
-        return GapExtrema(arc[keep], stop[keep], time[keep], violation[keep])
+        lost = float((np.abs(levels) / sizes).max(initial=0.0))
+        return GapExtrema(arc[keep], stop[keep], time[keep], violation[keep], lost)
+
+    def _levels(self, motion: Motion, stops: Stops) -> FloatArray:
+        """Value at which each stop switches in each arc, m, shape ``(M + 1, P)``.
+
+        A stop that has just switched returns to where it began; that is 0 but for what a passage loses of the motion.
+        """
+        levels, switched = np.zeros(motion.orientation.shape), np.array(self.problem.sequence.stops, dtype=np.intp)
+        if switched.size:
+            arcs, place = np.arange(1, switched.size + 1), stops.place[switched]
+            waves = (motion.weights[arcs, place] * motion.amplitudes[arcs]).real.sum(axis=1)
+            z = waves + motion.polynomial[arcs, place, 0]
+            levels[arcs, switched] = stops.sign[switched] * z - stops.gap[switched]
+        return levels
 
     def _sizes(self, gaps: FloatArray) -> FloatArray:
         """What distances from stops are compared with: their gaps, or the largest of them, or a size of the motion."""
@@ -241,9 +264,9 @@ def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatAr
     shift = 0.5 * (durations[arc] if arc else durations[0] - durations[-1])
     problem, u = _at_section(point.problem, point.u, arc, shift)
     ahead = point.predicted(_BESIDE)
-    moved = float(_began(point.problem, ahead, arc) - _began(point.problem, point.u, arc))
-    _, there = _at_section(point.problem, ahead, arc, shift - moved, problem.phase)
-    return problem, u, there - u
+    periods = (_began(point.problem, point.u, arc) + shift) / point.problem.arcs(point.u).period
+    later = periods * point.problem.arcs(ahead).period - _began(point.problem, ahead, arc)  # at the same phase
+    return problem, u, _at_section(point.problem, ahead, arc, later)[1] - u
 
 
 def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
@@ -252,7 +275,7 @@ def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
 
 
 def _at_section(
-    problem: BoundaryProblem, u: FloatArray, arc: int, shift: float, phase: float | None = None
+    problem: BoundaryProblem, u: FloatArray, arc: int, shift: float
 ) -> tuple[BoundaryProblem, FloatArray]:
     """The same motion with the section some time after the start of an arc, from 0 to M - 1, or before the first one."""
     arcs, chain, sequence = problem.arcs(u), problem.chain(u), problem.sequence
@@ -269,7 +292,6 @@ def _at_section(
     else:
         lengths = [durations[0] - shift, *durations[1:-1]]
     order = ContactSequence(sequence.states[arc], (*stops[arc:], *image))
-    if phase is None:
-        phase = ((float(chain.times[arc]) + shift) / arcs.period) % 1.0
+    phase = ((float(chain.times[arc]) + shift) / arcs.period) % 1.0
     moved = replace(problem, sequence=order, phase=phase)
     return moved, np.concatenate([start, np.array(lengths) / problem.length(u), u[-1:]])

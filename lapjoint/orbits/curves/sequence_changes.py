@@ -81,14 +81,14 @@ def violated(point: CurvePoint) -> list[Monitor]:
     list of Monitor
         Empty if the motion has the contact sequence that it was solved with.
     """
-    tolerance, shares = point.problem.resolution.options.grazing_tolerance, point.shares
+    shares = point.shares
     found = [
         Monitor("duration", i, -1, 0.0, float(-shares[i]))
         for i in range(1, point.problem.events)
-        if shares[i] < -tolerance
+        if shares[i] < 0
     ]
     its, length = point.extrema, point.problem.length(point.u)
-    for i in np.flatnonzero(its.violation > tolerance):
+    for i in np.flatnonzero(its.violation > point.tolerance):
         found.append(
             Monitor(
                 "extremum", int(its.arc[i]), int(its.stop[i]), float(its.time[i]) / length, float(its.violation[i])
@@ -98,7 +98,7 @@ def violated(point: CurvePoint) -> list[Monitor]:
 
 
 def same_monitor(point: CurvePoint, monitor: Monitor) -> Monitor | None:
-    """A monitor as another point of the same curve has it.
+    """A monitor as another point of the same curve has it: of several extrema of an arc the one farthest beyond.
 
     Parameters
     ----------
@@ -118,9 +118,9 @@ def same_monitor(point: CurvePoint, monitor: Monitor) -> Monitor | None:
     mine = np.flatnonzero((its.stop == monitor.stop) & (its.arc == monitor.arc))
     if not mine.size:
         return None
-    time = its.time[mine] / point.problem.length(point.u)
-    best = int(np.argmin(np.abs(time - monitor.time)))
-    return monitor._replace(time=float(time[best]), value=float(its.violation[mine[best]]))
+    best = int(mine[np.argmax(its.violation[mine])])
+    time = float(its.time[best]) / point.problem.length(point.u)
+    return monitor._replace(time=time, value=float(its.violation[best]))
 
 
 def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Monitor, CurvePoint] | None:
@@ -149,14 +149,10 @@ def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Mon
             return best
         best, seen = located, seen + 1
         upper = float(start.tangent @ ((located[1].u - start.u) / start.scale))
-        there = [one for one in violated(located[1]) if not _is_same(one, located[0])]
+        there = [one for one in violated(located[1]) if one[:3] != located[0][:3]]
         if seen > end.problem.events + len(end.extrema.stop):
             return None
     return best
-
-
-def _is_same(one: Monitor, other: Monitor) -> bool:
-    return one[:3] == other[:3] and abs(one.time - other.time) < 1e-6
 
 
 def _estimate(start: CurvePoint, monitor: Monitor, length: float) -> float:
@@ -180,7 +176,14 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
         if abs(float(start.tangent @ ((point.u - start.u) / start.scale)) - at) > (1 + _ACROSS) * length:
             return None
         return monitor._replace(value=0.0), point if point.tangent @ start.tangent > 0 else point.turned()
-    return zero_along(start, monitor, 0.0, length)
+    before = same_monitor(start, monitor)
+    if before is None or before.value < 0:
+        return zero_along(start, monitor, 0.0, length)
+    for back in (0.1, 1.0, 10.0):  # it has been beyond its stop by less than the tolerance
+        located = zero_along(start, before, -back * length, 0.0)
+        if located is not None:
+            return located
+    return None
 
 
 def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -> tuple[Monitor, CurvePoint] | None:
@@ -201,17 +204,16 @@ def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -
         None if Newton's method loses the curve, or the signs do not differ.
     """
     known: dict[float, tuple[Monitor, CurvePoint]] = {}
-    now = [monitor]
 
     def value(s: float) -> float:
         found = solve(start.problem, start.predicted(s), start.scale, start.tangent)
         if found is None:
             raise _LostError
         point = CurvePoint.of(start.problem, found, start.scale)
-        its = same_monitor(point, now[0])
-        if its is None:  # it has arisen between: there it was below zero
+        its = same_monitor(point, monitor)
+        if its is None:  # it arises farther on, below zero
             return -1.0
-        now[0], known[s] = its, (its, point)
+        known[s] = its, point
         return its.value
 
     try:
@@ -220,6 +222,8 @@ def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -
             value(at)
     except (_LostError, ValueError):
         return None
+    if at not in known or abs(known[at][0].value) > known[at][1].tolerance:
+        return None  # it appears beyond its stop
     its, point = known[at]
     if point.tangent @ start.tangent < 0:
         point = point.turned()
@@ -320,8 +324,7 @@ def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> 
             break
     else:
         return None
-    tolerance = problem.resolution.options.grazing_tolerance
-    if abs(its.value) > tolerance:  # the passages of the events that vanished have moved the curve
+    if abs(its.value) > problem.resolution.options.grazing_tolerance:  # the passages of the events that vanished have moved the curve
         at = -its.value / slope
         located = zero_along(near, its, 2 * at, 0.0) if at < 0 else zero_along(near, its, 0.0, 2 * at)
         if located is None:
