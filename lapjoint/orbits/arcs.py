@@ -44,7 +44,7 @@ class ContactSequence:
     @cached_property
     def returning(self) -> tuple[bool, ...]:
         """Whether the event before each event was of the same stop, ``M`` of them."""
-        before = (-1, *self.stops[:-1])
+        before = (-1, *self.stops)[:-1]
         return tuple(stop == other for stop, other in zip(self.stops, before, strict=True))
 
 
