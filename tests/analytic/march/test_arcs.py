@@ -114,7 +114,7 @@ def assert_events_are_those_of_the_march(motion: March, arcs: JointArcs, point: 
     shifted = rounding * size(chain.end_by[:, n:])
     assert size(chain.end - motion.end.y) <= 1e-12 * size(motion.end.y) + shifted
     misses = np.abs(chain.events - events_of_the_march(arcs, sequence, chain, durations))
-    allowed = rounding * np.abs(chain.events_by[:, n:]).max(axis=1)
+    allowed = rounding * np.abs(chain.events_by[:, n:]).sum(axis=1)
     gaps = np.array([stop.gap for stop in arcs.problem.stops])[list(sequence.stops)]
     located = 1e-11 * gaps / np.where(sequence.returning, durations[:-1], 1.0)
     assert (misses <= located + allowed).all()  # a switch is located to 1e-13 of a unit of time
