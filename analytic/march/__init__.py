@@ -4,6 +4,7 @@
 form, `tables` its flat view, `known_states` the states that a family of problems has met, and `joint` those of one
 problem.  `terms`, `gap_function`, `step_bound`, `segment`, `deepest`, `switching`, `compiled` and `carried`
 are the compiled march, from the inside out.
+`arcs` follows a motion with a given contact sequence, whatever the gaps do, with `mean_rates` for its equations.
 `coordinates` says where a motion is; `march`, `periods`, `tangent`, `growth` and `gap_view` are what Python calls;
 `field` and `contacts` make a History of it; `initial_state` gives states to start from.
 """

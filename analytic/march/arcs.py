@@ -80,9 +80,17 @@ class JointArcs:
         columns = n + arcs if derivatives else 0
         end_by, events_by = np.zeros((int(sizes[-1]), columns)), np.zeros((arcs - 1, columns))
         _chain(
-            tables, *route, time, np.ascontiguousarray(durations, dtype=float), rows, times, events, end_by, events_by
+            tables,
+            *route,
+            float(time),
+            np.ascontiguousarray(durations, dtype=float),
+            rows,
+            times,
+            events,
+            end_by,
+            events_by,
         )
-        starts = tuple(row[:size] for row, size in zip(rows, sizes.tolist(), strict=False))
+        starts = tuple(row[:size] for row, size in zip(rows[:-1], sizes.tolist(), strict=True))
         end = rows[arcs, : end_by.shape[0]]
         return Chain(starts, times, end, events, *((end_by, events_by) if derivatives else ()))
 
@@ -127,7 +135,7 @@ class JointArcs:
         """The slots of a sequence, of which every switch is made known."""
         joint, states = self.joint, sequence.states
         slots = np.array([joint.slot(state) for state in states], dtype=np.int64)
-        for slot, stop in zip(slots.tolist(), sequence.stops, strict=False):
+        for slot, stop in zip(slots[:-1].tolist(), sequence.stops, strict=True):
             if joint.tables.next_slot[slot, stop] < 0:
                 joint.connect(slot, stop)
         return _Route(slots, np.array(sequence.stops, dtype=np.int64), np.array(sequence.returning, dtype=np.bool_))
@@ -168,11 +176,12 @@ def _chain(
     end_by, events_by : FloatArray, shape (2 N_end, n + M + 1) and (M, n + M + 1)
         Take the derivatives; without columns, they are not asked for.
     """
-    most, arcs, n = tables.kind.shape[1], slots.size, end_by.shape[1] - slots.size
+    most, arcs, carried = tables.kind.shape[1], slots.size, end_by.shape[1] > 0
+    n = max(end_by.shape[1] - arcs, 0)
     theta, after, unturned = complex_zeros(tables.omega.size), complex_zeros(tables.omega.size), complex_zeros(0)
     first, term, poly = complex_zeros(2 * most), complex_zeros(2 * most), zeros((most, 3))
     q, v, row, rates = zeros(most), zeros(most), zeros(2 * most), zeros(2 * most)
-    here = zeros((2 * tables.modes[slots[0]], max(n, 0)))
+    here = zeros((2 * tables.modes[slots[0]], n))
     for j in range(here.shape[1]):
         here[j, j] = 1.0
     _read(rows[0], tables.modes[slots[0]], q, v)
@@ -187,7 +196,7 @@ def _chain(
         set_phases(tables, time, after)
         state_from_terms(tables, slot, after, d, term, poly, q, v)
         there = here
-        if n >= 0:
+        if carried:
             there = zeros((2 * size, n + i + 1))
             live = flow(tables, slot, d, here, there)
             _free_rates(tables, slot, d, term, poly, rates)
@@ -200,22 +209,22 @@ def _chain(
         if returning[i]:
             events[i], by_duration, by_time = mean_rate_at_stop(tables, slot, u, d, theta, first, poly, row)
             events[i] *= sign
-            if n >= 0:
+            if carried:
                 _apply(row, sign, here, n, by_time, events_by[i])
                 events_by[i, n + i] = sign * by_duration
         else:
             z, by_time = _at_stop(tables, slot, u, after, q, row)
             events[i] = sign * z - tables.gap[k]
-            if n >= 0:
+            if carried:
                 _apply(row, sign, there, n, by_time, events_by[i])
         switch(tables, slot, k, after, q, v)
-        if n >= 0:
+        if carried:
             here = _passed(tables, slot, k, after, live, n, there)
         put(theta, after)
         _write(rows[i + 1], tables.modes[slots[i + 1]], q, v)
     last = slots[arcs - 1]
     _write(rows[arcs], tables.modes[last], q, v)
-    if n >= 0:
+    if carried:
         _forced_rates(tables, last, after, rates)
         for j in range(2 * tables.modes[last]):
             put(end_by[j], there[j])

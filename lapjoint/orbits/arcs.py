@@ -1,4 +1,4 @@
-"""Arcs: a motion with a given contact sequence, as a solver continues it in closed form, whatever the gaps do meanwhile.
+"""Arcs: a motion with a given contact sequence, continued in closed form, whatever the gaps do meanwhile.
 
 A *contact sequence* names the stop that switches at the end of each arc.  Between two switches the motion follows the
 closed form of one contact state for a given duration, so the end of a chain of arcs is a smooth function of the start
@@ -44,7 +44,8 @@ class ContactSequence:
     @cached_property
     def returning(self) -> tuple[bool, ...]:
         """Whether the event before each event was of the same stop, ``M`` of them."""
-        return tuple(i > 0 and stop == self.stops[i - 1] for i, stop in enumerate(self.stops))
+        before = (-1, *self.stops)[:-1]
+        return tuple(stop == other for stop, other in zip(self.stops, before, strict=True))
 
 
 @dataclass(frozen=True)

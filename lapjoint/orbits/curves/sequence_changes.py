@@ -23,6 +23,8 @@ from lapjoint.problem import FloatArray
 
 ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
 """A contact begins or ends at a graze, a contact splits into two or two merge, or two events change their order."""
+_SECANTS = 8
+"""Largest number of secant steps to a zero that lies near, of which two or three are needed."""
 _ACROSS = 0.5
 """Share of a step, beyond its ends, within which a change that lies in the step may be located."""
 
@@ -314,23 +316,22 @@ def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> 
     its = None if near is None else same_monitor(near, monitor)
     if near is None or its is None:
         return None
-    beside = near
-    step = problem.resolution.options.first_step
-    for length in (step, -step, 0.1 * step, -0.1 * step):
-        found = solve(problem, near.predicted(length), near.scale, near.tangent)
-        other = None if found is None else same_monitor(CurvePoint.of(problem, found, near.scale), its)
-        if other is not None and other.value != its.value:
-            slope = (other.value - its.value) / length
-            break
-    else:
-        return None
-    if abs(its.value) > problem.resolution.options.grazing_tolerance:  # the passages of the events that vanished have moved the curve
-        at = -its.value / slope
-        located = zero_along(near, its, 2 * at, 0.0) if at < 0 else zero_along(near, its, 0.0, 2 * at)
-        if located is None:
+    here, at, other = near, 0.0, 0.1 * problem.resolution.options.first_step
+    for _ in range(_SECANTS):
+        found = solve(problem, near.predicted(other), near.scale, near.tangent)
+        beside = None if found is None else CurvePoint.of(problem, found, near.scale)
+        there = None if beside is None else same_monitor(beside, monitor)
+        if beside is None or there is None or there.value == its.value:
             return None
-        beside = located[1]
-    return beside if slope < 0 else beside.turned()
+        slope = (there.value - its.value) / (other - at)
+        if abs(there.value) < abs(its.value):
+            here, at, its = beside, other, there
+        other = at - its.value / slope
+        if abs(its.value) <= problem.resolution.options.grazing_tolerance or other == at:
+            break
+    if abs(its.value) > here.tolerance:
+        return None
+    return here if slope < 0 else here.turned()
 
 
 def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
