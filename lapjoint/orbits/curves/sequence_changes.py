@@ -321,8 +321,11 @@ def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> 
         found = solve(problem, near.predicted(other), near.scale, near.tangent)
         beside = None if found is None else CurvePoint.of(problem, found, near.scale)
         there = None if beside is None else same_monitor(beside, monitor)
-        if beside is None or there is None or there.value == its.value:
+        if beside is None or (there is not None and there.value == its.value):
             return None
+        if there is None:  # the extremum vanishes in this direction, at the start of its arc
+            slope = -np.copysign(1.0, other)
+            break
         slope = (there.value - its.value) / (other - at)
         if abs(there.value) < abs(its.value):
             here, at, its = beside, other, there
