@@ -44,7 +44,7 @@ from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.problem import FloatArray, Problem
 
-_POINTS, _WEIGHTS = ((x + shift) / 2 for x, shift in zip(np.polynomial.legendre.leggauss(8), (1.0, 0.0), strict=True))
+_POINTS, _WEIGHTS = np.add(np.polynomial.legendre.leggauss(8), [[1.0], [0.0]]) / 2
 """Gauss' rule on [0, 1]: exact to rounding for exponentials that turn, rise or fall by up to 1."""
 
 

@@ -31,7 +31,7 @@ from lapjoint import (
 )
 from lapjoint.orbits.arcs import ContactSequence, HasArcs
 from lapjoint.problem import BaseHarmonic, FloatArray, HarmonicsBaseMotion, NoDamping
-from tests.helpers.population import joints
+from tests.helpers.population import joints, recorded_joint
 
 BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
@@ -104,6 +104,11 @@ def test_the_period_map_has_arcs() -> None:
     arcs = arcs_of(next(joints(1, 1)))
     assert isinstance(fe_lapjoint.Solver(elements=3).period_map(arcs.problem), HasArcs)
     assert arcs.period == pytest.approx(2 * math.pi / arcs.omega, rel=1e-15)
+
+
+def test_sampled_forces_have_no_arcs() -> None:
+    with pytest.raises(InputError, match="is a record, which has no period"):
+        arcs_of(recorded_joint(1, 0)[0])
 
 
 def test_a_chain_goes_where_the_march_goes() -> None:
@@ -229,10 +234,10 @@ def test_derivatives_are_those_of_differences() -> None:
         )
         apart, by_durations = np.abs(found.end_by - end_by) * last[:, None], end_by[:, 2 * n :] * last[:, None]
         assert (apart[:, : 2 * n] / first).max() <= 1e-12
-        assert (apart[:, 2 * n :] <= 1e-8 * np.abs(by_durations).max(axis=0)).all()
+        assert (apart[:, 2 * n :] <= 1e-7 * np.abs(by_durations).max(axis=0)).all()
         for part in (slice(n), slice(n, 2 * n), slice(2 * n, None)):  # by displacements, velocities, and durations
             known, other = found.events_by[:, part], events_by[:, part]
-            assert (np.abs(known - other) <= 1e-8 * np.abs(other).max(axis=1, keepdims=True)).all()
+            assert (np.abs(known - other) <= 1e-7 * np.abs(other).max(axis=1, keepdims=True)).all()
 
 
 def exact_means(a: float, omega: float, d: float) -> list[tuple[mp.mpf, mp.mpf]]:
