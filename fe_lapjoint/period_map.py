@@ -7,7 +7,7 @@ Deviations are (q, q') in the modes of the joint without contact, whose mass is 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -86,6 +86,12 @@ class PeriodMap:
     def arcs(self) -> Arcs:
         """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`."""
         return Arcs(self.model, self.omega)
+
+    def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
+        """The map with another excitation on the same mesh. See `lapjoint.orbits.parameters.Retunes`."""
+        if excitation_change(self.problem, field) is None:
+            return None
+        return PeriodMap(self.model.driven(problem()), self.name)
 
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import mpmath as mp
 import numpy as np
 import pytest
+from population import joints, recorded_joint
 from scipy.linalg import eigh, expm
 
 import fe_lapjoint
@@ -31,7 +32,6 @@ from lapjoint import (
 )
 from lapjoint.orbits.arcs import ContactSequence, HasArcs
 from lapjoint.problem import BaseHarmonic, FloatArray, HarmonicsBaseMotion, NoDamping
-from tests.helpers.population import joints, recorded_joint
 
 BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
