@@ -70,8 +70,8 @@ def joint(rng: np.random.Generator, number: int) -> Problem:
     )
 
 
-ROUNDING = 2e-15
-"""Of the largest rates and accelerations: some roundings of functions of an argument."""
+ROUNDING = 1e-14
+"""Of the largest rates and accelerations: roundings of sums over tens of modes, and of their functions."""
 
 
 def arcs_of(problem: Problem, elements: int = 3) -> Arcs:
