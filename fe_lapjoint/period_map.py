@@ -7,17 +7,19 @@ Deviations are (q, q') in the modes of the joint without contact, whose mass is 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
 import numpy as np
 
+from fe_lapjoint.march.arcs import Arcs
 from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
 from fe_lapjoint.march.march import March, longest_window, march, require_room, window_of
 from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.section_points import coordinates_of, section_point, understood
 from fe_lapjoint.march.tangent import Carried
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers import History
@@ -80,10 +82,21 @@ class PeriodMap:
         """The twin of each stop, if the problem is its own mirror image."""
         return mirror_twins(self.problem)
 
+    @cached_property
+    def arcs(self) -> Arcs:
+        """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`."""
+        return Arcs(self.model, self.omega)
+
+    def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
+        """The map with another excitation on the same mesh. See `lapjoint.orbits.parameters.Retunes`."""
+        if excitation_change(self.problem, field) is None:
+            return None
+        return PeriodMap(self.model.driven(problem()), self.name)
+
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""
         state = initial_state(self.model)
-        return self._section_point(state, initial_coordinates(self.model.assembly, self.model.system(state)))
+        return section_point(self.model, state, initial_coordinates(self.model.assembly, self.model.system(state)))
 
     @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
@@ -91,7 +104,7 @@ class PeriodMap:
         point, total, switches = start, np.zeros(len(self.problem.stops)), 0
         for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
             motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False, keep=False)
-            point = self._section_point(motion.state, motion.y)
+            point = section_point(self.model, motion.state, motion.y)
             total += motion.impulses
             switches += motion.switches
         return Passage(point, total, switches)
@@ -159,7 +172,7 @@ class PeriodMap:
         for piece in pieces:
             motion = march(self.model, point.state, self.modal(point), 0.0, piece)
             yield motion
-            point = self._section_point(motion.state, motion.y)
+            point = section_point(self.model, motion.state, motion.y)
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
         """Deviation, as (q, q') in the modes without contact. See `lapjoint.orbits.PeriodMap.difference`."""
@@ -193,7 +206,7 @@ class PeriodMap:
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point of another mesh, by its Hermite functions, or gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
         assembly, coordinates = self.model.assembly, point.coordinates
-        nodes = self._understood(point)
+        nodes = understood(self.problem, point)
         if not np.array_equal(nodes, assembly.nodes):
             if abs(nodes[-1] - assembly.nodes[-1]) > 1e-9 * assembly.nodes[-1]:
                 raise InputError("start: is a section point of a beam of another length")
@@ -204,23 +217,6 @@ class PeriodMap:
         full = np.zeros_like(coordinates)
         full[:, assembly.free] = coordinates[:, assembly.free]
         return self._settled(SectionPoint(point.state, full, assembly.nodes))
-
-    def _understood(self, point: SectionPoint) -> FloatArray:
-        """The nodes of a section point, on any mesh, of a joint with these stops; an `InputError` for any other."""
-        coordinates, nodes = np.asarray(point.coordinates), point.nodes
-        if nodes is None or nodes.ndim != 1 or coordinates.shape != (2, 2 * nodes.size):
-            raise InputError("start: is no section point of a finite element solver")
-        foreign = [k for k in point.state.closed if not 0 <= k < len(self.problem.stops)]
-        if foreign:
-            raise InputError(
-                f"start: has stop {foreign[0] + 1} closed; allowed are the stops of the problem, 1 to "
-                f"{len(self.problem.stops)}"
-            )
-        if not (np.isfinite(coordinates).all() and np.isfinite(nodes).all()):
-            raise InputError("start: has coordinates that are not finite")
-        if nodes.size < 2 or nodes[0] != 0.0 or np.any(np.diff(nodes) <= 0):
-            raise InputError("start: has nodes that do not ascend from 0")
-        return nodes
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
@@ -252,7 +248,7 @@ class PeriodMap:
             return Carried(model, motion, np.concatenate([columns, into[:, deviation.size :]], axis=1), change).segments
 
         return Linearised(
-            self._section_point(motion.state, motion.y),
+            section_point(self.model, motion.state, motion.y),
             derivative,
             lambda: whole.segments,
             lambda: Carried(model, motion, into[:, :0]).segments,
@@ -275,7 +271,7 @@ class PeriodMap:
             deviation = (there.reshape(2, -1) @ model.transfer(motion.state, FREE).T).ravel()
             size, deviation = rescaled(deviation, self.norm)
             growth[i] += math.log(size)
-            point = self._section_point(motion.state, motion.y)
+            point = section_point(self.model, motion.state, motion.y)
             impulses[i] = motion.impulses
             switches += motion.switches
             points.append(point)
@@ -297,38 +293,12 @@ class PeriodMap:
         return np.diag(np.concatenate([omega**2, np.ones_like(omega)]))
 
     def modal(self, point: SectionPoint) -> FloatArray:
-        """(q, q') of a section point in the modes of its contact state.
-
-        Parameters
-        ----------
-        point : SectionPoint
-            A section point on this mesh.
-
-        Returns
-        -------
-        FloatArray, shape (2 n,)
-            kg^1/2 m and kg^1/2 m/s.
-
-        Raises
-        ------
-        InputError
-            If it is no such section point, or of a joint with other stops.
-        """
-        assembly = self.model.assembly
-        if not np.array_equal(self._understood(point), assembly.nodes):
-            raise InputError("start: is a section point of another mesh; `adopted` gives one of this mesh")
-        free = point.coordinates[:, assembly.free]
-        return (free @ self.model.weighted(point.state)).ravel()
+        """(q, q') of a section point on this mesh. See `fe_lapjoint.march.section_points.coordinates_of`."""
+        return coordinates_of(self.model, point)
 
     def _free_modes(self, coordinates: FloatArray) -> FloatArray:
         """(q, q') in the modes of the joint without contact, from free degrees of freedom ``(2, n)``."""
         return (coordinates @ self.model.weighted(FREE)).ravel()
-
-    def _section_point(self, state: ContactState, y: FloatArray) -> SectionPoint:
-        assembly = self.model.assembly
-        coordinates = np.zeros((2, 2 * assembly.nodes.size))
-        coordinates[:, assembly.free] = y.reshape(2, -1) @ self.model.system(state).vectors.T
-        return SectionPoint(state, coordinates, assembly.nodes)
 
     def _settled(self, point: SectionPoint) -> SectionPoint:
         """The same displacements with the contact state that they imply."""

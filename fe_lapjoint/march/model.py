@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -39,6 +39,23 @@ class Model:
         self.sign = np.array([stop.sign for stop in stops], dtype=float)
         self.gap = np.array([stop.gap for stop in stops], dtype=float)
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
+
+    def driven(self, problem: Problem) -> Model:
+        """The same mesh for a problem that differs by the size or the frequency of its excitation alone.
+
+        Parameters
+        ----------
+        problem : Problem
+            The problem.
+
+        Returns
+        -------
+        Model
+            It shares all matrices.
+        """
+        assembly = replace(self.assembly, problem=problem)
+        assembly.__dict__.update({**self.assembly.__dict__, "problem": problem})
+        return Model(problem, assembly, self.method, self.rtol, self.atol, _maps=self._maps)
 
     def system(self, state: ContactState) -> System:
         """One contact state in modal form.

@@ -46,7 +46,7 @@ def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[Floa
     omega : FloatArray, shape (n,)
         Angular frequencies without damping, rad/s.
     t : FloatArray, shape (m,)
-        Times since then, s.
+        Times since then, s, of either sign.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[Floa
     square = (a**2 - omega**2)[:, None]
     s = np.sqrt(np.abs(square))
     w = s * t
-    small = w < 1e-3
+    small = np.abs(w) < 1e-3
     w_ = np.where(small, 1.0, w)
     # For overdamped modes exp(s t) is multiplied by exp(-a t) before it can overflow.
     fast, slow = (

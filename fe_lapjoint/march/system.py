@@ -216,6 +216,12 @@ class System:
         return ramp, np.where(rigid & ~drag, self.constant, 0.0)
 
     @cached_property
+    def polynomial(self) -> FloatArray:
+        """Motion of the stops under the constant forces: coefficients of 1, t, t^2, m over s^0 to s^2, ``(P, 3)``."""
+        ramp, fall = (np.zeros_like(self.omega),) * 2 if self.drift is None else self.drift
+        return np.asarray(self.stops @ np.stack([self.equilibrium, ramp, fall / 2], axis=1))
+
+    @cached_property
     def exponentials(self) -> tuple[ComplexArray, IndexArray]:
         """Rates of the free motion, 1/s, and the mode that each belongs to, shape ``(terms,)`` each.
 

@@ -35,7 +35,7 @@ from lapjoint.orbits.parameters import ExcitationChange
 from lapjoint.orbits.segments import MadeSegments, Segment, SegmentChange
 from lapjoint.problem import FloatArray
 
-_DEAD = 40.0
+DEAD = 40.0
 """Decay time constants after which a mode has died out: exp(-40) is below the rounding of all else."""
 _ALIVE = 0.75
 """Share of the columns that are carried, up to which units of the coordinates that are not zero are carried instead."""
@@ -132,10 +132,10 @@ class Carried:
         steps, expected = [there], few
         for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
             system = self.model.system(piece.state)
-            modes = np.flatnonzero(system.slowest_decay * (piece.end - since) < _DEAD)
+            modes = np.flatnonzero(system.slowest_decay * (piece.end - since) < DEAD)
             alive, count = np.concatenate([modes, modes + system.omega.size]), int(modes[-1]) + 1 if modes.size else 0
             there = replace(there, columns=_along(system, piece, there.columns, self.change, count))
-            left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < _DEAD)
+            left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < DEAD)
             if 0 < alive.size <= _ALIVE * there.few:
                 there = there.of_alive(alive)
             elif there.few and left <= _FEW * min(there.few, expected) and there.rest is not None:
@@ -238,12 +238,8 @@ def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
     both = np.concatenate([q, free_q], axis=1), np.concatenate([v, free_v], axis=1)
     terms, drift = system.amplitudes_of(*both)
     loads = -1j * np.exp(1j * (system.driven * piece.start + system.phase))
-    polynomial = np.zeros((len(system.stops), 3))
-    polynomial[:, :2] = drift[:, :, -1]
-    polynomial[:, 0] += system.stops @ system.equilibrium
-    if system.drift is not None:
-        polynomial[:, 1] += system.stops @ system.drift[0]
-        polynomial[:, 2] = system.stops @ system.drift[1] / 2
+    polynomial = system.polynomial.copy()
+    polynomial[:, :2] += drift[:, :, -1]
     return Segment(
         start=piece.start,
         end=piece.end,
@@ -260,19 +256,38 @@ def _segment(model: Model, piece: Piece, deviations: FloatArray) -> Segment:
 
 def _flow(system: System, s: float, deviations: FloatArray, count: int) -> FloatArray:
     """Deviations ``(2 n, m)`` after `s` seconds within one state, of the first `count` modes; the others are zero."""
-    if system.all_oscillate:
-        wave, a = np.exp(system.roots[:count] * s)[:, None], system.damping_rate[:count, None]
-        S = wave.imag / system.roots.imag[:count, None]
-        C = wave.real + a * S
-    else:
-        a = system.damping_rate[:count, None]
-        C, S = free_response(system.damping_rate[:count], system.omega[:count], np.array([s]))
-    n = system.omega.size
+    C, S = responses(system, s, count)
+    a, n = system.damping_rate[:count, None], system.omega.size
     q, v = deviations[:count], deviations[n : n + count]
     flown = np.zeros_like(deviations)
     flown[:count] = C * q + S * v
     flown[n : n + count] = (C - 2 * a * S) * v - (system.omega[:count] ** 2)[:, None] * (S * q)
     return flown
+
+
+def responses(system: System, s: float, count: int) -> tuple[FloatArray, FloatArray]:
+    """Displacements some time after a unit displacement, and after a unit velocity, of the lowest modes.
+
+    Parameters
+    ----------
+    system : System
+        The contact state.
+    s : float
+        The time, s, of either sign.
+    count : int
+        How many modes.
+
+    Returns
+    -------
+    FloatArray, FloatArray, each of shape (count, 1)
+        As `free_response` has them.
+    """
+    a = system.damping_rate[:count, None]
+    if not system.all_oscillate:
+        return free_response(system.damping_rate[:count], system.omega[:count], np.array([s]))
+    wave = np.exp(system.roots[:count] * s)[:, None]
+    S = wave.imag / system.roots.imag[:count, None]
+    return wave.real + a * S, S
 
 
 def _jump(model: Model, piece: Piece, after: FloatArray, before: _Deviations, count: int) -> FloatArray:

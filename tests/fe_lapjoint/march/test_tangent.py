@@ -46,7 +46,7 @@ def test_what_fast_modes_leave_out_of_the_monodromy_is_below_rounding(
     assert rest is not None
     assert columns.shape[1] <= n  # half of the coordinates
     assert columns @ rest == pytest.approx(together, abs=1e-15 * np.abs(together).max())
-    monkeypatch.setattr(tangent, "_DEAD", math.inf)
+    monkeypatch.setattr(tangent, "DEAD", math.inf)
     all_modes = Carried(model, motion, np.eye(2 * n))
     assert all_modes.combinations[1] is None
     alone = all_modes.end
@@ -77,7 +77,7 @@ def test_what_fast_modes_leave_out_of_the_derivative_by_a_number_is_below_roundi
         return found.by_number
 
     known = by_frequency()
-    monkeypatch.setattr(tangent, "_DEAD", math.inf)
+    monkeypatch.setattr(tangent, "DEAD", math.inf)
     whole = by_frequency()
     assert np.abs(known - whole).max() <= 1e-13 * np.abs(whole).max()
 

@@ -1,0 +1,96 @@
+"""Section points on a mesh, which hold displacements and slopes of the nodes and their rates, and modal coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fe_lapjoint.march.model import Model
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
+
+
+def section_point(model: Model, state: ContactState, y: FloatArray) -> SectionPoint:
+    """The section point of modal coordinates.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    state : ContactState
+        The contact state.
+    y : FloatArray, shape (2 n,)
+        (q, q') in its modes, kg^1/2 m and kg^1/2 m/s.
+
+    Returns
+    -------
+    SectionPoint
+        The point.
+    """
+    assembly = model.assembly
+    coordinates = np.zeros((2, 2 * assembly.nodes.size))
+    coordinates[:, assembly.free] = y.reshape(2, -1) @ model.system(state).vectors.T
+    return SectionPoint(state, coordinates, assembly.nodes)
+
+
+def coordinates_of(model: Model, point: SectionPoint) -> FloatArray:
+    """(q, q') of a section point in the modes of its contact state.
+
+    Parameters
+    ----------
+    model : Model
+        The problem on a mesh.
+    point : SectionPoint
+        A section point on this mesh.
+
+    Returns
+    -------
+    FloatArray, shape (2 n,)
+        kg^1/2 m and kg^1/2 m/s.
+
+    Raises
+    ------
+    InputError
+        If it is no such section point, or of a joint with other stops.
+    """
+    assembly = model.assembly
+    if not np.array_equal(understood(model.problem, point), assembly.nodes):
+        raise InputError("start: is a section point of another mesh; `adopted` gives one of this mesh")
+    free = point.coordinates[:, assembly.free]
+    return np.asarray((free @ model.weighted(point.state)).ravel())
+
+
+def understood(problem: Problem, point: SectionPoint) -> FloatArray:
+    """The nodes of a section point, on any mesh, of a joint with the stops of a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    point : SectionPoint
+        Any section point.
+
+    Returns
+    -------
+    FloatArray, shape (nodes,)
+        Positions, m.
+
+    Raises
+    ------
+    InputError
+        If it is no section point of such a joint on a mesh.
+    """
+    coordinates, nodes = np.asarray(point.coordinates), point.nodes
+    if nodes is None or nodes.ndim != 1 or coordinates.shape != (2, 2 * nodes.size):
+        raise InputError("start: is no section point of a finite element solver")
+    foreign = [k for k in point.state.closed if not 0 <= k < len(problem.stops)]
+    if foreign:
+        raise InputError(
+            f"start: has stop {foreign[0] + 1} closed; allowed are the stops of the problem, 1 to {len(problem.stops)}"
+        )
+    if not (np.isfinite(coordinates).all() and np.isfinite(nodes).all()):
+        raise InputError("start: has coordinates that are not finite")
+    if nodes.size < 2 or nodes[0] != 0.0 or np.any(np.diff(nodes) <= 0):
+        raise InputError("start: has nodes that do not ascend from 0")
+    return nodes
