@@ -17,12 +17,13 @@ from lapjoint.orbits.curves.bifurcations import Stretch, beside
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint, scale_of
+from lapjoint.orbits.curves.sequence_changes import violated
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _AWAY = (1e-2, 1e-3, 1e-4)
 """Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn: the first is
-found unless the branch is narrower."""
+found unless the branch is narrower, or grazes a stop before that."""
 _MEETS = 1e-3
 """Difference of both halves, over that at the start of a step, up to which it counts as zero."""
 
@@ -38,7 +39,7 @@ def springing(point: CurvePoint) -> CurvePoint | None:
     Returns
     -------
     CurvePoint, or None
-        Its tangent leads away from the bifurcation; None if Newton's method finds none.
+        Its tangent leads away from the bifurcation; None if Newton's method finds none whose contacts are the same.
     """
     problem, u, way = _doubled(point)
     scale = scale_of(problem, u)
@@ -48,7 +49,8 @@ def springing(point: CurvePoint) -> CurvePoint | None:
         found = solve(problem, u + length * scale * row, scale, row)
         if found is not None:
             new = CurvePoint.of(problem, found, scale)
-            return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
+            if not violated(new):
+                return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
     return None
 
 
