@@ -10,22 +10,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from lapjoint.orbits.arcs import ContactSequence
-from lapjoint.orbits.curves.bifurcations import Stretch, beside
+from lapjoint.orbits.curves.bifurcations import Stretch, beside, flip_test, located_in
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint, scale_of
-from lapjoint.orbits.curves.sequence_changes import violated
+from lapjoint.orbits.curves.sequence_changes import nearest, violated
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _AWAY = (1e-2, 1e-3, 1e-4)
 """Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn: the first is
 found unless the branch is narrower, or grazes a stop before that."""
-_MEETS = 1e-3
-"""Difference of both halves, over that at the start of a step, up to which it counts as zero."""
 
 
 def springing(point: CurvePoint) -> CurvePoint | None:
@@ -115,24 +112,14 @@ class Meeting:
 
     point: CurvePoint
     """The motion, as one of the branch that ends there."""
-
-    def halved(self) -> tuple[BoundaryProblem, FloatArray]:
-        """The motion over half of its time.
-
-        Returns
-        -------
-        BoundaryProblem, FloatArray
-            Its equations, and the unknowns.
-        """
-        problem, u, M = self.point.problem, self.point.u, self.point.problem.events
-        n, shares = self.point.coordinates, 2 * self.point.shares[: M // 2]
-        sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
-        halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2)
-        return halved, np.concatenate([u[:n], shares, u[-1:]])
+    mother: CurvePoint
+    """The same motion, as one that repeats in half of the time: its multiplier -1 is that by which the branch springs."""
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
     """Where in a step a motion comes to repeat in half of its time.
+
+    There the equations of the branch are singular, and those of the other branch, which flips there, are not.
 
     Parameters
     ----------
@@ -147,23 +134,38 @@ def meeting(stretch: Stretch) -> Meeting | None:
     first, last = half_difference(stretch.start), half_difference(stretch.end)
     if first is None or last is None or not float(first @ last) < 0:
         return None
-    size, known, misses = float(np.linalg.norm(first)), dict[float, CurvePoint](), dict[float, float]()
-
-    def along(s: float) -> float:
-        point = beside(stretch.start, s)
-        missed = None if point is None else half_difference(point)
-        if point is None or missed is None:
-            raise ValueError
-        known[s], misses[s] = point, float(missed @ first) / size**2
-        return misses[s]
-
-    try:
-        at = brentq(along, 0.0, stretch.length, xtol=1e-10, rtol=1e-9)
-    except ValueError:  # Newton's method is lost where both branches meet; nearby it is not
-        at = min(known, key=lambda s: abs(misses[s]), default=None)
-    if at is None or at not in known:
+    share = float(first @ first) / float(first @ (first - last))
+    across = (stretch.end.u - stretch.start.u) / stretch.start.scale
+    guess = stretch.start.u + share * across * stretch.start.scale
+    near = nearest(*_halved(stretch.start.problem, guess))
+    mother = None if near is None else _flip_beside(near, float(np.linalg.norm(across)))
+    if mother is None:
         return None
-    missed = half_difference(known[at])
-    if missed is None or float(np.linalg.norm(missed)) > _MEETS * max(size, float(np.linalg.norm(last))):
-        return None
-    return Meeting(known[at])
+    problem, u, way = _doubled(mother)
+    scale = scale_of(problem, u)
+    tangent = way / scale
+    return Meeting(CurvePoint(problem, u, scale, tangent / np.linalg.norm(tangent), problem.linearised(u)), mother)
+
+
+def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
+    """A motion that repeats in half of its time, over that time."""
+    M = problem.events
+    n = u.size - 1 - M
+    durations = problem.durations(u) / problem.length(u)
+    sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
+    halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2)
+    return halved, np.concatenate([u[:n], 2 * durations[: M // 2], u[-1:]])
+
+
+def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
+    """The nearest flip of a curve on either side of a point, at most some arclength away."""
+    length = point.problem.resolution.options.first_step
+    while length <= most:
+        ends = [beside(point, way) for way in (-length, length)]
+        if ends[0] is None or ends[1] is None:
+            return None
+        if flip_test(ends[0]) * flip_test(ends[1]) < 0:
+            found = located_in(Stretch(point, ends[1], length), "flip", -length, length)
+            return None if found is None else found[1]
+        length *= 2
+    return None
