@@ -140,12 +140,18 @@ def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
 
 
 def _going_on(here: CurvePoint, found: Solution | None) -> CurvePoint | None:
-    """A solution as the next point of a curve; None if it is of another part of the curve, or the curve turns too much."""
+    """A solution as the next point of a curve; None if it is of another part of the curve, or the curve turns too much.
+
+    On another part the orientation differs, or the parameter has gone against the tangents at both ends.
+    """
     if found is None:
         return None
     new = CurvePoint.of(here.problem, found, here.scale)
     new = new if _turn(here, new) > 0 else new.turned()
     if _angle(here, new) > 2 * here.problem.resolution.options.turning or new.orientation != here.orientation:
+        return None
+    rates = here.tangent[-1], new.tangent[-1]
+    if rates[0] * rates[1] > 0 and (new.value - here.value) * rates[0] < 0:
         return None
     return new
 
