@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint.orbits.curves.bifurcations import Stretch
+from lapjoint.orbits.curves.halves import half_difference
 from lapjoint.orbits.curves.newton import Solution, solve
 from lapjoint.orbits.curves.point import CurvePoint, resectioned
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, crossed, first_change, nearest, violated
