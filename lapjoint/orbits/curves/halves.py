@@ -117,9 +117,11 @@ class Meeting:
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
-    """Where in a step a motion comes to repeat in half of its time.
+    """Where in a step, or in another one as long, a motion comes to repeat in half of its time.
 
-    There the equations of the branch are singular, and those of the other branch, which flips there, are not.
+    There the equations of the branch are singular, and those of the other branch, which flips there, are not.  What
+    passages from one contact state to the next lose of a motion joins both branches beside that point, so that a curve
+    in small steps never comes there: so the point is looked for a step ahead.
 
     Parameters
     ----------
@@ -132,7 +134,7 @@ def meeting(stretch: Stretch) -> Meeting | None:
         None if it does not.
     """
     first, last = half_difference(stretch.start), half_difference(stretch.end)
-    if first is None or last is None or not float(first @ last) < 0:
+    if first is None or last is None or 2 * float(first @ last) > float(first @ first):
         return None
     share = float(first @ first) / float(first @ (first - last))
     across = (stretch.end.u - stretch.start.u) / stretch.start.scale
@@ -144,7 +146,10 @@ def meeting(stretch: Stretch) -> Meeting | None:
     problem, u, way = _doubled(mother)
     scale = scale_of(problem, u)
     tangent = way / scale
-    return Meeting(CurvePoint(problem, u, scale, tangent / np.linalg.norm(tangent), problem.linearised(u)), mother)
+    tangent /= np.linalg.norm(tangent)
+    return Meeting(
+        CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother
+    )
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
