@@ -107,6 +107,23 @@ def half_difference(point: CurvePoint) -> FloatArray | None:
     return np.asarray(((-there if twins is not None else there) - point.u[:n]) / point.scale[:n])
 
 
+def halves_exchange(here: CurvePoint, new: CurvePoint) -> bool:
+    """Whether the difference of both halves passes zero between two motions of a curve.
+
+    Parameters
+    ----------
+    here, new : CurvePoint
+        The motions.
+
+    Returns
+    -------
+    bool
+        Whether their curve meets that of motions which repeat in half of the time.
+    """
+    first, last = half_difference(here), half_difference(new)
+    return first is not None and last is not None and float(first @ last) < 0
+
+
 @dataclass(frozen=True)
 class Meeting:
     """Where a branch meets that of motions which repeat in half of the time."""
@@ -143,7 +160,7 @@ def meeting(stretch: Stretch) -> Meeting | None:
         None if it does not.
     """
     first, last = half_difference(stretch.start), half_difference(stretch.end)
-    if first is None or last is None or not float(first @ last) < 0:
+    if first is None or last is None or not halves_exchange(stretch.start, stretch.end):
         return None
     size, known, products = float(np.linalg.norm(first)), dict[float, CurvePoint](), dict[float, float]()
 
