@@ -106,6 +106,23 @@ def half_difference(point: CurvePoint) -> FloatArray | None:
     return np.asarray(((-there if twins is not None else there) - point.u[:n]) / point.scale[:n])
 
 
+def halves_exchange(here: CurvePoint, new: CurvePoint) -> bool:
+    """Whether the difference of both halves passes zero between two motions of a curve.
+
+    Parameters
+    ----------
+    here, new : CurvePoint
+        The motions.
+
+    Returns
+    -------
+    bool
+        Whether their curve meets that of motions which repeat in half of the time.
+    """
+    first, last = half_difference(here), half_difference(new)
+    return first is not None and last is not None and float(first @ last) < 0
+
+
 @dataclass(frozen=True)
 class Meeting:
     """Where a branch meets that of motions which repeat in half of the time."""
