@@ -164,9 +164,7 @@ def meeting(stretch: Stretch) -> Meeting | None:
     scale = scale_of(problem, u)
     tangent = way / scale
     tangent /= np.linalg.norm(tangent)
-    return Meeting(
-        CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother
-    )
+    return Meeting(CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother)
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
