@@ -192,7 +192,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
 
 def _is_at_change(point: CurvePoint) -> bool:
     """Whether a point lies on a change of the contact sequence."""
-    return bool((point.shares[1:-1] == 0).any())
+    return bool((point.shares[point.problem.free[1:]] == 0).any())
 
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
