@@ -1,10 +1,10 @@
 """Changes of the contact sequence along a curve: contacts that are born, end, split or merge, and events out of order.
 
 An arc whose duration passes zero ends: between events of one stop the stop's contact (or flight) vanishes with both
-events, between events of two stops the events change their order.  An extremum that passes its stop in an open arc gives
-birth to a contact, and in a closed arc it splits the contact by a flight.  The curves on both sides of a change meet
-where the arc's duration and the extremum are zero.  A solver whose passages lose part of the motion has the meeting point
-a little elsewhere on either side; the distance is an error of truncation, see `SequenceChange.offset`.
+events, between events of two stops the events change their order.  An extremum that passes its stop in an open arc
+gives birth to a contact, and in a closed arc it splits the contact by a flight.  The curves on both sides of a change
+meet where the arc's duration and the extremum are zero.  A solver whose passages lose part of the motion has the
+meeting point a little elsewhere on either side; the distance is an error of truncation, see `SequenceChange.offset`.
 """
 
 from __future__ import annotations
@@ -87,16 +87,12 @@ def violated(point: CurvePoint) -> list[Monitor]:
     """
     shares = point.shares
     found = [
-        Monitor("duration", i, -1, 0.0, float(-shares[i]))
-        for i in point.problem.free[1:].tolist()
-        if shares[i] < 0
+        Monitor("duration", i, -1, 0.0, float(-shares[i])) for i in point.problem.free[1:].tolist() if shares[i] < 0
     ]
     its, length = point.extrema, point.problem.length(point.u)
     for i in np.flatnonzero(its.violation > point.tolerance):
         found.append(
-            Monitor(
-                "extremum", int(its.arc[i]), int(its.stop[i]), float(its.time[i]) / length, float(its.violation[i])
-            )
+            Monitor("extremum", int(its.arc[i]), int(its.stop[i]), float(its.time[i]) / length, float(its.violation[i]))
         )
     return found
 

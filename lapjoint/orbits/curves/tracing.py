@@ -171,7 +171,9 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         met = meeting(step)
         if met is not None:
             step = Stretch(step.start, met.point, step.length)
-        way.found += [Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)]
+        way.found += [
+            Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)
+        ]
         if met is not None:
             way.points.append(met.point)
             way.end, way.mother = "bifurcation", replace(Start.at(met.mother), direction=None)
