@@ -53,7 +53,7 @@ class State:
     def forced(self, t: float, dt: int = 0) -> FloatArray:
         """The forced motion, and its derivatives by time."""
         wave = (self.X * (1j * self.w) ** dt * np.exp(1j * self.w * t)).real
-        return self.static + wave if dt == 0 else wave
+        return np.asarray(self.static + wave if dt == 0 else wave)
 
     def flow(self, duration: float) -> FloatArray:
         """The transition matrix."""
