@@ -27,6 +27,8 @@ _FAINT = 1e-4
 _AT_GRAZE = 1e-6
 """Arclength between a graze and the nearest motions whose multipliers are asked: at a graze itself the time of a switch
 has no derivative by the section, and multipliers are limits."""
+_JUMP = 1e-3
+"""Size of a test function over its largest in a search for its zero, where that is found: it jumps if it is larger."""
 _REAL = 1e-9
 """Imaginary part of a multiplier, over its modulus, up to which it is real."""
 
@@ -205,16 +207,18 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
     Returns
     -------
     tuple of float and CurvePoint, or None
-        The arclength from the start, and the point; None if Newton's method loses the curve.
+        The arclength from the start, and the point; None if Newton's method loses the curve, or
+        the test function jumps from one sign to the other, as it does where a multiplier passes infinity.
     """
     start, test = stretch.start, _TESTS[kind]
-    known = dict[float, CurvePoint]()
+    known, sizes = dict[float, CurvePoint](), list[float]()
 
     def value(s: float) -> float:
         point = beside(start, s)
         if point is None:
             raise ValueError
         known[s] = point
+        sizes.append(abs(test(point)))
         return test(point)
 
     try:
@@ -223,7 +227,7 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
             value(at)
     except ValueError:
         return None
-    return at, known[at]
+    return (at, known[at]) if abs(test(known[at])) <= _JUMP * max(sizes) else None
 
 
 def beside(start: CurvePoint, length: float) -> CurvePoint | None:

@@ -266,7 +266,7 @@ def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     began = sum(shares[:i])
     shares[i : i + 1] = [monitor.time - began, 0.0, shares[i] - (monitor.time - began)]
     stops = (*sequence.stops[:i], stop, stop, *sequence.stops[i:])
-    after = _on_duration(
+    after = on_duration(
         replace(problem, sequence=ContactSequence(sequence.first, stops)),
         np.concatenate([before.u[:n], shares[:-1], before.u[-1:]]),
         i + 1,
@@ -281,11 +281,26 @@ def _exchanged(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     stops = list(sequence.stops)
     stops[i - 1], stops[i] = stops[i], stops[i - 1]
     problem = replace(before.problem, sequence=ContactSequence(sequence.first, tuple(stops)))
-    return SequenceChange("exchange", (stops[i], stops[i - 1]), before, _on_duration(problem, before.u, i))
+    return SequenceChange("exchange", (stops[i], stops[i - 1]), before, on_duration(problem, before.u, i))
 
 
-def _on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
-    """The point of a curve at which an arc has no duration, its tangent towards a longer one."""
+def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
+    """The point of a curve at which an arc has no duration.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + M + 1,)
+        The unknowns to begin with.
+    arc : int
+        The arc.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards a longer arc; None if Newton's method finds none.
+    """
     row, scale = np.zeros(guess.size), scale_of(problem, guess)
     at = guess.size - 1 - problem.events + arc
     row[at] = 1.0
@@ -307,11 +322,26 @@ def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     problem = replace(problem, sequence=ContactSequence(sequence.first, stops))
     guess = np.concatenate([before.u[:n], shares[:-1], before.u[-1:]])
     monitor = Monitor("extremum", i - 1, stop, time, 0.0)
-    return SequenceChange(kind, (stop,), before, _at_graze(problem, guess, monitor))
+    return SequenceChange(kind, (stop,), before, at_graze(problem, guess, monitor))
 
 
-def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
-    """The point of a curve near a guess at which an extremum is zero, its tangent towards where it is below zero."""
+def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
+    """The point of a curve near a guess at which an extremum is zero.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + M + 1,)
+        The unknowns to begin with.
+    monitor : Monitor
+        The extremum.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards where the extremum is below zero; None if no zero is found.
+    """
     near = nearest(problem, guess)
     its = None if near is None else same_monitor(near, monitor)
     if near is None or its is None:
