@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import toms748
 
 from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.curves.newton import solve
@@ -222,7 +222,7 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
         return test(point)
 
     try:
-        at = brentq(value, first, last, xtol=1e-13, rtol=1e-11)
+        at = toms748(value, first, last, xtol=1e-11, rtol=1e-9)
         if at not in known:
             value(at)
     except ValueError:
@@ -245,5 +245,5 @@ def beside(start: CurvePoint, length: float) -> CurvePoint | None:
     CurvePoint, or None
         Its tangent goes in the same direction; None if Newton's method finds none.
     """
-    found = solve(start.problem, start.predicted(length), start.scale, start.tangent)
+    found = solve(start.problem, start.predicted(length), start.scale, start.tangent, exact=True)
     return None if found is None else CurvePoint.of(start.problem, found, start.scale)

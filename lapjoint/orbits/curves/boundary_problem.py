@@ -157,8 +157,7 @@ class BoundaryProblem:
         J[:, :n] = by_all[:, :n]
         J[:n, :n] -= np.eye(n)
         J[:, n:-1] = self.length(u) * (by_all[:, n : n + M] - by_all[:, n + M :])  # the last arc takes what is left
-        step = self.resolution.difference_step(float(u[-1]))
-        moved = u.copy()
+        step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
         moved[-1] += step
         J[:, -1] = (self.residual(moved) - residual) / step
         return Linearisation(residual, J, chain)

@@ -5,14 +5,16 @@ With scaled unknowns v = u / scale, the equations F(u) = 0 and the border row . 
     [ F_u scale ] dv = [ -F                        ]
     [ row       ]      [ c - row . (v - v_guess)   ]
 
-Rows of the first block are divided by their largest entry, which takes the units from them.
+Rows of the first block are divided by their largest entry, which takes the units from them.  Short steps at the end
+are made with the derivative of the step before: that changes how fast the method converges, and not to what.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg.lapack import dgetrf, dgetrs
 
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem, Linearisation
@@ -32,7 +34,7 @@ class Solution:
 
 
 def solve(
-    problem: BoundaryProblem, guess: FloatArray, scale: FloatArray, row: FloatArray, most: int | None = None
+    problem: BoundaryProblem, guess: FloatArray, scale: FloatArray, row: FloatArray, exact: bool = False
 ) -> Solution | None:
     """The solution nearest to a guess, up to the hyperplane through the guess that a border row is normal to.
 
@@ -46,8 +48,8 @@ def solve(
         Size of each unknown.
     row : FloatArray, shape (n + M + 1,)
         The border, for scaled unknowns.
-    most : int, optional
-        Largest number of iterations; by default that of the options.
+    exact : bool
+        Whether to evaluate the derivative at the solution, and not a short step before.
 
     Returns
     -------
@@ -58,46 +60,32 @@ def solve(
     u, last, shortest = guess, np.zeros(guess.size), np.inf
     last[-1] = 1.0
     try:
-        for _ in range(most or options.newton_iterations):
-            found = problem.linearised(u)
-            A, b = bordered(found, scale, row)
-            b[-1] = -float(row @ ((u - guess) / scale))
-            if not (np.isfinite(A).all() and np.isfinite(b).all()):
-                return None
-            step, tangent = np.linalg.solve(A, np.stack([b, last], axis=1)).T
+        for _ in range(options.newton_iterations):
+            if shortest > options.chord:
+                found = problem.linearised(u)
+                J = found.jacobian * scale
+                sizes = np.abs(J).max(axis=1)
+                sizes[sizes == 0] = 1.0
+                lu, pivots, singular = dgetrf(np.concatenate([J / sizes[:, None], row[None]]))
+                chain, residual = found.chain, found.residual
+                if singular:
+                    return None
+            else:
+                chain = problem.chain(u)
+                residual = problem.residual(u, chain)
+            right = np.append(-residual / sizes, -float(row @ ((u - guess) / scale)))
+            step = dgetrs(lu, pivots, right)[0]
             length = float(np.linalg.norm(step))
             if not length <= min(options.newton_radius, 2 * shortest):
                 return None
             shortest = min(shortest, length)
             u = u + step * scale
             if length <= options.newton_tolerance:
-                return Solution(u, found, tangent / np.linalg.norm(tangent))
-    except (InputError, SolverError, np.linalg.LinAlgError):  # no such problem, or motion
+                tangent = dgetrs(lu, pivots, last)[0]
+                if exact:
+                    found = problem.linearised(u)
+                    chain = found.chain
+                return Solution(u, replace(found, chain=chain), tangent / np.linalg.norm(tangent))
+    except (InputError, SolverError):  # there is no such problem, or no such motion
         return None
     return None
-
-
-def bordered(found: Linearisation, scale: FloatArray, row: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The matrix of Newton's method, and its right side with zero for the border.
-
-    Parameters
-    ----------
-    found : Linearisation
-        Equations and derivative.
-    scale : FloatArray, shape (n + M + 1,)
-        Size of each unknown.
-    row : FloatArray, shape (n + M + 1,)
-        The border, for scaled unknowns.
-
-    Returns
-    -------
-    FloatArray, shape (n + M + 1, n + M + 1)
-        The matrix.
-    FloatArray, shape (n + M + 1,)
-        The right side.
-    """
-    J = found.jacobian * scale
-    sizes = np.abs(J).max(axis=1)
-    sizes[sizes == 0] = 1.0
-    A = np.concatenate([J / sizes[:, None], row[None]])
-    return A, np.append(-found.residual / sizes, 0.0)

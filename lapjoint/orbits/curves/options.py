@@ -17,10 +17,12 @@ class ContinuationOptions:
     """Largest arclength of a step: a tenth of the size of the motion."""
     smallest_step: float = 1e-9
     """Arclength of a step below which the curve counts as lost: steps of rounding size, 1e-12, lead nowhere."""
-    turning: float = 0.2
+    turning: float = 0.3
     """Angle by which the tangent should turn in a step, rad: Newton's method then takes two or three iterations."""
     newton_tolerance: float = 1e-9
     """Arclength of Newton's last step: what that step leaves is of the size of its square."""
+    chord: float = 1e-5
+    """Arclength of a step of Newton's method from which on the derivative is kept: the next step leaves 1e-10."""
     newton_iterations: int = 8
     """Largest number of Newton's iterations; near the curve three suffice."""
     newton_radius: float = 0.5

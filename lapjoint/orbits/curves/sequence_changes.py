@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import toms748
 
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
@@ -148,7 +148,7 @@ def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Mon
         monitor = min(ended or there, key=lambda one: _estimate(start, one, upper))
         located = _located(start, monitor, upper)
         if located is None:
-            return best
+            return None
         best, seen = located, seen + 1
         upper = float(start.tangent @ ((located[1].u - start.u) / start.scale))
         there = [one for one in violated(located[1]) if one[:3] != located[0][:3]]
@@ -219,7 +219,7 @@ def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -
         return its.value
 
     try:
-        at = brentq(value, first, last, xtol=1e-14, rtol=1e-13)
+        at = toms748(value, first, last, xtol=1e-13, rtol=1e-11)
         if at not in known:
             value(at)
     except (_LostError, ValueError):
@@ -346,7 +346,7 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
     its = None if near is None else same_monitor(near, monitor)
     if near is None or its is None:
         return None
-    here, at, other = near, 0.0, 0.1 * problem.resolution.options.first_step
+    here, at, other = near, 0.0, 1e-3 * problem.resolution.options.first_step
     for _ in range(_SECANTS):
         found = solve(problem, near.predicted(other), near.scale, near.tangent)
         beside = None if found is None else CurvePoint.of(problem, found, near.scale)
