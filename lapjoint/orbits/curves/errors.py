@@ -14,8 +14,7 @@ import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.value_errors import apart_by
-from lapjoint.orbits.curves.bifurcations import Bifurcation, Kind, Stretch, beside, has_torus, located_in, test_of
+from lapjoint.orbits.curves.bifurcations import Bifurcation, Kind, Stretch, beside, is_critical, located_in, test_of
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.continuation import centred
 from lapjoint.orbits.curves.point import CurvePoint
@@ -23,13 +22,12 @@ from lapjoint.orbits.curves.resolution import Resolution
 from lapjoint.orbits.curves.sequence_changes import (
     Monitor,
     SequenceChange,
-    at_graze,
     crossed,
     nearest,
     on_duration,
     violated,
 )
-from lapjoint.orbits.refinement import ROUNDING
+from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 AIM = 1e-5
@@ -40,8 +38,6 @@ _NEAR = 0.05
 """Arclength between a bifurcation at two resolutions, at most: beyond it is another one's neighbourhood."""
 _FIRST = 1e-5
 """Arclength of the first secant: far above rounding, far below the distance of two bifurcations."""
-_NONE = 1e-9
-"""Duration of an arc over the length of the motion that is none: that to which motions are solved."""
 _SECANTS = 12
 """Largest number of secant steps to a zero of a test function, of which four or five are needed."""
 
@@ -85,7 +81,7 @@ def stated(what: Located) -> Stated:
         found = again(what, lambda point, resolution=finer[1]: carried(point, resolution))  # type: ignore[misc]
         if found is None:
             return Stated(value, np.inf, what)
-        bounds.append(apart_by(finer[0], value_of(found) - value))
+        bounds.append(_bound(finer[0], value_of(found) - value))
         what, value = found, value_of(found)
         error = max(bounds[-2:]) + _offset(what) + ROUNDING * scale
         if len(bounds) > 1 and error <= AIM * scale:
@@ -174,6 +170,11 @@ def with_section(
     return replace(point.problem, resolution=resolution), np.concatenate([coordinates, point.u[point.coordinates :]])
 
 
+def _bound(refinement: Refinement, apart: float) -> float:
+    """The error of a value that a finer resolution has elsewhere."""
+    return float(refinement.bounds(np.array([apart]), abs(apart))[0])
+
+
 def _resolution(what: Located) -> Resolution:
     """The resolution at which a bifurcation or graze was located."""
     return (what.point if isinstance(what, Bifurcation) else what.before).problem.resolution
@@ -191,9 +192,9 @@ def _bifurcation(what: Bifurcation, carry: Carry) -> Bifurcation | None:
     if guess is None or near is None:
         return None
     point = _by_secants(near, what.kind) or _by_bracket(near, what.kind)
-    if point is None or _far(point, guess[1]) or violated(point):
+    if point is None or _far(point, guess[1]) or violated(point) or not is_critical(what.kind, point):
         return None
-    return None if what.kind == "neimark-sacker" and not has_torus(point.multipliers) else Bifurcation(what.kind, point)
+    return Bifurcation(what.kind, point)
 
 
 def _by_secants(near: CurvePoint, kind: Kind) -> CurvePoint | None:
@@ -225,7 +226,7 @@ def _by_bracket(near: CurvePoint, kind: Kind) -> CurvePoint | None:
                 break
             if test(point) * here < 0:
                 found = located_in(Stretch(near, point, at), kind, before, at)
-                if found is not None:
+                if found is not None and is_critical(kind, found[1]):
                     return found[1]
                 break
             before, at = at, 10 * at
@@ -234,41 +235,18 @@ def _by_bracket(near: CurvePoint, kind: Kind) -> CurvePoint | None:
 
 def _graze(what: SequenceChange, carry: Carry) -> SequenceChange | None:
     """The motion with an arc of no duration, and from it the one without that arc."""
-    more = what.before
-    if what.after is not None and what.after.problem.events > more.problem.events:
-        more = what.after
-    arc = _shortest(more)
-    if arc is None:
-        return _grazing(what, carry)
+    more = what.after if what.kind in ("birth", "split") else what.before
+    if more is None:
+        return None
     more = centred(more)
-    arc = _shortest(more)
+    returning = more.problem.sequence.returning
+    arc = min((i for i in range(1, more.problem.events) if returning[i]), key=lambda i: abs(float(more.shares[i])))
     guess = carry(more)
-    point = None if guess is None or arc is None else on_duration(*guess, arc)
-    if guess is None or arc is None or point is None or _far(point, guess[1]):
+    point = None if guess is None else on_duration(*guess, arc)
+    if guess is None or point is None or _far(point, guess[1]):
         return None
-    return crossed(Monitor("duration", arc, -1, 0.0, 0.0), point)
-
-
-def _shortest(point: CurvePoint) -> int | None:
-    """The arc of no duration between two events of one stop; None if there is none."""
-    returning = point.problem.sequence.returning
-    arcs = [i for i in range(1, point.problem.events) if returning[i]]
-    arc = min(arcs, key=lambda i: abs(float(point.shares[i])), default=None)
-    return None if arc is None or abs(point.shares[arc]) > _NONE else arc
-
-
-def _grazing(what: SequenceChange, carry: Carry) -> SequenceChange | None:
-    """The motion whose extremum touches the stop, where that with two events more is not known."""
-    before = what.before
-    its, guess = before.extrema, carry(before)
-    mine = np.flatnonzero(its.stop == what.stops[0])
-    if guess is None or not mine.size:
-        return None
-    i = int(mine[np.argmin(np.abs(its.violation[mine]))])
-    time = float(its.time[i]) / before.problem.length(before.u)
-    monitor = Monitor("extremum", int(its.arc[i]), what.stops[0], time, 0.0)
-    point = at_graze(*guess, monitor)
-    return None if point is None or _far(point, guess[1]) else crossed(monitor, point)
+    found = crossed(Monitor("duration", arc, -1, 0.0, 0.0), point)
+    return None if found.after is not None and violated(found.after) else found
 
 
 def _far(point: CurvePoint, guess: FloatArray) -> bool:
