@@ -362,7 +362,7 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
         other = at - its.value / slope
         if abs(its.value) <= problem.resolution.options.grazing_tolerance or other == at:
             break
-    if abs(its.value) > here.tolerance:
+    if abs(its.value) > max(here.tolerance, abs(slope) * problem.resolution.options.newton_tolerance):
         return None
     return here if slope < 0 else here.turned()
 
