@@ -167,6 +167,27 @@ def meeting(stretch: Stretch) -> Meeting | None:
     return Meeting(CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother)
 
 
+def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
+    """A motion that repeats in half of its time, as one of that time.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    same : float
+        Distance of both halves over the size of the motion up to which they are one.
+
+    Returns
+    -------
+    CurvePoint, or None
+        None if its halves differ.
+    """
+    missed = half_difference(point)
+    if missed is None or float(np.linalg.norm(missed)) > same:
+        return None
+    return nearest(*_halved(point.problem, point.u))
+
+
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
     """A motion that repeats in half of its time, over that time."""
     M, n = problem.events, problem.coordinates(u)
