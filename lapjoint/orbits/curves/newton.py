@@ -44,11 +44,11 @@ def solve(
     ----------
     problem : BoundaryProblem
         The equations.
-    guess : FloatArray, shape (n + M + 1,)
+    guess : FloatArray, shape (n + F + 1,)
         The unknowns to begin with.
-    scale : FloatArray, shape (n + M + 1,)
+    scale : FloatArray, shape (n + F + 1,)
         Size of each unknown.
-    row : FloatArray, shape (n + M + 1,)
+    row : FloatArray, shape (n + F + 1,)
         The border, for scaled unknowns.
     exact : bool
         Whether to evaluate the derivative at the solution, and not a short step before.
@@ -59,11 +59,12 @@ def solve(
         None if Newton's method finds none.
     """
     options = problem.resolution.options
-    u, last, shortest = guess, np.zeros(guess.size), np.inf
+    u, last, shortest, kept = guess, np.zeros(guess.size), np.inf, False
     last[-1] = 1.0
     try:
         for _ in range(options.newton_iterations):
-            if shortest > options.chord:
+            kept = shortest <= options.chord and not kept  # fast modes may need a new one soon
+            if not kept:
                 found = problem.linearised(u)
                 J = found.jacobian * scale
                 sizes = np.abs(J).max(axis=1)
@@ -78,9 +79,12 @@ def solve(
             right = np.append(-residual / sizes, -float(row @ ((u - guess) / scale)))
             step = dgetrs(lu, pivots, right)[0]
             length = float(np.linalg.norm(step))
-            if not length <= min(options.newton_radius, 2 * shortest):
-                return None
-            shortest = min(shortest, length)
+            if not kept:
+                if not length <= min(options.newton_radius, 2 * shortest):
+                    return None
+                shortest = min(shortest, length)
+            elif not length <= shortest:
+                continue
             u = u + step * scale
             if length <= options.newton_tolerance:
                 tangent = dgetrs(lu, pivots, last)[0]

@@ -177,7 +177,9 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         met = meeting(step)
         if met is not None:
             step = Stretch(step.start, met.point, step.length)
-        way.found += [Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)]
+        way.found += [
+            Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)
+        ]
         if met is not None:
             way.points.append(met.point)
             way.end, way.mother = "bifurcation", replace(Start.at(met.mother), direction=None)
@@ -198,7 +200,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
 
 def _is_at_change(point: CurvePoint) -> bool:
     """Whether a point lies on a change of the contact sequence."""
-    return bool((point.shares[1:-1] == 0).any())
+    return bool((point.shares[point.problem.free[1:]] == 0).any())
 
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
