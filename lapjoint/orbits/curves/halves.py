@@ -59,21 +59,21 @@ def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray
     image = tuple(twins[k] for k in stops) if twins is not None else stops
     shares = point.shares
     J = point.linearisation.jacobian
-    vector = np.linalg.svd(point.linearisation.monodromy + np.eye(n))[2][-1]
-    moved = -np.linalg.solve(J[n:, n:-1], J[n:, :n] @ vector) if M else np.zeros(0)
+    vector, moved = np.linalg.svd(point.linearisation.monodromy + np.eye(n))[2][-1], np.zeros(M + 1)
     if M:
-        last = -float(moved.sum())
-        shares = np.concatenate([shares[:-1], [shares[-1] + shares[0]], shares[1:-1]]) / 2
-        moved = np.concatenate([moved, [last - moved[0]], -moved[1:]]) / 2
-    else:
-        shares = np.zeros(0)
+        moved[problem.free] = -np.linalg.solve(J[n:, n:-1], J[n:, :n] @ vector)
+        moved[-1] = -moved.sum()
+    twice = [
+        np.array([*one[:-1], one[-1] + sign * one[0], *(sign * one[1:])]) / 2
+        for one, sign in ((shares, 1), (moved, -1))
+    ]
     doubled = replace(
         problem,
         sequence=ContactSequence(problem.sequence.first, (*stops, *image)),
         half_periods=2 * problem.half_periods,
+        tied=problem.tied | {k + M for k in problem.tied},
     )
-    u = np.concatenate([point.u[:n], shares, point.u[-1:]])
-    return doubled, u, np.concatenate([vector, moved, [0.0]])
+    return doubled, doubled.packed(point.u[:n], twice[0], point.value), doubled.packed(vector, twice[1], 0.0)
 
 
 def half_difference(point: CurvePoint) -> FloatArray | None:
@@ -130,7 +130,7 @@ class Meeting:
     point: CurvePoint
     """The motion, as one of the branch that ends there."""
     mother: CurvePoint
-    """The same motion, as one that repeats in half of the time: its multiplier -1 is that by which the branch springs."""
+    """The same motion, as one that repeats in half of the time: its multiplier -1 makes the branch spring."""
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
@@ -164,19 +164,38 @@ def meeting(stretch: Stretch) -> Meeting | None:
     scale = scale_of(problem, u)
     tangent = way / scale
     tangent /= np.linalg.norm(tangent)
-    return Meeting(
-        CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother
-    )
+    return Meeting(CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother)
+
+
+def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
+    """A motion that repeats in half of its time, as one of that time.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    same : float
+        Distance of both halves over the size of the motion up to which they are one.
+
+    Returns
+    -------
+    CurvePoint, or None
+        None if its halves differ.
+    """
+    missed = half_difference(point)
+    if missed is None or float(np.linalg.norm(missed)) > same:
+        return None
+    return nearest(*_halved(point.problem, point.u))
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
     """A motion that repeats in half of its time, over that time."""
-    M = problem.events
-    n = u.size - 1 - M
+    M, n = problem.events, problem.coordinates(u)
     durations = problem.durations(u) / problem.length(u)
     sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
-    halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2)
-    return halved, np.concatenate([u[:n], 2 * durations[: M // 2], u[-1:]])
+    tied = frozenset(k for k in problem.tied if k < M // 2)
+    halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2, tied=tied)
+    return halved, halved.packed(u[:n], 2 * durations[: M // 2], u[-1])
 
 
 def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
