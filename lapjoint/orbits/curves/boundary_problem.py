@@ -66,8 +66,7 @@ class BoundaryProblem:
         FloatArray, shape (M + 1,)
             s.
         """
-        shares = u[u.size - 1 - self.events : -1]
-        return self.length(u) * np.append(shares, 1.0 - shares.sum())
+        return self._durations(u, self.arcs(u))
 
     def length(self, u: FloatArray) -> float:
         """Length L of the motion, s.
@@ -82,7 +81,7 @@ class BoundaryProblem:
         float
             Half periods of the excitation at the parameter.
         """
-        return self.half_periods * self.arcs(u).period / 2
+        return self._length(self.arcs(u))
 
     def time(self, u: FloatArray) -> float:
         """Time of the section, s from a multiple of the excitation period.
@@ -114,8 +113,8 @@ class BoundaryProblem:
         Chain
             The arcs.
         """
-        n = u.size - 1 - self.events
-        return self.arcs(u).chain(self.sequence, u[:n], self.time(u), self.durations(u), derivatives)
+        arcs, n = self.arcs(u), u.size - 1 - self.events
+        return arcs.chain(self.sequence, u[:n], self.phase * arcs.period, self._durations(u, arcs), derivatives)
 
     def residual(self, u: FloatArray, chain: Chain | None = None) -> FloatArray:
         """Left sides of the equations.
@@ -148,19 +147,29 @@ class BoundaryProblem:
         Linearisation
             At the unknowns.
         """
-        chain, M = self.chain(u, derivatives=True), self.events
+        chain, M, length = self.chain(u, derivatives=True), self.events, self.length(u)
         n = chain.end.size
         assert chain.end_by is not None and chain.events_by is not None
         residual = self.residual(u, chain)
         J = np.empty((n + M, n + M + 1))
-        by_all = np.concatenate([self._sign * chain.end_by, chain.events_by])
-        J[:, :n] = by_all[:, :n]
-        J[:n, :n] -= np.eye(n)
-        J[:, n:-1] = self.length(u) * (by_all[:, n : n + M] - by_all[:, n + M :])  # the last arc takes what is left
+        for rows, by, factor in ((J[:n], chain.end_by, self._sign), (J[n:], chain.events_by, 1.0)):
+            np.multiply(by[:, :n], factor, out=rows[:, :n])
+            np.subtract(by[:, n:-1], by[:, -1:], out=rows[:, n:-1])  # the last arc takes what is left
+            rows[:, n:-1] *= factor * length
+        J.ravel()[: n * J.shape[1] : J.shape[1] + 1] -= 1.0
         step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
         moved[-1] += step
         J[:, -1] = (self.residual(moved) - residual) / step
         return Linearisation(residual, J, chain)
+
+    def _length(self, arcs: Arcs) -> float:
+        return self.half_periods * arcs.period / 2
+
+    def _durations(self, u: FloatArray, arcs: Arcs) -> FloatArray:
+        shares = np.empty(self.events + 1)
+        shares[:-1] = u[u.size - shares.size : -1]
+        shares[-1] = 1.0 - shares[:-1].sum()
+        return self._length(arcs) * shares
 
     @property
     def _sign(self) -> float:

@@ -11,6 +11,7 @@ are made with the derivative of the step before: that changes how fast the metho
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -63,23 +64,28 @@ def solve(
         for _ in range(options.newton_iterations):
             if shortest > options.chord:
                 found = problem.linearised(u)
-                J = found.jacobian * scale
-                sizes = np.abs(J).max(axis=1)
+                bordered = np.empty((row.size, row.size), order="F")  # as LAPACK takes it
+                J = np.multiply(found.jacobian, scale, out=bordered[:-1])
+                sizes = np.maximum(J.max(axis=1), -J.min(axis=1))
                 sizes[sizes == 0] = 1.0
-                lu, pivots, singular = dgetrf(np.concatenate([J / sizes[:, None], row[None]]))
+                J /= sizes[:, None]
+                bordered[-1] = row
+                lu, pivots, singular = dgetrf(bordered, overwrite_a=True)
                 chain, residual = found.chain, found.residual
                 if singular:
                     return None
             else:
                 chain = problem.chain(u)
                 residual = problem.residual(u, chain)
-            right = np.append(-residual / sizes, -float(row @ ((u - guess) / scale)))
-            step = dgetrs(lu, pivots, right)[0]
-            length = float(np.linalg.norm(step))
+            right = np.empty(row.size)
+            np.divide(residual, sizes, out=right[:-1])
+            right[-1] = row @ ((u - guess) / scale)
+            step = dgetrs(lu, pivots, right, overwrite_b=True)[0]
+            length = math.sqrt(step @ step)
             if not length <= min(options.newton_radius, 2 * shortest):
                 return None
             shortest = min(shortest, length)
-            u = u + step * scale
+            u = u - step * scale
             if length <= options.newton_tolerance:
                 tangent = dgetrs(lu, pivots, last)[0]
                 if exact:
