@@ -17,11 +17,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from analytic.march.joint import Joint
+from analytic.march.known_states import KnownStates
 from analytic.march.mean_rates import mean_rate_at_stop
 from analytic.march.switching import switch
 from analytic.march.tables import BoolArray, IntArray, Tables
@@ -37,9 +39,12 @@ from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.problem import FloatArray, Problem
 
+_ROUTES = 256
+"""Number of contact sequences whose routes are kept, those of a curve or two; each takes a kilobyte."""
+
 
 class _Route(NamedTuple):
-    """A contact sequence as compiled functions take it: ``M`` events between ``M + 1`` arcs."""
+    """A contact sequence as compiled functions take it: ``M`` events between ``M + 1`` arcs; not to be written to."""
 
     slot: IntArray
     """The contact state of each arc, shape ``(M + 1,)``."""
@@ -133,12 +138,29 @@ class JointArcs:
 
     def _route(self, sequence: ContactSequence) -> _Route:
         """The slots of a sequence, of which every switch is made known."""
-        joint, states = self.joint, sequence.states
-        slots = np.array([joint.slot(state) for state in states], dtype=np.int64)
-        for slot, stop in zip(slots[:-1].tolist(), sequence.stops, strict=True):
+        found, joint = _known_route(self.joint.known, sequence), self.joint
+        if found is not None:
+            return found
+        slots = [joint.slot(state) for state in sequence.states]
+        for slot, stop in zip(slots[:-1], sequence.stops, strict=True):
             if joint.tables.next_slot[slot, stop] < 0:
                 joint.connect(slot, stop)
-        return _Route(slots, np.array(sequence.stops, dtype=np.int64), np.array(sequence.returning, dtype=np.bool_))
+        return _route(slots, sequence)
+
+
+@lru_cache(maxsize=_ROUTES)
+def _known_route(known: KnownStates, sequence: ContactSequence) -> _Route | None:
+    """The slots of a sequence in tables that begin with known states; None if one of its switches is not known."""
+    states, stops = sequence.states, sequence.stops
+    switches = {(new if stop in old else old, stop) for old, new, stop in zip(states, states[1:], stops, strict=False)}
+    if sequence.first not in known.slots or not switches.issubset(known.switches):
+        return None
+    return _route([known.slots[state] for state in states], sequence)
+
+
+def _route(slots: list[int], sequence: ContactSequence) -> _Route:
+    stops, returning = np.array(sequence.stops, dtype=np.int64), np.array(sequence.returning, dtype=np.bool_)
+    return _Route(np.array(slots, dtype=np.int64), stops, returning)
 
 
 @njit_called(vectorised=True)

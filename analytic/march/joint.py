@@ -73,7 +73,9 @@ class Joint:
         self._places: dict[tuple[Any, ...], FloatArray] = {}
         self.tables: Tables
         self._borrows: bool
-        self._fill_known(self._memory.known)
+        self.known = self._memory.known
+        """The states and switches that the tables have from the start, in slots of that order."""
+        self._fill_known(self.known)
 
     def driven(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> Joint:
         """The same with an excitation of other frequencies and sizes.

@@ -66,7 +66,7 @@ def solve(
                 found = problem.linearised(u)
                 bordered = np.empty((row.size, row.size), order="F")  # as LAPACK takes it
                 J = np.multiply(found.jacobian, scale, out=bordered[:-1])
-                sizes = np.maximum(J.max(axis=1), -J.min(axis=1))
+                sizes = np.abs(J).max(axis=1)
                 sizes[sizes == 0] = 1.0
                 J /= sizes[:, None]
                 bordered[-1] = row
