@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint.orbits.curves.bifurcations import Stretch
-from lapjoint.orbits.curves.newton import solve
+from lapjoint.orbits.curves.newton import Solution, solve
 from lapjoint.orbits.curves.point import CurvePoint, resectioned
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, crossed, first_change, nearest, violated
 
@@ -79,8 +79,7 @@ def follow(start: CurvePoint) -> Iterator[Step]:
         if at_boundary:
             yield End("boundary")
             return
-        angle = float(np.arccos(np.clip(_turn(here, new), -1.0, 1.0)))
-        growth = options.turning / max(angle, 0.5 * options.turning)
+        growth = options.turning / max(_angle(here, new), 0.5 * options.turning)
         step, last = min(step * max(growth, 0.5), options.largest_step), None
         here = centred(new)
     yield End("lost", last)
@@ -119,13 +118,7 @@ def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
     length = (value - here.value) / rate if rate else most
     guess, row = here.predicted(min(max(length, 0.0), most)), np.zeros(here.u.size)
     guess[-1], row[-1] = value, 1.0
-    found = solve(here.problem, guess, here.scale, row)
-    if found is None:
-        return None
-    new = CurvePoint.of(here.problem, found, here.scale)
-    if np.arccos(np.clip(abs(_turn(here, new)), 0.0, 1.0)) > 2 * here.problem.resolution.options.turning:
-        return None
-    return new if _turn(here, new) > 0 else new.turned()
+    return _going_on(here, solve(here.problem, guess, here.scale, row))
 
 
 def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
@@ -143,13 +136,29 @@ def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
     CurvePoint, or None
         Its tangent goes on in the direction of the one before.
     """
-    found = solve(here.problem, here.predicted(length), here.scale, here.tangent)
+    return _going_on(here, solve(here.problem, here.predicted(length), here.scale, here.tangent))
+
+
+def _going_on(here: CurvePoint, found: Solution | None) -> CurvePoint | None:
+    """A solution as the next point of a curve; None if it is of another part of the curve, or the curve turns too much.
+
+    On another part the orientation differs, or the parameter has gone against the tangents at both ends.
+    """
     if found is None:
         return None
     new = CurvePoint.of(here.problem, found, here.scale)
-    if np.arccos(np.clip(abs(_turn(here, new)), 0.0, 1.0)) > 2 * here.problem.resolution.options.turning:
+    new = new if _turn(here, new) > 0 else new.turned()
+    if _angle(here, new) > 2 * here.problem.resolution.options.turning or new.orientation != here.orientation:
         return None
-    return new if _turn(here, new) > 0 else new.turned()
+    rates = here.tangent[-1], new.tangent[-1]
+    if rates[0] * rates[1] > 0 and (new.value - here.value) * rates[0] < 0:
+        return None
+    return new
+
+
+def _angle(here: CurvePoint, new: CurvePoint) -> float:
+    """Angle between two tangents, rad."""
+    return float(np.arccos(np.clip(_turn(here, new), -1.0, 1.0)))
 
 
 def _turn(here: CurvePoint, new: CurvePoint) -> float:

@@ -145,20 +145,20 @@ def meeting(stretch: Stretch) -> Meeting | None:
     first, last = half_difference(stretch.start), half_difference(stretch.end)
     if first is None or last is None or not float(first @ last) < 0:
         return None
-    size, known = float(np.linalg.norm(first)), dict[float, CurvePoint]()
+    size, known, products = float(np.linalg.norm(first)), dict[float, CurvePoint](), dict[float, float]()
 
     def along(s: float) -> float:
         point = beside(stretch.start, s)
         missed = None if point is None else half_difference(point)
         if point is None or missed is None:
             raise ValueError
-        known[s] = point
-        return float(missed @ first) / size**2
+        known[s], products[s] = point, float(missed @ first) / size**2
+        return products[s]
 
     try:
         at = brentq(along, 0.0, stretch.length, xtol=1e-10, rtol=1e-9)
     except ValueError:  # Newton's method is lost where both branches meet; nearby it is not
-        at = min(known, key=lambda s: abs(float((half_difference(known[s]) or first) @ first)), default=None)
+        at = min(known, key=lambda s: abs(products[s]), default=None)
     if at is None or at not in known:
         return None
     missed = half_difference(known[at])

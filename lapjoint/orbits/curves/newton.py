@@ -32,6 +32,8 @@ class Solution:
     """Equations and derivative, there or a last, tiny step before."""
     tangent: FloatArray
     """Unit tangent of the curve in scaled unknowns, towards the border row."""
+    orientation: int
+    """Sign of the determinant of the derivative bordered by this tangent: the same all along a smooth curve."""
 
 
 def solve(
@@ -91,7 +93,8 @@ def solve(
                 if exact:
                     found = problem.linearised(u)
                     chain = found.chain
-                return Solution(u, replace(found, chain=chain), tangent / np.linalg.norm(tangent))
+                sign = int(np.prod(np.sign(np.diag(lu)))) * (-1) ** int(np.count_nonzero(pivots != np.arange(u.size)))
+                return Solution(u, replace(found, chain=chain), tangent / np.linalg.norm(tangent), sign)
     except (InputError, SolverError):  # there is no such problem, or no such motion
         return None
     return None

@@ -13,7 +13,7 @@ class ContinuationOptions:
 
     first_step: float = 1e-3
     """Arclength of the first step from a start."""
-    largest_step: float = 0.3
+    largest_step: float = 0.1
     """Largest arclength of a step: a tenth of the size of the motion."""
     smallest_step: float = 1e-9
     """Arclength of a step below which the curve counts as lost: steps of rounding size, 1e-12, lead nowhere."""

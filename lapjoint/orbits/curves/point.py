@@ -55,6 +55,8 @@ class CurvePoint:
     """Unit tangent in scaled unknowns, in either direction along the curve."""
     linearisation: Linearisation = field(repr=False)
     """Equations and derivative."""
+    orientation: int
+    """As `Solution.orientation`, for this tangent."""
 
     @staticmethod
     def of(problem: BoundaryProblem, solution: Solution, scale: FloatArray) -> CurvePoint:
@@ -76,7 +78,8 @@ class CurvePoint:
         """
         own = scale_of(problem, solution.u)
         tangent = solution.tangent * scale / own
-        return CurvePoint(problem, solution.u, own, tangent / np.linalg.norm(tangent), solution.linearisation)
+        tangent /= np.linalg.norm(tangent)
+        return CurvePoint(problem, solution.u, own, tangent, solution.linearisation, solution.orientation)
 
     @property
     def value(self) -> float:
@@ -180,7 +183,7 @@ class CurvePoint:
         CurvePoint
             The point.
         """
-        return replace(self, tangent=-self.tangent)
+        return replace(self, tangent=-self.tangent, orientation=-self.orientation)
 
     def sections(self) -> list[SectionPoint]:
         """The motion at multiples of the excitation period and, mirrored, of half periods where the problem allows that.
