@@ -113,8 +113,9 @@ class BoundaryProblem:
         Chain
             The arcs.
         """
-        arcs, n = self.arcs(u), u.size - 1 - self.events
-        return arcs.chain(self.sequence, u[:n], self.phase * arcs.period, self._durations(u, arcs), derivatives)
+        arcs, n, number = self.arcs(u), u.size - 1 - self.events, self.resolution.path
+        times = self.phase * arcs.period, self._durations(u, arcs)
+        return arcs.chain(self.sequence, u[:n], *times, derivatives, number if derivatives else None)
 
     def residual(self, u: FloatArray, chain: Chain | None = None) -> FloatArray:
         """Left sides of the equations.
@@ -149,7 +150,8 @@ class BoundaryProblem:
         """
         chain, M, length = self.chain(u, derivatives=True), self.events, self.length(u)
         n = chain.end.size
-        assert chain.end_by is not None and chain.events_by is not None
+        assert chain.end_by is not None
+        assert chain.events_by is not None
         residual = self.residual(u, chain)
         J = np.empty((n + M, n + M + 1))
         for rows, by, factor in ((J[:n], chain.end_by, self._sign), (J[n:], chain.events_by, 1.0)):
@@ -157,9 +159,12 @@ class BoundaryProblem:
             np.subtract(by[:, n:-1], by[:, -1:], out=rows[:, n:-1])  # the last arc takes what is left
             rows[:, n:-1] *= factor * length
         J.ravel()[: n * J.shape[1] : J.shape[1] + 1] -= 1.0
-        step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
-        moved[-1] += step
-        J[:, -1] = (self.residual(moved) - residual) / step
+        if chain.by_number is None:
+            step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
+            moved[-1] += step
+            J[:, -1] = (self.residual(moved) - residual) / step
+        else:
+            J[:n, -1], J[n:, -1] = self._sign * chain.by_number[:n], chain.by_number[n:]
         return Linearisation(residual, J, chain)
 
     def _length(self, arcs: Arcs) -> float:
