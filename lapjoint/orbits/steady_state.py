@@ -135,7 +135,7 @@ def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance:
         solver=solver,
         outcome=periodic_outcome(history),
         period_multiple=orbit.period_multiple,
-        symmetric=orbit.symmetric or _mirrors_itself(history),
+        symmetric=orbit.symmetric or mirrors_itself(history),
         residual=orbit.residual,
         multipliers=orbit.multipliers,
         exponent=None,
@@ -146,6 +146,17 @@ def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance:
     )
 
 
-def _mirrors_itself(history: History) -> bool:
-    """Whether a motion of one period must mirror itself: it answers harmonic loads alone, and touches nothing."""
+def mirrors_itself(history: History) -> bool:
+    """Whether a motion of one period must mirror itself: it answers harmonic loads alone, and touches nothing.
+
+    Parameters
+    ----------
+    history : History
+        One period of the motion.
+
+    Returns
+    -------
+    bool
+        Whether it must.
+    """
     return not history.contacts and history.problem.forces.change_sign

@@ -1,8 +1,8 @@
 r"""Periodic motions with a given contact sequence as a boundary value problem, and its derivative.
 
-The unknowns are u = (x, delta_1 ... delta_M, p): displacements and velocities x at the section, the durations of all
-arcs but the last over the length L of the motion, and the parameter p.  The equations are the closure y(L) = x (for an
-odd number of half periods the mirror image -y(L) = x) and one equation for each of the M events, see
+The unknowns are u = (x, delta_1 ... delta_F, p): displacements and velocities x at the section, the durations of all
+arcs but the last over the length L of the motion, F of them, and the parameter p.  The equations are the closure y(L) = x (for an
+odd number of half periods the mirror image -y(L) = x) and one equation for each of the F events, see
 `lapjoint.orbits.arcs`.  With the derivatives A = y_x, B = y_delta, C = g_x, D = g_delta of closure and events the
 monodromy matrix is A - B D^-1 C.
 """
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.arcs import Arcs, Chain, ContactSequence
@@ -32,18 +33,98 @@ class BoundaryProblem:
     """Number of half periods of the excitation after which the motion repeats; mirrored, if it is odd."""
     phase: float
     """Time of the section over the excitation period, from 0 to 1."""
+    tied: frozenset[int] = frozenset()
+    """Events at the same time as the event before, of another stop: the arc between has no duration, and of the
+    equations of such events that of the first one stands for all.  Stops that mirror each other along the beam switch
+    so."""
 
     @property
     def events(self) -> int:
         """Number ``M`` of events."""
         return len(self.sequence.stops)
 
+    @cached_property
+    def free(self) -> npt.NDArray[np.intp]:
+        """The events that are not tied to the one before, and the arcs that end with them, shape ``(F,)``."""
+        return np.array([i for i in range(self.events) if i not in self.tied], dtype=np.intp)
+
+    def packed(self, x: FloatArray, shares: FloatArray, value: float) -> FloatArray:
+        """The unknowns.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Coordinates of the section.
+        shares : FloatArray, shape (M,) or (M + 1,)
+            Durations of all arcs over the length of the motion; the last one may be left out.
+        value : float
+            The parameter, in its SI unit.
+
+        Returns
+        -------
+        FloatArray, shape (n + F + 1,)
+            u.
+        """
+        return np.concatenate([x, np.asarray(shares, dtype=float)[self.free], [value]])
+
+    def coordinates(self, u: FloatArray) -> int:
+        """Number ``n`` of coordinates of the section.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + F + 1,)
+            The unknowns.
+
+        Returns
+        -------
+        int
+            The number.
+        """
+        return u.size - 1 - self.free.size
+
+    def position(self, u: FloatArray, arc: int) -> int:
+        """Where the duration of an arc is among the unknowns.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + F + 1,)
+            The unknowns.
+        arc : int
+            An arc that ends with an event that is not tied.
+
+        Returns
+        -------
+        int
+            Its index in u.
+        """
+        return self.coordinates(u) + int(np.searchsorted(self.free, arc))
+
+    def group(self, event: int) -> range:
+        """The events that are at the same time as one of them.
+
+        Parameters
+        ----------
+        event : int
+            The event.
+
+        Returns
+        -------
+        range
+            In sequence; the first one is not tied.
+        """
+        first, last = event, event + 1
+        while first in self.tied:
+            first -= 1
+        while last in self.tied:
+            last += 1
+        return range(first, last)
+
     def arcs(self, u: FloatArray) -> Arcs:
         """The arcs at the parameter of a solution.
 
         Parameters
         ----------
-        u : FloatArray, shape (n + M + 1,)
+        u : FloatArray, shape (n + F + 1,)
             The unknowns.
 
         Returns
@@ -58,7 +139,7 @@ class BoundaryProblem:
 
         Parameters
         ----------
-        u : FloatArray, shape (n + M + 1,)
+        u : FloatArray, shape (n + F + 1,)
             The unknowns.
 
         Returns
@@ -73,7 +154,7 @@ class BoundaryProblem:
 
         Parameters
         ----------
-        u : FloatArray, shape (n + M + 1,)
+        u : FloatArray, shape (n + F + 1,)
             The unknowns.
 
         Returns
@@ -88,7 +169,7 @@ class BoundaryProblem:
 
         Parameters
         ----------
-        u : FloatArray, shape (n + M + 1,)
+        u : FloatArray, shape (n + F + 1,)
             The unknowns.
 
         Returns
@@ -103,7 +184,7 @@ class BoundaryProblem:
 
         Parameters
         ----------
-        u : FloatArray, shape (n + M + 1,)
+        u : FloatArray, shape (n + F + 1,)
             The unknowns.
         derivatives : bool
             Whether to carry derivatives along.
@@ -113,34 +194,34 @@ class BoundaryProblem:
         Chain
             The arcs.
         """
-        arcs, n, number = self.arcs(u), u.size - 1 - self.events, self.resolution.path
+        arcs, x, number = self.arcs(u), u[: self.coordinates(u)], self.resolution.path
         times = self.phase * arcs.period, self._durations(u, arcs)
-        return arcs.chain(self.sequence, u[:n], *times, derivatives, number if derivatives else None)
+        return arcs.chain(self.sequence, x, *times, derivatives, number if derivatives else None)
 
     def residual(self, u: FloatArray, chain: Chain | None = None) -> FloatArray:
         """Left sides of the equations.
 
         Parameters
         ----------
-        u : FloatArray, shape (n + M + 1,)
+        u : FloatArray, shape (n + F + 1,)
             The unknowns.
         chain : Chain, optional
             Their arcs, if they are known.
 
         Returns
         -------
-        FloatArray, shape (n + M,)
+        FloatArray, shape (n + F,)
             Of the closure, in the unit of each coordinate, then of the events, m or m/s.
         """
         chain = self.chain(u) if chain is None else chain
-        return np.concatenate([self._sign * chain.end - u[: chain.end.size], chain.events])
+        return np.concatenate([self._sign * chain.end - u[: chain.end.size], chain.events[self.free]])
 
     def linearised(self, u: FloatArray) -> Linearisation:
         """Equations and their derivative.
 
         Parameters
         ----------
-        u : FloatArray, shape (n + M + 1,)
+        u : FloatArray, shape (n + F + 1,)
             The unknowns.
 
         Returns
@@ -148,32 +229,31 @@ class BoundaryProblem:
         Linearisation
             At the unknowns.
         """
-        chain, M, length = self.chain(u, derivatives=True), self.events, self.length(u)
-        n = chain.end.size
+        chain, free = self.chain(u, derivatives=True), self.free
+        n, F = chain.end.size, free.size
         assert chain.end_by is not None
         assert chain.events_by is not None
         residual = self.residual(u, chain)
-        J = np.empty((n + M, n + M + 1))
-        for rows, by, factor in ((J[:n], chain.end_by, self._sign), (J[n:], chain.events_by, 1.0)):
-            np.multiply(by[:, :n], factor, out=rows[:, :n])
-            np.subtract(by[:, n:-1], by[:, -1:], out=rows[:, n:-1])  # the last arc takes what is left
-            rows[:, n:-1] *= factor * length
+        J = np.empty((n + F, n + F + 1))
+        by_all = np.concatenate([self._sign * chain.end_by, chain.events_by[free]])
+        J[:, :n] = by_all[:, :n]
         J.ravel()[: n * J.shape[1] : J.shape[1] + 1] -= 1.0
+        J[:, n:-1] = self.length(u) * (by_all[:, n + free] - by_all[:, -1:])  # the last arc takes what is left
         if chain.by_number is None:
             step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
             moved[-1] += step
             J[:, -1] = (self.residual(moved) - residual) / step
         else:
-            J[:n, -1], J[n:, -1] = self._sign * chain.by_number[:n], chain.by_number[n:]
+            J[:n, -1], J[n:, -1] = self._sign * chain.by_number[:n], chain.by_number[n:][free]
         return Linearisation(residual, J, chain)
 
     def _length(self, arcs: Arcs) -> float:
         return self.half_periods * arcs.period / 2
 
     def _durations(self, u: FloatArray, arcs: Arcs) -> FloatArray:
-        shares = np.empty(self.events + 1)
-        shares[:-1] = u[u.size - shares.size : -1]
-        shares[-1] = 1.0 - shares[:-1].sum()
+        shares = np.zeros(self.events + 1)
+        shares[self.free] = u[self.coordinates(u) : -1]
+        shares[-1] = 1.0 - shares.sum()
         return self._length(arcs) * shares
 
     @property
@@ -186,9 +266,9 @@ class Linearisation:
     """The equations of a boundary value problem and their derivative at one set of unknowns."""
 
     residual: FloatArray
-    """Left sides of the equations, shape ``(n + M,)``."""
+    """Left sides of the equations, shape ``(n + F,)``."""
     jacobian: FloatArray
-    """Their derivatives by the unknowns, shape ``(n + M, n + M + 1)``."""
+    """Their derivatives by the unknowns, shape ``(n + F, n + F + 1)``."""
     chain: Chain
     """The arcs."""
 

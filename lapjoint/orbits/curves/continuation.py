@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint.orbits.curves.bifurcations import Stretch
+from lapjoint.orbits.curves.halves import halves_exchange
 from lapjoint.orbits.curves.newton import Solution, solve
 from lapjoint.orbits.curves.point import CurvePoint, resectioned
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, crossed, first_change, nearest, violated
@@ -142,13 +143,16 @@ def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
 def _going_on(here: CurvePoint, found: Solution | None) -> CurvePoint | None:
     """A solution as the next point of a curve; None if it is of another part of the curve, or the curve turns too much.
 
-    On another part the orientation differs, or the parameter has gone against the tangents at both ends.
+    On another part the orientation differs, but for where the curve meets that of motions which repeat in half of the
+    time; or the parameter has gone against the tangents at both ends.
     """
     if found is None:
         return None
     new = CurvePoint.of(here.problem, found, here.scale)
     new = new if _turn(here, new) > 0 else new.turned()
-    if _angle(here, new) > 2 * here.problem.resolution.options.turning or new.orientation != here.orientation:
+    if _angle(here, new) > 2 * here.problem.resolution.options.turning:
+        return None
+    if new.orientation != here.orientation and not halves_exchange(here, new):
         return None
     rates = here.tangent[-1], new.tangent[-1]
     if rates[0] * rates[1] > 0 and (new.value - here.value) * rates[0] < 0:

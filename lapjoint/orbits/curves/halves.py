@@ -10,21 +10,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from lapjoint.orbits.arcs import ContactSequence
-from lapjoint.orbits.curves.bifurcations import Stretch, beside
+from lapjoint.orbits.curves.bifurcations import Stretch, beside, flip_test, located_in
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint, scale_of
+from lapjoint.orbits.curves.sequence_changes import nearest, violated
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _AWAY = (1e-2, 1e-3, 1e-4)
 """Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn: the first is
-found unless the branch is narrower."""
-_MEETS = 1e-3
-"""Difference of both halves, over that at the start of a step, up to which it counts as zero."""
+found unless the branch is narrower, or grazes a stop before that."""
 
 
 def springing(point: CurvePoint) -> CurvePoint | None:
@@ -38,7 +36,7 @@ def springing(point: CurvePoint) -> CurvePoint | None:
     Returns
     -------
     CurvePoint, or None
-        Its tangent leads away from the bifurcation; None if Newton's method finds none.
+        Its tangent leads away from the bifurcation; None if Newton's method finds none whose contacts are the same.
     """
     problem, u, way = _doubled(point)
     scale = scale_of(problem, u)
@@ -48,7 +46,8 @@ def springing(point: CurvePoint) -> CurvePoint | None:
         found = solve(problem, u + length * scale * row, scale, row)
         if found is not None:
             new = CurvePoint.of(problem, found, scale)
-            return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
+            if not violated(new):
+                return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
     return None
 
 
@@ -60,21 +59,18 @@ def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray
     image = tuple(twins[k] for k in stops) if twins is not None else stops
     shares = point.shares
     J = point.linearisation.jacobian
-    vector = np.linalg.svd(point.linearisation.monodromy + np.eye(n))[2][-1]
-    moved = -np.linalg.solve(J[n:, n:-1], J[n:, :n] @ vector) if M else np.zeros(0)
+    vector, moved = np.linalg.svd(point.linearisation.monodromy + np.eye(n))[2][-1], np.zeros(M + 1)
     if M:
-        last = -float(moved.sum())
-        shares = np.concatenate([shares[:-1], [shares[-1] + shares[0]], shares[1:-1]]) / 2
-        moved = np.concatenate([moved, [last - moved[0]], -moved[1:]]) / 2
-    else:
-        shares = np.zeros(0)
+        moved[problem.free] = -np.linalg.solve(J[n:, n:-1], J[n:, :n] @ vector)
+        moved[-1] = -moved.sum()
+    twice = [np.array([*one[:-1], one[-1] + sign * one[0], *(sign * one[1:])]) / 2 for one, sign in ((shares, 1), (moved, -1))]
     doubled = replace(
         problem,
         sequence=ContactSequence(problem.sequence.first, (*stops, *image)),
         half_periods=2 * problem.half_periods,
+        tied=problem.tied | {k + M for k in problem.tied},
     )
-    u = np.concatenate([point.u[:n], shares, point.u[-1:]])
-    return doubled, u, np.concatenate([vector, moved, [0.0]])
+    return doubled, doubled.packed(point.u[:n], twice[0], point.value), doubled.packed(vector, twice[1], 0.0)
 
 
 def half_difference(point: CurvePoint) -> FloatArray | None:
@@ -107,30 +103,39 @@ def half_difference(point: CurvePoint) -> FloatArray | None:
     return np.asarray(((-there if twins is not None else there) - point.u[:n]) / point.scale[:n])
 
 
+def halves_exchange(here: CurvePoint, new: CurvePoint) -> bool:
+    """Whether the difference of both halves passes zero between two motions of a curve.
+
+    Parameters
+    ----------
+    here, new : CurvePoint
+        The motions.
+
+    Returns
+    -------
+    bool
+        Whether their curve meets that of motions which repeat in half of the time.
+    """
+    first, last = half_difference(here), half_difference(new)
+    return first is not None and last is not None and float(first @ last) < 0
+
+
 @dataclass(frozen=True)
 class Meeting:
     """Where a branch meets that of motions which repeat in half of the time."""
 
     point: CurvePoint
     """The motion, as one of the branch that ends there."""
-
-    def halved(self) -> tuple[BoundaryProblem, FloatArray]:
-        """The motion over half of its time.
-
-        Returns
-        -------
-        BoundaryProblem, FloatArray
-            Its equations, and the unknowns.
-        """
-        problem, u, M = self.point.problem, self.point.u, self.point.problem.events
-        n, shares = self.point.coordinates, 2 * self.point.shares[: M // 2]
-        sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
-        halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2)
-        return halved, np.concatenate([u[:n], shares, u[-1:]])
+    mother: CurvePoint
+    """The same motion, as one that repeats in half of the time: its multiplier -1 is that by which the branch springs."""
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
-    """Where in a step a motion comes to repeat in half of its time.
+    """Where in a step, or in another one as long, a motion comes to repeat in half of its time.
+
+    There the equations of the branch are singular, and those of the other branch, which flips there, are not.  What
+    passages from one contact state to the next lose of a motion joins both branches beside that point, so that a curve
+    in small steps never comes there: so the point is looked for a step ahead.
 
     Parameters
     ----------
@@ -143,25 +148,43 @@ def meeting(stretch: Stretch) -> Meeting | None:
         None if it does not.
     """
     first, last = half_difference(stretch.start), half_difference(stretch.end)
-    if first is None or last is None or not float(first @ last) < 0:
+    if first is None or last is None or 2 * float(first @ last) > float(first @ first):
         return None
-    size, known, products = float(np.linalg.norm(first)), dict[float, CurvePoint](), dict[float, float]()
+    share = float(first @ first) / float(first @ (first - last))
+    across = (stretch.end.u - stretch.start.u) / stretch.start.scale
+    guess = stretch.start.u + share * across * stretch.start.scale
+    near = nearest(*_halved(stretch.start.problem, guess))
+    mother = None if near is None else _flip_beside(near, float(np.linalg.norm(across)))
+    if mother is None:
+        return None
+    problem, u, way = _doubled(mother)
+    scale = scale_of(problem, u)
+    tangent = way / scale
+    tangent /= np.linalg.norm(tangent)
+    return Meeting(
+        CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother
+    )
 
-    def along(s: float) -> float:
-        point = beside(stretch.start, s)
-        missed = None if point is None else half_difference(point)
-        if point is None or missed is None:
-            raise ValueError
-        known[s], products[s] = point, float(missed @ first) / size**2
-        return products[s]
 
-    try:
-        at = brentq(along, 0.0, stretch.length, xtol=1e-10, rtol=1e-9)
-    except ValueError:  # Newton's method is lost where both branches meet; nearby it is not
-        at = min(known, key=lambda s: abs(products[s]), default=None)
-    if at is None or at not in known:
-        return None
-    missed = half_difference(known[at])
-    if missed is None or float(np.linalg.norm(missed)) > _MEETS * max(size, float(np.linalg.norm(last))):
-        return None
-    return Meeting(known[at])
+def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
+    """A motion that repeats in half of its time, over that time."""
+    M, n = problem.events, problem.coordinates(u)
+    durations = problem.durations(u) / problem.length(u)
+    sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
+    tied = frozenset(k for k in problem.tied if k < M // 2)
+    halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2, tied=tied)
+    return halved, halved.packed(u[:n], 2 * durations[: M // 2], u[-1])
+
+
+def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
+    """The nearest flip of a curve on either side of a point, at most some arclength away."""
+    length = point.problem.resolution.options.first_step
+    while length <= most:
+        ends = [beside(point, way) for way in (-length, length)]
+        if ends[0] is None or ends[1] is None:
+            return None
+        if flip_test(ends[0]) * flip_test(ends[1]) < 0:
+            found = located_in(Stretch(point, ends[1], length), "flip", -length, length)
+            return None if found is None else found[1]
+        length *= 2
+    return None

@@ -45,11 +45,11 @@ def solve(
     ----------
     problem : BoundaryProblem
         The equations.
-    guess : FloatArray, shape (n + M + 1,)
+    guess : FloatArray, shape (n + F + 1,)
         The unknowns to begin with.
-    scale : FloatArray, shape (n + M + 1,)
+    scale : FloatArray, shape (n + F + 1,)
         Size of each unknown.
-    row : FloatArray, shape (n + M + 1,)
+    row : FloatArray, shape (n + F + 1,)
         The border, for scaled unknowns.
     exact : bool
         Whether to evaluate the derivative at the solution, and not a short step before.

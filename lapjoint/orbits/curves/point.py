@@ -48,7 +48,7 @@ class CurvePoint:
     problem: BoundaryProblem
     """The equations."""
     u: FloatArray = field(repr=False)
-    """The unknowns, shape ``(n + M + 1,)``."""
+    """The unknowns, shape ``(n + F + 1,)``."""
     scale: FloatArray = field(repr=False)
     """Size of each unknown: of coordinates that of the motion, 1 of durations over the length, and the parameter's."""
     tangent: FloatArray = field(repr=False)
@@ -68,7 +68,7 @@ class CurvePoint:
             The equations.
         solution : Solution
             One of their solutions.
-        scale : FloatArray, shape (n + M + 1,)
+        scale : FloatArray, shape (n + F + 1,)
             The scale by which it was found.
 
         Returns
@@ -89,7 +89,7 @@ class CurvePoint:
     @property
     def coordinates(self) -> int:
         """Number ``n`` of coordinates of the section."""
-        return self.u.size - 1 - self.problem.events
+        return self.problem.coordinates(self.u)
 
     @cached_property
     def durations(self) -> FloatArray:
@@ -149,7 +149,8 @@ class CurvePoint:
         """
         levels, switched = np.zeros(motion.orientation.shape), np.array(self.problem.sequence.stops, dtype=np.intp)
         if switched.size:
-            arcs, place = np.arange(1, switched.size + 1), stops.place[switched]
+            after = [self.problem.group(i)[-1] + 1 for i in range(switched.size)]
+            arcs, place = np.array(after), stops.place[switched]
             waves = (motion.weights[arcs, place] * motion.amplitudes[arcs]).real.sum(axis=1)
             z = waves + motion.polynomial[arcs, place, 0]
             levels[arcs, switched] = stops.sign[switched] * z - stops.gap[switched]
@@ -170,7 +171,7 @@ class CurvePoint:
 
         Returns
         -------
-        FloatArray, shape (n + M + 1,)
+        FloatArray, shape (n + F + 1,)
             The unknowns.
         """
         return self.u + length * self.scale * self.tangent
@@ -230,18 +231,18 @@ def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
     ----------
     problem : BoundaryProblem
         The equations.
-    u : FloatArray, shape (n + M + 1,)
+    u : FloatArray, shape (n + F + 1,)
         The unknowns.
 
     Returns
     -------
-    FloatArray, shape (n + M + 1,)
+    FloatArray, shape (n + F + 1,)
         In the unit of each.
     """
-    n = u.size - 1 - problem.events
+    n = problem.coordinates(u)
     units = problem.arcs(u).unit_norms(problem.sequence.first)
     size = float(np.linalg.norm(u[:n] * units))
-    return np.concatenate([max(size, 1e-300) / units, np.ones(problem.events), [problem.resolution.scale(u[-1])]])
+    return np.concatenate([max(size, 1e-300) / units, np.ones(problem.free.size), [problem.resolution.scale(u[-1])]])
 
 
 def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
@@ -256,9 +257,9 @@ def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatAr
     -------
     BoundaryProblem
         Its equations.
-    FloatArray, shape (n' + M + 1,)
+    FloatArray, shape (n' + F + 1,)
         The unknowns.
-    FloatArray, shape (n' + M + 1,)
+    FloatArray, shape (n' + F + 1,)
         A small way along the curve, in the direction of the point's tangent.
     """
     durations = point.durations
@@ -295,6 +296,7 @@ def _at_section(
     else:
         lengths = [durations[0] - shift, *durations[1:-1]]
     order = ContactSequence(sequence.states[arc], (*stops[arc:], *image))
+    tied = frozenset((i - arc) % len(stops) for i in problem.tied)
     phase = ((float(chain.times[arc]) + shift) / arcs.period) % 1.0
-    moved = replace(problem, sequence=order, phase=phase)
-    return moved, np.concatenate([start, np.array(lengths) / problem.length(u), u[-1:]])
+    moved = replace(problem, sequence=order, phase=phase, tied=tied)
+    return moved, moved.packed(start, np.array(lengths) / problem.length(u), u[-1])

@@ -25,6 +25,8 @@ ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
 """A contact begins or ends at a graze, a contact splits into two or two merge, or two events change their order."""
 _SECANTS = 8
 """Largest number of secant steps to a zero that lies near, of which two or three are needed."""
+AT_ONCE = 1e-6
+"""Difference of the times of two extrema over the length of the motion up to which they are at one time."""
 _ACROSS = 0.5
 """Share of a step, beyond its ends, within which a change that lies in the step may be located."""
 
@@ -86,7 +88,7 @@ def violated(point: CurvePoint) -> list[Monitor]:
     shares = point.shares
     found = [
         Monitor("duration", i, -1, 0.0, float(-shares[i]))
-        for i in range(1, point.problem.events)
+        for i in point.problem.free[1:].tolist()
         if shares[i] < 0
     ]
     its, length = point.extrema, point.problem.length(point.u)
@@ -168,9 +170,9 @@ def _estimate(start: CurvePoint, monitor: Monitor, length: float) -> float:
 def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monitor, CurvePoint] | None:
     """A monitor at its zero, and the point there."""
     if monitor.kind == "duration":
-        n, at = start.coordinates, _estimate(start, monitor, length)
+        at, unknown = _estimate(start, monitor, length), start.problem.position(start.u, monitor.arc)
         guess, row = start.predicted(at), np.zeros(start.u.size)
-        guess[n + monitor.arc], row[n + monitor.arc] = 0.0, 1.0
+        guess[unknown], row[unknown] = 0.0, 1.0
         found = solve(start.problem, guess, start.scale, row)
         if found is None:
             return None
@@ -260,34 +262,47 @@ def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events are born at an extremum."""
-    problem, i, stop, n = before.problem, monitor.arc, monitor.stop, before.coordinates
-    sequence, shares = problem.sequence, before.shares.tolist()
-    began = sum(shares[:i])
-    shares[i : i + 1] = [monitor.time - began, 0.0, shares[i] - (monitor.time - began)]
-    stops = (*sequence.stops[:i], stop, stop, *sequence.stops[i:])
-    after = _on_duration(
-        replace(problem, sequence=ContactSequence(sequence.first, stops)),
-        np.concatenate([before.u[:n], shares[:-1], before.u[-1:]]),
-        i + 1,
-    )
-    kind: ChangeKind = "split" if stop in sequence.states[i] else "birth"
-    return SequenceChange(kind, (stop,), before, after)
+    """Two events are born at an extremum, or two groups of tied events where several stops have it at the same time."""
+    problem, i, n = before.problem, monitor.arc, before.coordinates
+    sequence, shares, stops = problem.sequence, before.shares.tolist(), _touching(before, monitor)
+    began, more = sum(shares[:i]), len(stops) - 1
+    shares[i : i + 1] = [monitor.time - began, *[0.0] * (2 * more + 1), shares[i] - (monitor.time - began)]
+    order = (*sequence.stops[:i], *stops, *reversed(stops), *sequence.stops[i:])
+    tied = {k if k < i else k + 2 * len(stops) for k in problem.tied}
+    tied |= {*range(i + 1, i + 1 + more), *range(i + 2 + more, i + 2 + 2 * more)}
+    new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=frozenset(tied))
+    after = _on_duration(new, new.packed(before.u[:n], shares, before.value), i + 1 + more)
+    kind: ChangeKind = "split" if monitor.stop in sequence.states[i] else "birth"
+    return SequenceChange(kind, (monitor.stop,), before, after)
+
+
+def _touching(point: CurvePoint, monitor: Monitor) -> list[int]:
+    """The stops whose extrema are zero where that of a monitor is: the monitor's own, and those that mirror it."""
+    its = point.extrema
+    alike = (its.arc == monitor.arc) & (np.abs(its.time / point.problem.length(point.u) - monitor.time) < AT_ONCE)
+    beside = alike & (np.abs(its.violation - monitor.value) <= 10 * point.tolerance)
+    return [monitor.stop, *(int(stop) for stop in its.stop[beside] if stop != monitor.stop)]
 
 
 def _exchanged(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events of different stops change their order."""
-    sequence, i = before.problem.sequence, monitor.arc
-    stops = list(sequence.stops)
-    stops[i - 1], stops[i] = stops[i], stops[i - 1]
-    problem = replace(before.problem, sequence=ContactSequence(sequence.first, tuple(stops)))
-    return SequenceChange("exchange", (stops[i], stops[i - 1]), before, _on_duration(problem, before.u, i))
+    """Two events of different stops, or two groups of tied events, change their order."""
+    problem, i = before.problem, monitor.arc
+    first, last, stops = problem.group(i - 1), problem.group(i), list(problem.sequence.stops)
+    stops[first[0] : last[-1] + 1] = [*(stops[k] for k in last), *(stops[k] for k in first)]
+    arc = first[0] + len(last)
+    tied = problem.tied - {*first, *last} | set(range(first[0] + 1, last[-1] + 1)) - {arc}
+    sequence = ContactSequence(problem.sequence.first, tuple(stops))
+    new = replace(problem, sequence=sequence, tied=frozenset(tied))
+    shares = before.shares.copy()
+    shares[first[0] + 1 : last[-1] + 1] = 0.0
+    after = _on_duration(new, new.packed(before.u[: before.coordinates], shares, before.value), arc)
+    return SequenceChange("exchange", (problem.sequence.stops[i - 1], problem.sequence.stops[i]), before, after)
 
 
 def _on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
     """The point of a curve at which an arc has no duration, its tangent towards a longer one."""
     row, scale = np.zeros(guess.size), scale_of(problem, guess)
-    at = guess.size - 1 - problem.events + arc
+    at = problem.position(guess, arc)
     row[at] = 1.0
     found = solve(problem, guess, scale, row)
     if found is None:
@@ -299,15 +314,18 @@ def _on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> Curve
 def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     """Two events of one stop vanish with the arc between them."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
-    sequence, shares = problem.sequence, before.shares.tolist()
-    stop, time = sequence.stops[i], sum(shares[:i])
+    sequence, shares, first, last = problem.sequence, before.shares.tolist(), problem.group(i - 1), problem.group(i)
+    stop, time, gone = sequence.stops[i], sum(shares[:i]), range(first[0], last[-1] + 1)
     kind: ChangeKind = "end" if stop in sequence.states[i] else "merge"
-    shares[i - 1 : i + 2] = [shares[i - 1] + shares[i] + shares[i + 1]]
-    stops = (*sequence.stops[: i - 1], *sequence.stops[i + 1 :])
-    problem = replace(problem, sequence=ContactSequence(sequence.first, stops))
-    guess = np.concatenate([before.u[:n], shares[:-1], before.u[-1:]])
-    monitor = Monitor("extremum", i - 1, stop, time, 0.0)
-    return SequenceChange(kind, (stop,), before, _at_graze(problem, guess, monitor))
+    if {sequence.stops[k] for k in first} != {sequence.stops[k] for k in last}:
+        return SequenceChange(kind, (stop,), before, None)
+    shares[gone[0] : gone[-1] + 2] = [sum(shares[gone[0] : gone[-1] + 2])]
+    order = (*sequence.stops[: gone[0]], *sequence.stops[gone[-1] + 1 :])
+    tied = frozenset(k if k < gone[0] else k - len(gone) for k in problem.tied if k not in gone)
+    new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
+    monitor = Monitor("extremum", gone[0], stop, time, 0.0)
+    guess = new.packed(before.u[:n], shares, before.value)
+    return SequenceChange(kind, (stop,), before, _at_graze(new, guess, monitor))
 
 
 def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
@@ -332,7 +350,7 @@ def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> 
         other = at - its.value / slope
         if abs(its.value) <= problem.resolution.options.grazing_tolerance or other == at:
             break
-    if abs(its.value) > here.tolerance:
+    if abs(its.value) > max(here.tolerance, abs(slope) * problem.resolution.options.newton_tolerance):
         return None
     return here if slope < 0 else here.turned()
 
@@ -344,7 +362,7 @@ def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
     ----------
     problem : BoundaryProblem
         The equations.
-    guess : FloatArray, shape (n + M + 1,)
+    guess : FloatArray, shape (n + F + 1,)
         The unknowns to begin with.
 
     Returns

@@ -14,7 +14,7 @@ from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint, resectioned, scale_of
 from lapjoint.orbits.curves.resolution import ParameterRange, Resolution
-from lapjoint.orbits.curves.sequence_changes import nearest, violated
+from lapjoint.orbits.curves.sequence_changes import AT_ONCE, nearest, violated
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.search import TRANSIENT, Effort, Search
@@ -36,6 +36,8 @@ class Start:
     """Time of its section over the excitation period."""
     unknowns: FloatArray = field(repr=False)
     """Coordinates of the section, durations over the length, and the parameter."""
+    tied: frozenset[int] = frozenset()
+    """As `BoundaryProblem.tied`."""
     away_from: tuple[float, SectionPoint] | None = None
     """The bifurcation from which its branch springs: the parameter, and the motion; None if none is known."""
     direction: FloatArray | None = field(default=None, repr=False)
@@ -64,7 +66,8 @@ class Start:
         """
         problem = point.problem
         way = None if away_from is None else point.tangent * point.scale
-        return Start(problem.sequence, problem.half_periods, problem.phase, point.u, away_from, way)
+        own = problem.sequence, problem.half_periods, problem.phase
+        return Start(*own, point.u, problem.tied, away_from, way)
 
     def solved(self, of: ParameterRange) -> CurvePoint | None:
         """The start as a point of a curve, its tangent in the direction to be followed first.
@@ -79,7 +82,7 @@ class Start:
         CurvePoint, or None
             None if Newton's method does not find the motion again, or its contacts are others.
         """
-        problem = BoundaryProblem(of.resolution(self.value), self.sequence, self.half_periods, self.phase)
+        problem = BoundaryProblem(of.resolution(self.value), self.sequence, self.half_periods, self.phase, self.tied)
         found = at_parameter(problem, self.unknowns) or nearest(problem, self.unknowns)
         if found is None or violated(found):
             return None
@@ -98,7 +101,7 @@ def at_parameter(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | No
     ----------
     problem : BoundaryProblem
         The equations.
-    guess : FloatArray, shape (n + M + 1,)
+    guess : FloatArray, shape (n + F + 1,)
         The unknowns.
 
     Returns
@@ -177,14 +180,14 @@ def of_motion(resolution: Resolution, value: float, point: SectionPoint, half_pe
     """
     half = HalfPeriods(resolution.map(value))
     segments = half.linearised(point, half_periods).linearised.motion
-    ends, stops, length = list[float](), list[int](), half_periods * half.map.period / 2
-    for i in range(len(segments)):
-        if segments.switched[i] >= 0:
-            ends.append(float(segments.end[i]))
-            stops.append(int(segments.switched[i]))
-    shares = np.diff([0.0, *ends]) / length
-    u = np.concatenate([resolution.arcs(value).coordinates(point), shares, [value]])
-    return Start(ContactSequence(point.state, tuple(stops)), half_periods, 0.0, u)
+    at = np.flatnonzero(segments.switched >= 0)
+    shares = np.diff(segments.end[at], prepend=0.0) / (half_periods * half.map.period / 2)
+    sequence = ContactSequence(point.state, tuple(segments.switched[at].tolist()))
+    at_once = np.abs(shares) < AT_ONCE
+    tied = frozenset(i for i in range(1, at.size) if at_once[i] and not sequence.returning[i])
+    problem = BoundaryProblem(resolution, sequence, half_periods, 0.0, tied)
+    u = problem.packed(resolution.arcs(value).coordinates(point), shares, value)
+    return Start(sequence, half_periods, 0.0, u, tied)
 
 
 def without_contact(of: ParameterRange, value: float) -> Start | None:

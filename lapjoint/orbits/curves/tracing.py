@@ -174,7 +174,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         way.found += [Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)]
         if met is not None:
             way.points.append(met.point)
-            way.end, way.mother = "bifurcation", _mother(met.point, *met.halved())
+            way.end, way.mother = "bifurcation", replace(Start.at(met.mother), direction=None)
             break
         if step.end.problem.sequence is step.start.problem.sequence and not _is_at_change(step.end):
             way.points.append(step.end)
@@ -192,18 +192,12 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
 
 def _is_at_change(point: CurvePoint) -> bool:
     """Whether a point lies on a change of the contact sequence."""
-    return bool((point.shares[1:-1] == 0).any())
+    return bool((point.shares[point.problem.free[1:]] == 0).any())
 
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
     """Whether a bifurcation is where a branch meets another, which both have."""
     return abs(one.point.value - point.value) <= _SAME * point.problem.resolution.scale(point.value)
-
-
-def _mother(point: CurvePoint, problem: object, u: object) -> Start | None:
-    """The motion over half of the time, as a start of its own branch."""
-    found = nearest(problem, u)  # type: ignore[arg-type]
-    return None if found is None else replace(Start.at(found), direction=None)
 
 
 def _after(change: SequenceChange, step: Stretch) -> str:

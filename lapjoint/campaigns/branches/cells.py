@@ -1,0 +1,125 @@
+"""The parts of searches for branches that can be done at the same time, as cells that workers solve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.branches.search import Part
+from lapjoint.campaigns.branches.solve import follow_a_little
+from lapjoint.campaigns.branches.spec import range_of
+from lapjoint.solver import Progress, Solver
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a part came to."""
+
+    result: dict[str, Any]
+    """As `lapjoint.campaigns.branches.solve.solve_start` or `solve_branch` gives it."""
+
+    @property
+    def message(self) -> str:
+        """Why there is nothing; empty where there is something."""
+        return str(self.result.get("message", ""))
+
+
+@dataclass
+class Parts:
+    """Parts of the work that do not depend on each other: `lapjoint.campaigns.campaign.Cells`.
+
+    Others come to them while workers solve some.
+    """
+
+    noun: ClassVar[str] = BranchPlan.noun
+    cells_noun: ClassVar[str] = BranchPlan.cells_noun
+    longest_batch: ClassVar[int] = 1
+    chained: ClassVar[bool] = False
+    spec: BranchPlan
+    """What is asked, at all values of the second parameter."""
+    parts: Mapping[int, Part]
+    """The parts that are not done, by the numbers of their cells; never changed, but replaced by another mapping, as a
+    worker may be about to be sent it."""
+    size: int
+    """Number of cells so far."""
+
+    def more(self, parts: Sequence[Part]) -> list[int]:
+        """Take further parts.
+
+        Parameters
+        ----------
+        parts : sequence of Part
+            The parts.
+
+        Returns
+        -------
+        list of int
+            The numbers of their cells.
+        """
+        cells = list(range(self.size, self.size + len(parts)))
+        self.parts = {**self.parts, **dict(zip(cells, parts, strict=True))}
+        self.size += len(parts)
+        return cells
+
+    def done(self, cell: int) -> Part:
+        """Forget a part that is done.
+
+        Parameters
+        ----------
+        cell : int
+            Number of its cell.
+
+        Returns
+        -------
+        Part
+            The part.
+        """
+        part = self.parts[cell]
+        self.parts = {other: one for other, one in self.parts.items() if other != cell}
+        return part
+
+    @property
+    def solver(self) -> str:
+        """Entry-point name of the solver."""
+        return self.spec.solver
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """Numerical options of the solver."""
+        return self.spec.options
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """That of the whole search."""
+        return self.spec.identity
+
+    @property
+    def fingerprint(self) -> str:
+        """That of the whole search."""
+        return self.spec.fingerprint
+
+    def chains(self) -> Iterator[tuple[int, ...]]:
+        """No part follows another. See `lapjoint.campaigns.campaign.Cells.chains`."""
+        return iter(())
+
+    def answer(
+        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
+    ) -> tuple[Found, None]:
+        """Do a part. See `lapjoint.campaigns.campaign.Cells.answer`."""
+        return Found(self.parts[cell].solved(self.spec, progress)), None
+
+    def point(self, fields: Mapping[str, Any]) -> Found:
+        """A part that is given up. See `lapjoint.campaigns.campaign.Cells.point`."""
+        return Found({"starts": [], "points": [], **fields})
+
+    def rehearse(self, solver: Solver) -> None:
+        """Have what workers need compiled. See `lapjoint.campaigns.campaign.Rehearses.rehearse`."""
+        first = next(iter(self.parts.values()))
+        spec = self.spec.at(first.value)
+        if first.start is None:
+            period_map = range_of(spec).resolution(spec.first).map(spec.first)
+            period_map.march(period_map.initial(), 2)
+        else:
+            follow_a_little(spec, first.start)
