@@ -52,7 +52,7 @@ def solve(
     row : FloatArray, shape (n + F + 1,)
         The border, for scaled unknowns.
     exact : bool
-        Whether to evaluate the derivative at the solution, and not a short step before.
+        Whether to evaluate the derivative anew for short steps, too.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def solve(
     last[-1] = 1.0
     try:
         for _ in range(options.newton_iterations):
-            if shortest > options.chord:
+            if exact or shortest > options.chord:
                 found = problem.linearised(u)
                 bordered = np.empty((row.size, row.size), order="F")  # as LAPACK takes it
                 J = np.multiply(found.jacobian, scale, out=bordered[:-1])
@@ -90,9 +90,6 @@ def solve(
             u = u - step * scale
             if length <= options.newton_tolerance:
                 tangent = dgetrs(lu, pivots, last)[0]
-                if exact:
-                    found = problem.linearised(u)
-                    chain = found.chain
                 sign = int(np.prod(np.sign(np.diag(lu)))) * (-1) ** int(np.count_nonzero(pivots != np.arange(u.size)))
                 return Solution(u, replace(found, chain=chain), tangent / np.linalg.norm(tangent), sign)
     except (InputError, SolverError):  # there is no such problem, or no such motion
