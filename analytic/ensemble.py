@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from analytic.march import Coordinates, Joint
-from analytic.march.compiled import DONE, MISSING_SWITCH, new_motion, new_work
+from analytic.march.compiled import DONE, new_motion, new_work
 from analytic.march.initial_state import carried_over
 from analytic.march.many import advance_many
-from analytic.march.march import MOST_SWITCHES, settle_status
+from analytic.march.march import MOST_SWITCHES, next_switches, settle_status
 from analytic.march.tables import IntArray
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import SolverError
@@ -46,12 +46,9 @@ class JointEnsemble:
         rows, begin = np.asarray(which, dtype=np.int64), (0, 0)
         arrays = self._slots, self._q, self._v
         while begin[0] < rows.size:
-            status, at = advance_many(
-                joint.tables, begin, rows, *arrays, self._period, periods, MOST_SWITCHES, motion, work
-            )
-            begin = (at, int(status == MISSING_SWITCH))
-            if status == DONE:
-                break
+            most = next_switches(motion, MOST_SWITCHES)
+            status, at = advance_many(joint.tables, begin, rows, *arrays, self._period, periods, most, motion, work)
+            begin = (at, int(status != DONE))
             try:
                 settle_status(joint, motion, status, MOST_SWITCHES)
             except SolverError as error:

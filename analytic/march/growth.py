@@ -11,7 +11,7 @@ from analytic.march.carried import advance_periods, size_of
 from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
-from analytic.march.march import MOST_SWITCHES, begun, ended, next_switches, settle_status
+from analytic.march.march import MOST_SWITCHES, WITH_ALL_AT_ONCE, begun, ended, next_switches, settle_status
 from analytic.march.periods import Periods
 from lapjoint.problem import FloatArray
 
@@ -63,7 +63,7 @@ def march_linearised(
     total, none = np.zeros((1, motion.total.size)), (np.zeros(0, dtype=np.int64), np.zeros((0, 2, motion.q.size)))
     level, sizes = np.zeros((motion.total.size, now.shape[1])), np.zeros(0)
     while status != DONE:
-        most = next_switches(motion, MOST_SWITCHES)
+        most = next_switches(motion, MOST_SWITCHES, WITH_ALL_AT_ONCE)
         status, now = advance_periods(joint.tables, motion, work, end, 1, total, *none, now, level, sizes, most)
         settle_status(joint, motion, status, MOST_SWITCHES)
     return ended(joint, motion), now

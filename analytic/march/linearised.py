@@ -15,7 +15,7 @@ from analytic.march.change import (
     own_changes,
 )
 from analytic.march.compiled import Log
-from analytic.march.march import March
+from analytic.march.march import WITH_ALL_AT_ONCE, March
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from analytic.march.terms import set_phases
@@ -85,17 +85,20 @@ def carried_along(
     rows, most = 2 * int(tables.modes[log.slot[0]]), 2 * tables.kind.shape[1]
     n = rows if deviations is None else deviations.shape[1]
     columns = n if change is None else n + 1
-    now = np.empty((2, most, columns))
-    now[0, :rows] = np.eye(rows, columns) if deviations is None else 0.0
+    now, since, level = np.zeros((most, columns)), np.zeros((0, n)), np.zeros((tables.sign.size, columns))
+    now[:rows] = np.eye(rows, columns) if deviations is None else 0.0
     if deviations is not None:
-        now[0, :rows, :n] = deviations
+        now[:rows, :n] = deviations
     first, last, _ = kept.indices(log.slot.size)
     what = f"the deviations at {last - first} switches, of {most // 2} modes each,"
     require(8.0 * (last - first) * most * columns, what, "take fewer modes (n_modes)")
     starts, end = np.empty((last - first, most, columns)), np.empty((most, columns))
-    factors = _carry(tables, change, log, later, now, n, first, starts, end)
-    end = end[: 2 * int(tables.modes[log.slot[-1]])]
-    return Carried(motion, change, starts, end, factors if factors[1].size else None, first)
+    for begin in range(0, log.slot.size, WITH_ALL_AT_ONCE):
+        piece = begin, min(begin + WITH_ALL_AT_ONCE, log.slot.size)
+        now, n, since, level = _carry(tables, change, log, later, piece, now, n, since, level, first, starts, end)
+    rows = 2 * int(tables.modes[log.slot[-1]])
+    factors = (now[:rows, :n], since) if since.size else None
+    return Carried(motion, change, starts, end[:rows], factors, first)
 
 
 @njit_called(vectorised=True)
@@ -104,30 +107,38 @@ def _carry(
     change: Change | None,
     log: Log,
     later: float,
-    both: FloatArray,
+    piece: tuple[int, int],
+    here: FloatArray,
     units: int,
+    since: FloatArray,
+    level: FloatArray,
     first: int,
     starts: FloatArray,
     end: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Carry deviations from the start of a march on to its `end`, ``(2 N, m)``.
+) -> tuple[FloatArray, int, FloatArray, FloatArray]:
+    """Carry deviations, `here`, ``(2 N, m)``, over a `piece` of a march: from one of its segments on to before another.
 
-    `both`, ``(2, 2 N, m)``, has them at the start, the first `units` by it and the other by the number; `starts`,
-    ``(K, 2 N, m)``, takes those at the start of the segment `first`, and of others after it.
+    The first `units` of them are by the start of the march and the other by the number; `starts`, ``(K, 2 N, m)``,
+    takes those at the start of the segment `first`, and of others after it, and `end`, ``(2 N, m)``, those at the end
+    of the march.  At `level`, ``(P, m)``, each stop switches next with them.
 
     Where fast modes have died out, those of the others are all that is left, and the level at which the next stop
     switches.  Then a unit of each of these is carried on instead, which are fewer columns, and is multiplied by what
-    there was of them, `since`, where it is wanted.
+    there was of them, `since`, ``(r, n)``, where it is wanted; none has been left out where that has no rows.
+
+    Returned are the deviations, how many are `units`, `since` and `level`, with which the next piece begins.
     """
-    here, then, since, changes = both[0], both[1], zeros((0, units)), complex_zeros((0, 0, 0))
+    begin, stop = piece
+    changes, then = complex_zeros((0, 0, 0)), zeros(here.shape)
     now, theta, own = zeros(here.shape), complex_zeros(tables.omega.size), zeros(0)
-    work = new_switching(zeros((tables.sign.size, here.shape[1])), tables.kind.shape[1])
-    set_phases(tables, log.start[0], theta)
+    work = new_switching(level, tables.kind.shape[1])
+    set_phases(tables, log.start[begin], theta)
     if change is not None:
-        changes = changes_of_answers(tables, change, log.slot)
-        own = own_changes(tables, change, log.slot[0], log.start[0], theta)
-    set_levels(tables, log.slot[0], False, theta, log.q[0], log.v[0], here, own, work)
-    for i in range(log.slot.size):
+        changes = changes_of_answers(tables, change, log.slot[begin:stop])
+        own = own_changes(tables, change, log.slot[begin], log.start[begin], theta)
+    if begin == 0:
+        set_levels(tables, log.slot[0], False, theta, log.q[0], log.v[0], here, own, work)
+    for i in range(begin, stop):
         slot, n, left = log.slot[i], tables.modes[log.slot[i]], log.slot.size - 1 - i
         if change is not None:  # what it does to the forced motion does not flow
             add_forced_change(tables, change, changes, slot, log.start[i], theta, -1.0, here)
@@ -135,13 +146,13 @@ def _carry(
             _write(here[: 2 * n], units, since, starts[i - first])
         live = flow(tables, slot, log.end[i] - log.start[i], here, now)
         if left >= _WORTH_IT and 2 * live + 1 <= _FEWER * units:
-            level = work.level[log.stop[i]] if log.stop[i] >= 0 else zeros(now.shape[1])
-            since, begin = _left_of(now, level, units, since, n, live), _units(now, units, n, live)
-            work = new_switching(zeros((tables.sign.size, begin.shape[1])), tables.kind.shape[1])
+            reached = work.level[log.stop[i]] if log.stop[i] >= 0 else zeros(now.shape[1])
+            since, unit = _left_of(now, reached, units, since, n, live), _units(now, units, n, live)
+            work = new_switching(zeros((tables.sign.size, unit.shape[1])), tables.kind.shape[1])
             if log.stop[i] >= 0:
                 work.level[log.stop[i], 2 * live] = 1.0
-                put(work.level[log.stop[i], 2 * live + 1 :], level[units:])
-            now, units = begin, 2 * live + 1
+                put(work.level[log.stop[i], 2 * live + 1 :], reached[units:])
+            now, units = unit, 2 * live + 1
             here, then = zeros(now.shape), zeros(now.shape)
         set_phases(tables, log.end[i], theta)  # when the next segment starts
         if change is not None:
@@ -161,11 +172,13 @@ def _carry(
                 own = own_changes(tables, change, log.slot[i + 1], log.end[i], theta)
             q, v = log.q[i + 1], log.v[i + 1]
             set_levels(tables, log.slot[i + 1], log.stop[i] >= 0, theta, q, v, here, own, work)
-    i = log.slot.size - 1
+    if stop < log.slot.size:
+        return here, units, since, work.level
+    i = stop - 1
     if change is not None:
         add_end_change(tables, log.slot[i], theta, later, log.q_end[i], log.v_end[i], now)
     _write(now[: 2 * tables.modes[log.slot[i]]], units, since, end)
-    return now[: 2 * tables.modes[log.slot[i]], :units], since
+    return now, units, since, work.level
 
 
 @njit_inner()

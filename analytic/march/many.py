@@ -44,7 +44,7 @@ def advance_many(
     count : int
         Periods that each is marched.
     most : int
-        Most switches of each march.
+        Most switches of each march until this comes back, and of all together until it comes back after one.
     motion : Motion
         Scratch room for one march; where the march is that needs something of Python.
     work : Work
@@ -53,12 +53,12 @@ def advance_many(
     Returns
     -------
     int, int
-        Why it came back, see `DONE`, and at which march.
+        Why it came back, see `DONE`, and at which march; where it is done, with which march to begin next.
     """
     n = motion.q.size
     penetration, slot = zeros((1, motion.total.size)), int_zeros(0)
     section, deviations, sizes = zeros((0, 2, n)), zeros((2 * n, 0)), zeros(0)
-    level, goes_on = zeros((motion.total.size, 0)), begin[1] == 1
+    level, goes_on, made = zeros((motion.total.size, 0)), begin[1] == 1, 0
     for i in range(begin[0], which.size):
         row = which[i]
         if not goes_on:
@@ -78,4 +78,7 @@ def advance_many(
         slots[row] = motion.counts[SLOT]
         put(q[row], motion.q)
         put(v[row], motion.v)
+        made += motion.counts[SWITCHES]
+        if made > most:
+            return DONE, i + 1
     return DONE, which.size

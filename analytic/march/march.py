@@ -36,7 +36,8 @@ from lapjoint.solver import Progress
 
 MOST_SWITCHES = 1_000_000  # of one march by default, i.e. half a million impacts: minutes of marching
 _ROOM = 256  # segments logged before the log is emptied: as 64 do not hold all, logs to be joined took 6 % of a branch
-_SWITCHES_AT_ONCE = 1000  # half a second of a march with 320 modes
+SWITCHES_AT_ONCE = 1000  # half a second of a march with 320 modes
+WITH_ALL_AT_ONCE = 100  # half a second of the same with all deviations from it
 _PART = 2000  # bytes that a part of a motion takes beside its segments: a dozen arrays, and where it ends
 _PROGRESS_PARTS = 50  # reports in a march without a log: one every two percent of the time
 
@@ -241,14 +242,14 @@ class Marching:
                 self._log,
                 self._depth,
                 0.0,
-                self._max_switches,
+                next_switches(motion, self._max_switches),
             )
             if status != DONE:
                 settle_status(self._joint, motion, status, self._max_switches)
             yield copied(self._log, logged)
 
 
-def next_switches(motion: Motion, max_switches: int) -> int:
+def next_switches(motion: Motion, max_switches: int, at_once: int = SWITCHES_AT_ONCE) -> int:
     """Most switches in all that a compiled march may come to before it comes back, so that Ctrl-C is heeded.
 
     Parameters
@@ -257,13 +258,15 @@ def next_switches(motion: Motion, max_switches: int) -> int:
         Where the march is.
     max_switches : int
         Most switches allowed.
+    at_once : int
+        Most switches until it comes back.
 
     Returns
     -------
     int
         What a compiled march takes as its `most`; `settle_status` lets it go on.
     """
-    return min(int(motion.counts[SWITCHES]) + _SWITCHES_AT_ONCE, max_switches)
+    return min(int(motion.counts[SWITCHES]) + at_once, max_switches)
 
 
 def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:

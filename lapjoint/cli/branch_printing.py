@@ -38,7 +38,8 @@ def print_branches(dataset: xr.Dataset) -> None:
     if second_number_of(dataset) is None:
         for i in range(dataset.branch_first_end.size):
             _print_branch(dataset, i)
-        _print_ends_without_motion(dataset)
+        if "uncovered_from" not in dataset:
+            _print_ends_without_motion(dataset)
     else:
         _print_loci(dataset)
     _print_what_is_missing(dataset)
@@ -89,8 +90,19 @@ def _print_what_is_missing(dataset: xr.Dataset) -> None:
     if left:
         motions = "1 motion" if left == 1 else f"{left} motions"
         echo(f"effort = {dataset.attrs['effort']} is spent: the branches of {motions} were not followed")
+    for i in range(int(dataset.sizes.get("uncovered", 0))):
+        echo(_uncovered_text(dataset, i))
     for reason in dataset.failure_message.values if "failure_message" in dataset else ():
         echo(f"not followed: {reason}")
+
+
+def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
+    """A part of the range that no branch covers, in a sentence."""
+    first, last = (float(dataset[f"uncovered_{name}"].values[i]) for name in ("from", "to"))
+    also = second_number_of(dataset)
+    where = "" if also is None else f" at {also} = {float(dataset.uncovered_also_over.values[i]):.6g}"
+    why = str(dataset.uncovered_why.values[i])
+    return f"no branch covers {first:.9g} to {last:.9g}{where}" + (f" ({why})" if why else "")
 
 
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -70,9 +71,7 @@ def print_history(history: History) -> None:
     names, width = stop_column(problem)
     echo(plain(problem.title) or "Untitled problem")
     echo(f"{history.solver}, {history.start:g} to {history.end:g} s: {len(contacts)} contacts")
-    _print_excitation(problem)
-    for path, part in (problem.records | problem.random).items():
-        echo(f"{path}: {part.remark}")
+    print_excitation(problem)
     if contacts:
         heading = (
             f"{'start [s]':>15}{'+-':>10}{'duration [s]':>15}{'impulse [N s]':>15}{'+-':>10}{'peak [N]':>13}{'+-':>10}"
@@ -91,18 +90,20 @@ def print_history(history: History) -> None:
         print_source(history.error_source)
 
 
-def _print_excitation(problem: Problem) -> None:
-    """Print the one frequency at which the excitation repeats, if there is one."""
+def print_excitation(problem: Problem) -> None:
+    """Print the one frequency at which the excitation repeats, if there is one, and what is recorded or random."""
     omega = problem.excitation_frequency
     if omega is not None:
         echo(f"Excitation: {frequency_text(omega)}")
+    for path, part in (problem.records | problem.random).items():
+        echo(fill(f"{path}: {part.remark}", COLUMNS))
 
 
 def print_steady_state(found: SteadyState, at: list[float] | None = None) -> None:
     """Print what was found and how, and peaks at places, m, or at those by default."""
     echo(plain(found.problem.title) or "Untitled problem")
     echo(f"{found.solver}: {found.outcome.value}")
-    _print_excitation(found.problem)
+    print_excitation(found.problem)
     if found.period_multiple:
         multiple = f"{found.period_multiple} excitation period" + "s" * (found.period_multiple > 1)
         mirrored = ", mirrored after half of them" if found.symmetric else ""

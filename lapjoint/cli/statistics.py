@@ -72,7 +72,7 @@ def statistics(
     found = found_or_stored(
         plan, "statistics", "these statistics", solve, out=out, force=force, workers=workers, scheduler=scheduler
     )
-    statistics_printing.print_statistics(found)
+    statistics_printing.print_statistics(found, this)
     if json_path:
         printing.write_json(json_path, statistics_printing.statistics_summary(found))
     click.get_current_context().exit(1 if found.attrs["failed"] else 0)

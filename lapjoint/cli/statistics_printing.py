@@ -9,13 +9,13 @@ import numpy as np
 
 from lapjoint.answers.series import written
 from lapjoint.cli.echo import echo
-from lapjoint.cli.printing import COLUMNS, FAILURES_SHOWN
+from lapjoint.cli.printing import COLUMNS, FAILURES_SHOWN, print_excitation
 from lapjoint.figures.text import apart, cut_to, plain
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.problem import FloatArray
+    from lapjoint.problem import FloatArray, Problem
 
 _NAME = 28
 """Characters of a quantity with its unit, or of a stop."""
@@ -36,7 +36,7 @@ _OF_CONTACTS = {
 }
 
 
-def print_statistics(found: xr.Dataset) -> None:
+def print_statistics(found: xr.Dataset, problem: Problem) -> None:
     """Print what was computed, the values at the places asked for with their intervals, and those of the stops."""
     of = found.attrs
     echo(plain(of["title"]))
@@ -45,6 +45,7 @@ def print_statistics(found: xr.Dataset) -> None:
     echo(f"{of['solver_name']}: {realisations} of {of['duration']:g} s, the first {of['settle']:.4g} s left out")
     each = f"{units} unit{'s' * (units > 1)} of {of['unit_duration']:.4g} s"
     echo(f"Intervals of {100 * of['level']:g} % from {each}, {of['rate']:.4g} samples a second")
+    print_excitation(problem)
     _print_places(found)
     _print_stops(found)
     for line in [*filter(None, of["remarks"].split("\n"))]:

@@ -189,6 +189,24 @@ class HalfPeriods:
             self._unit_norms[n] = np.asarray(known, dtype=float)
         return self._unit_norms[n]
 
+    def growth(self, matrix: FloatArray) -> float:
+        """How much a march makes units of the coordinates of a deviation grow.
+
+        Parameters
+        ----------
+        matrix : FloatArray, shape (n, n)
+            Derivative of the march's end by its start.
+
+        Returns
+        -------
+        float
+            The largest size of what a coordinate's unit of size 1 has of another one at the end, without unit; nan or
+            inf where the derivative is beyond double precision.
+        """
+        unit = self.unit_norms(len(matrix))
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.max(np.abs(matrix) * unit[:, None] / unit, initial=0.0))
+
     def marched(self, point: SectionPoint, count: int) -> SectionPoint:
         """March over some half periods.
 

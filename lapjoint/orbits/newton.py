@@ -31,6 +31,8 @@ _GROWS = 1e-6
 """Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
 _MARGINAL = 1e-9
 """Distance within the unit circle up to which a multiplier cannot be told from one on the circle."""
+BEYOND_ROUNDING = 1 / float(np.finfo(float).eps)
+"""Growth of a deviation over a march, without unit, beyond which rounding at the start alone decides the end."""
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,8 @@ def of_det_one_plus(values: ComplexArray, moduli: FloatArray) -> float:
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
     """A fixed point of the map over some half periods; None if Newton's method finds none from the guess.
 
+    No fixed point is known of a map that makes deviations grow beyond rounding, so none is looked for.
+
     Parameters
     ----------
     half_periods : HalfPeriods
@@ -180,6 +184,8 @@ def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farth
             return None
         residual = half_periods.relative(step, point)
         if not (residual <= RESIDUAL or (residual <= allowed and residual < residuals[-_PATIENCE] / 2)):
+            return None
+        if not half_periods.growth(found.matrix) <= BEYOND_ROUNDING:
             return None
         try:
             correction = np.asarray(np.linalg.solve(np.eye(step.size) - found.matrix, step), dtype=float)

@@ -14,6 +14,9 @@ vibration, and for a hundred if a stable orbit is known, or found where the marc
 effort allowed.  Anyone can repeat that second march, so the motion counts as accepted at its start.  A march that all
 but comes back is not called quasi-periodic.
 
+Where a deviation grows beyond rounding in each of the last periods, rounding alone decides where each of them ends:
+Newton's method is not tried again, and the stretches begin at once, with as few periods as give a standard error.
+
 All effort is counted in periods and switches, so that no outcome depends on the speed of the machine.
 """
 
@@ -30,7 +33,7 @@ from lapjoint.orbits.exponent import exponent_of, largest_growth, standard_error
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
-from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
+from lapjoint.orbits.newton import BEYOND_ROUNDING, FAR, RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import Followed, Follows, PeriodMap, decay_periods
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_off
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_return, shown
@@ -45,6 +48,8 @@ TRANSIENT = 256
 """Periods marched before an exponent is measured, so that the transient does not count."""
 STRETCH = 512
 """Least number of periods over which an exponent is measured."""
+SHORT_STRETCH = 64
+"""The same where a deviation grows beyond rounding in each period: the least for a standard error of the mean."""
 _NEARLY_BACK = 0.05
 """Distance from an earlier section point, over the size of the motion, up to which Newton's method is tried for an
 orbit of as many periods."""
@@ -199,6 +204,8 @@ class Search:
             orbit = self._look()
             if orbit is not None:
                 return self._found(orbit)
+            if self._rounding_decides:
+                break
             self._push_off()
             look = max(2 * look, self._marched)
         return self._wander()
@@ -206,7 +213,7 @@ class Search:
     def _wander(self) -> Found:
         """Go on with a march that has not settled, and measure its exponent over stretches ever longer."""
         before: Wandering | None = None
-        stretch = STRETCH
+        stretch = self._shortest
         while True:
             begun = Acceptance(self._point, self._marched)
             now, points = self._measured(stretch)
@@ -222,7 +229,18 @@ class Search:
                 before = None
             else:
                 wanted = max(2 * stretch, 0 if now.outcome is Outcome.UNDECIDED else self._enough)
-                stretch = max(min(wanted, self._effort.max_periods - self._marched), STRETCH)
+                stretch = max(min(wanted, self._effort.max_periods - self._marched), self._shortest)
+
+    @property
+    def _rounding_decides(self) -> bool:
+        """Whether a deviation grew beyond rounding in each of the last periods over which one was followed."""
+        growth = np.concatenate([np.zeros(0), *self._growth[-MULTIPLES_AT_A_LOOK:]])
+        return growth.size > 0 and float(growth.min()) > math.log(BEYOND_ROUNDING)
+
+    @property
+    def _shortest(self) -> int:
+        """Least number of periods of the next stretch."""
+        return SHORT_STRETCH if self._rounding_decides else STRETCH
 
     @property
     def _enough(self) -> int:
@@ -291,7 +309,7 @@ class Search:
                 return orbit
         points = [self._point]
         for _ in range(min(self._effort.max_period_multiple, MULTIPLES_AT_A_LOOK)):
-            self._advance(1)
+            self._follow(1)
             points.append(self._point)
         returns = np.array([self._half_periods.apart(point, points[-1]) for point in points[-2::-1]])
         self._closest = float(returns.min()), 2 * (int(np.argmin(returns)) + 1)
@@ -304,6 +322,8 @@ class Search:
 
     def _orbit(self, count: int, farthest: float) -> Orbit | None:
         """The orbit over `count` half periods that Newton's method finds from here, if the march is bound for it."""
+        if self._rounding_decides:
+            return None
         orbit = find_orbit(self._half_periods, self._point, count, farthest)
         if orbit is None:
             return None
@@ -422,7 +442,7 @@ class Search:
 
         It may be if there is a stable orbit.  One is looked for where the march comes back nearly after a few periods.
         """
-        if now.outcome is not Outcome.APERIODIC or self._stable_known:
+        if now.outcome is not Outcome.APERIODIC or self._stable_known or self._rounding_decides:
             return self._stable_known and now.outcome is Outcome.APERIODIC
         last, apart = points[-_WATCHED:], self._half_periods.apart
         nearly = [

@@ -38,6 +38,8 @@ _GROWS = 1e-6
 def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: int) -> SectionPoint | None:
     """The march pushed off the unstable motion that it cannot leave; None if there is no such motion.
 
+    None, too, if the derivative is beyond double precision: it then says nothing of directions.
+
     Parameters
     ----------
     half_periods : HalfPeriods
@@ -59,7 +61,7 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
     found = half_periods.linearised(now, count)
     step = half_periods.map.difference(found.end, now)
     closest = half_periods.relative(step, now)
-    if closest > REPEATS:
+    if closest > REPEATS or not np.isfinite(found.matrix).all():
         return None
     growing = _growing(half_periods, found.matrix, step)
     return None if growing is None else _moved(half_periods, now, _length(closest, times) * growing)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
+from lapjoint import BaseMotion, Beam, Outcome, Problem, Stop, Support, ViscousDamping
 from lapjoint.orbits.period_map import Follows
 
 BEAM = Beam(length=1.0, bending_stiffness=350.0, mass_per_length=1.56)
@@ -37,3 +38,37 @@ def test_the_growth_of_a_deviation_is_a_number_whatever_it_is(name: str) -> None
     assert np.isfinite(found.growth).all()
     assert found.growth.max() > SQUARED
     assert period_map.norm(found.deviation) == pytest.approx(1.0)
+
+
+CHATTERING = Problem(
+    beam=Beam(length=1.0, bending_stiffness=350.0, mass_per_length=1.56),
+    supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+    stops=(
+        Stop(x=1.0, side="top", gap=1e-3, stiffness=1e4),
+        Stop(x=0.6, side="bottom", gap=0.0, stiffness=1e12),
+    ),
+    damping=ViscousDamping(coefficient=3.0),
+    base_motion=BaseMotion(amplitude=2e-3, angular_frequency=60.0, phase=0.1),
+)
+"""The inner stop has 2.9e9 EI / L^3.  Twenty decay times of free vibration, 2 m / C each, are 199 periods."""
+
+
+@pytest.mark.parametrize("sensitivity", [True, False])
+@pytest.mark.parametrize(
+    ("name", "solver"),
+    [
+        pytest.param("fewer", fe_lapjoint.Solver(elements=12), marks=pytest.mark.thorough),
+        pytest.param("fewer", analytic.Solver(n_modes=80), marks=pytest.mark.thorough),
+        pytest.param("all", fe_lapjoint.Solver(), marks=pytest.mark.slow),
+        pytest.param("all", analytic.Solver(), marks=pytest.mark.slow),
+    ],
+)
+def test_the_search_for_a_steady_state_that_rounding_decides_ends(name: str, solver: Any, sensitivity: bool) -> None:
+    """In each period a deviation grows by more than rounding can be told from: some 300 periods tell that."""
+    found = solver.steady_state(CHATTERING, sensitivity=sensitivity)
+    assert found.outcome is Outcome.APERIODIC
+    assert found.exponent.positive
+    assert found.exponent.value * 2 * math.pi / 60.0 > math.log(1 / np.finfo(float).eps)
+    assert found.exponent.periods == 199
+    assert np.isfinite(found.impulse_errors).all()
+    assert found.acceptance.periods < 256

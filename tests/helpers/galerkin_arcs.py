@@ -1,6 +1,6 @@
 """Arcs of a cantilever with stops by a few Galerkin modes and matrix exponentials: a third solver, for tests alone.
 
-EI = m = L = 1.  The coordinates of every contact state are those of the clamped-free modes, so that passages lose nothing.
+EI = m = L = 1.  The coordinates of every contact state are those of the clamped-free modes: passages lose nothing.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support
 from lapjoint.answers.contact_state import FREE, ContactState
-from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.orbits.curves.options import ContinuationOptions
@@ -35,10 +35,16 @@ def clamped_free(modes: int, x: float) -> tuple[FloatArray, FloatArray, FloatArr
     return z**2, shape, 2 * s / z
 
 
+def base_of(problem: Problem) -> BaseMotion:
+    """The sine of the base of a problem that has one."""
+    assert isinstance(problem.base_motion, BaseMotion)
+    return problem.base_motion
+
+
 class State:
     """x' = A x + e + Re(F exp(i w t)) of one contact state."""
 
-    def __init__(self, A: FloatArray, e: FloatArray, F: FloatArray, w: float) -> None:
+    def __init__(self, A: FloatArray, e: FloatArray, F: ComplexArray, w: float) -> None:
         self.A, self.w = A, w
         self.rates, self.V = np.linalg.eig(A)
         self.inverse = np.linalg.inv(self.V)
@@ -47,11 +53,11 @@ class State:
     def forced(self, t: float, dt: int = 0) -> FloatArray:
         """The forced motion, and its derivatives by time."""
         wave = (self.X * (1j * self.w) ** dt * np.exp(1j * self.w * t)).real
-        return self.static + wave if dt == 0 else wave
+        return np.asarray(self.static + wave if dt == 0 else wave)
 
     def flow(self, duration: float) -> FloatArray:
         """The transition matrix."""
-        return ((self.V * np.exp(self.rates * duration)) @ self.inverse).real
+        return np.asarray(((self.V * np.exp(self.rates * duration)) @ self.inverse).real)
 
 
 def _phi(z: FloatArray) -> FloatArray:
@@ -82,8 +88,7 @@ class GalerkinArcs:
     @cached_property
     def omega(self) -> float:
         """Excitation frequency."""
-        assert isinstance(self.problem.base_motion, BaseMotion)
-        return self.problem.base_motion.angular_frequency
+        return float(base_of(self.problem).angular_frequency)
 
     @property
     def period(self) -> float:
@@ -112,8 +117,7 @@ class GalerkinArcs:
             if self.viscous:
                 C = 2 * self.zeta * natural[0] * np.eye(N)
             A = np.block([[np.zeros((N, N)), np.eye(N)], [-K, -C]])
-            base = self.problem.base_motion
-            F = -1j * np.concatenate([np.zeros(N), part * base.amplitude * self.omega**2])
+            F = -1j * np.concatenate([np.zeros(N), part * base_of(self.problem).amplitude * self.omega**2])
             self._states[closed] = State(A, np.concatenate([np.zeros(N), e]), F, self.omega)
         return self._states[closed]
 
@@ -212,7 +216,7 @@ class GalerkinResolution(Resolution):
         name = path.split(".")[1]
 
         def problem_at(value: float) -> Problem:
-            return problem.model_copy(update={"base_motion": problem.base_motion.model_copy(update={name: value})})
+            return problem.model_copy(update={"base_motion": base_of(problem).model_copy(update={name: value})})
 
         super().__init__(None, problem_at, path, low, high, ContinuationOptions())  # type: ignore[arg-type]
         self.modes, self.zeta, self.viscous = modes, zeta, viscous

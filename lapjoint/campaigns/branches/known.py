@@ -154,10 +154,12 @@ class Curve:
             Of the same motion, perhaps, more than one.
         """
         first, last = self._values[:-1], self._values[1:]
-        between = (np.minimum(first, last) <= value) & (value <= np.maximum(first, last))
+        resolution = self._of.resolution(value)
+        beside = _LOCATED[0] * resolution.scale(value)  # where contacts change both sides differ by what passages lose
+        between = (np.minimum(first, last) - beside <= value) & (value <= np.maximum(first, last) + beside)
         alike = (self._events[:-1] == events) | (self._events[1:] == events)
         for i in np.flatnonzero(between & alike).tolist():
-            yield from self._between(i, value, self._of.resolution(value))
+            yield from self._between(i, value, resolution)
 
     def _between(self, i: int, value: float, resolution: Resolution) -> Iterator[CurvePoint]:
         """Motions between a knot and the next one."""
@@ -177,7 +179,7 @@ class Curve:
     def _shares(self, i: int, value: float) -> list[float]:
         """Shares of the way from a knot to the next one, at which the parameter has a value."""
         way = self._values[i + 1] - self._values[i]
-        share = float((value - self._values[i]) / way) if way else 0.0
+        share = min(max(float((value - self._values[i]) / way), 0.0), 1.0) if way else 0.0
         shares = [share]
         if i in self._turns:  # the parameter changes as the square of the way from a fold, or a graze
             shares.append(float(np.sqrt(share)))

@@ -37,6 +37,7 @@ def plain_start(start: Start) -> dict[str, Any]:
         "half_periods": start.half_periods,
         "phase": start.phase,
         "unknowns": start.unknowns.tolist(),
+        "tied": sorted(start.tied),
         "away_from": None if away is None else [float(away[0]), plain_section(away[1])],
         "direction": None if start.direction is None else start.direction.tolist(),
     }
@@ -61,6 +62,7 @@ def start_of(plain: Mapping[str, Any]) -> Start:
         plain["half_periods"],
         plain["phase"],
         np.array(plain["unknowns"], dtype=float),
+        frozenset(plain["tied"]),
         None if away is None else (away[0], section_from(away[1])),
         None if direction is None else np.array(direction, dtype=float),
     )
@@ -79,8 +81,8 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
     Returns
     -------
     dict of str to list
-        ``equations``, each with the zone, the stops that are closed at the section, those that switch, and the phase of
-        the section; and ``knots``, each with the number of its equations, the unknowns, and whether the parameter may
+        ``equations``, each with the zone, the stops that are closed at the section, those that switch, the phase of
+        the section, and the events that are tied; and ``knots``, each with the number of its equations, the unknowns, and whether the parameter may
         turn there.
     """
     zones = [resolution for _, resolution in of.zones]
@@ -88,9 +90,9 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
     for point, may_turn in points:
         problem = point.problem
         zone = next(i for i, one in enumerate(zones) if one is problem.resolution)
-        key = zone, problem.sequence.first.closed, problem.sequence.stops, problem.phase
+        key = zone, problem.sequence.first.closed, problem.sequence.stops, problem.phase, problem.tied
         knots.append([numbers.setdefault(key, len(numbers)), point.u.tolist(), may_turn])
-    equations = [[zone, list(closed), list(stops), phase] for zone, closed, stops, phase in numbers]
+    equations = [[zone, list(closed), list(stops), phase, sorted(tied)] for zone, closed, stops, phase, tied in numbers]
     return {"equations": equations, "knots": knots}
 
 
@@ -111,9 +113,9 @@ def problem_of(of: ParameterRange, equations: Sequence[Any], half_periods: int) 
     BoundaryProblem
         The equations.
     """
-    zone, closed, stops, phase = equations
+    zone, closed, stops, phase, tied = equations
     sequence = ContactSequence(ContactState(tuple(closed)), tuple(stops))
-    return BoundaryProblem(of.zones[zone][1], sequence, half_periods, phase)
+    return BoundaryProblem(of.zones[zone][1], sequence, half_periods, phase, frozenset(tied))
 
 
 def unknowns_of(knot: Sequence[Any]) -> FloatArray:
@@ -126,7 +128,7 @@ def unknowns_of(knot: Sequence[Any]) -> FloatArray:
 
     Returns
     -------
-    FloatArray, shape (n + M + 1,)
+    FloatArray, shape (n + F + 1,)
         With the same bits.
     """
     return np.array(knot[1], dtype=float)

@@ -17,7 +17,6 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import toms748
 
-from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint
 
@@ -27,6 +26,9 @@ _FAINT = 1e-4
 _AT_GRAZE = 1e-6
 """Arclength between a graze and the nearest motions whose multipliers are asked: at a graze itself the time of a switch
 has no derivative by the section, and multipliers are limits."""
+_CRITICAL = 1e-2
+"""Distance from 1 of minus a multiplier at a flip, or of a product at a Neimark-Sacker, at most: beside a graze they
+change by up to 1e6 over an arclength of 1, of which Newton's method leaves 1e-9."""
 _REAL = 1e-9
 """Imaginary part of a multiplier, over its modulus, up to which it is real."""
 
@@ -146,7 +148,7 @@ def within(stretch: Stretch) -> Iterator[Bifurcation]:
     for kind, test in _TESTS.items():
         if start is not None and end is not None and test(start[1]) * test(end[1]) < 0:
             located = located_in(stretch, kind, start[0], end[0])
-            if located is not None and (kind != "neimark-sacker" or has_torus(located[1].multipliers)):
+            if located is not None and is_critical(kind, located[1]):
                 found.append((located[0], Bifurcation(kind, located[1])))
     yield from (one for _, one in sorted(found, key=lambda each: each[0]))
 
@@ -171,23 +173,34 @@ def _at_graze(point: CurvePoint) -> bool:
     return bool((np.abs(point.shares[:-1])[returning] < 0.1 * _AT_GRAZE).any())
 
 
-def has_torus(multipliers: ComplexArray) -> bool:
-    """Whether the pair of multipliers whose product is nearest to 1 is complex.
+def is_critical(kind: Kind, point: CurvePoint) -> bool:
+    """Whether the multipliers at a zero of a test function are those of its bifurcation.
 
     Parameters
     ----------
-    multipliers : ndarray, shape (n,)
-        The multipliers.
+    kind : str
+        The kind of bifurcation.
+    point : CurvePoint
+        The point.
 
     Returns
     -------
     bool
-        Otherwise the pair is a real saddle's, which is no bifurcation.
+        False where a multiplier passes infinity, and the test function jumps from one sign to the other, or where the
+        pair whose product is 1 is a real saddle's.
     """
-    mu = multipliers[np.abs(multipliers) > _FAINT]
+    if kind == "fold":
+        return True
+    mu = point.multipliers
+    mu = mu[np.abs(mu) > _FAINT]
+    if kind == "flip":
+        return bool(np.abs(1 + mu).min(initial=np.inf) <= _CRITICAL)
     i, j = np.triu_indices(mu.size, 1)
-    nearest = int(np.argmin(np.abs(1 - mu[i] * mu[j])))
-    return bool(abs(mu[i[nearest]].imag) > _REAL * abs(mu[i[nearest]]))
+    apart = np.abs(1 - mu[i] * mu[j])
+    if not apart.min(initial=np.inf) <= _CRITICAL:
+        return False
+    one = mu[i[np.argmin(apart)]]
+    return bool(abs(one.imag) > _REAL * abs(one))
 
 
 def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple[float, CurvePoint] | None:

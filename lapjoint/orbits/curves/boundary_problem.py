@@ -1,8 +1,8 @@
 r"""Periodic motions with a given contact sequence as a boundary value problem, and its derivative.
 
 The unknowns are u = (x, delta_1 ... delta_F, p): displacements and velocities x at the section, the durations of all
-arcs but the last over the length L of the motion, F of them, and the parameter p.  The equations are the closure y(L) = x (for an
-odd number of half periods the mirror image -y(L) = x) and one equation for each of the F events, see
+arcs but the last over the length L of the motion, F of them, and the parameter p.  The equations are the closure
+y(L) = x (for an odd number of half periods the mirror image -y(L) = x) and one equation for each of the F events, see
 `lapjoint.orbits.arcs`.  With the derivatives A = y_x, B = y_delta, C = g_x, D = g_delta of closure and events the
 monodromy matrix is A - B D^-1 C.
 """

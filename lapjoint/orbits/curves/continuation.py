@@ -24,8 +24,8 @@ class End:
     """Why a curve ends."""
 
     reason: str
-    """``boundary`` at an end of the range, ``graze`` where no motion of the joint lies beyond a change of the contact sequence, ``contacts`` where contacts
-    accumulate, ``lost`` where no step leads on."""
+    """``boundary`` at an end of the range, ``graze`` where no motion of the joint lies beyond a change of the contact
+    sequence, ``contacts`` where contacts accumulate, ``lost`` where no step leads on."""
     change: SequenceChange | None = None
     """The change at which it ends."""
 

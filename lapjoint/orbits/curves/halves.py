@@ -63,7 +63,10 @@ def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray
     if M:
         moved[problem.free] = -np.linalg.solve(J[n:, n:-1], J[n:, :n] @ vector)
         moved[-1] = -moved.sum()
-    twice = [np.array([*one[:-1], one[-1] + sign * one[0], *(sign * one[1:])]) / 2 for one, sign in ((shares, 1), (moved, -1))]
+    twice = [
+        np.array([*one[:-1], one[-1] + sign * one[0], *(sign * one[1:])]) / 2
+        for one, sign in ((shares, 1), (moved, -1))
+    ]
     doubled = replace(
         problem,
         sequence=ContactSequence(problem.sequence.first, (*stops, *image)),
@@ -127,7 +130,7 @@ class Meeting:
     point: CurvePoint
     """The motion, as one of the branch that ends there."""
     mother: CurvePoint
-    """The same motion, as one that repeats in half of the time: its multiplier -1 is that by which the branch springs."""
+    """The same motion, as one that repeats in half of the time: its multiplier -1 makes the branch spring."""
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
@@ -161,9 +164,28 @@ def meeting(stretch: Stretch) -> Meeting | None:
     scale = scale_of(problem, u)
     tangent = way / scale
     tangent /= np.linalg.norm(tangent)
-    return Meeting(
-        CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother
-    )
+    return Meeting(CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother)
+
+
+def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
+    """A motion that repeats in half of its time, as one of that time.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    same : float
+        Distance of both halves over the size of the motion up to which they are one.
+
+    Returns
+    -------
+    CurvePoint, or None
+        None if its halves differ.
+    """
+    missed = half_difference(point)
+    if missed is None or float(np.linalg.norm(missed)) > same:
+        return None
+    return nearest(*_halved(point.problem, point.u))
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:

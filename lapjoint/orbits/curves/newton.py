@@ -60,11 +60,12 @@ def solve(
         None if Newton's method finds none.
     """
     options = problem.resolution.options
-    u, last, shortest = guess, np.zeros(guess.size), np.inf
+    u, last, shortest, kept = guess, np.zeros(guess.size), np.inf, False
     last[-1] = 1.0
     try:
         for _ in range(options.newton_iterations):
-            if exact or shortest > options.chord:
+            kept = not (exact or kept) and shortest <= options.chord  # fast modes may need a new one soon
+            if not kept:
                 found = problem.linearised(u)
                 bordered = np.empty((row.size, row.size), order="F")  # as LAPACK takes it
                 J = np.multiply(found.jacobian, scale, out=bordered[:-1])
@@ -84,14 +85,18 @@ def solve(
             right[-1] = row @ ((u - guess) / scale)
             step = dgetrs(lu, pivots, right, overwrite_b=True)[0]
             length = math.sqrt(step @ step)
-            if not length <= min(options.newton_radius, 2 * shortest):
-                return None
-            shortest = min(shortest, length)
+            if not kept:
+                if not length <= min(options.newton_radius, 2 * shortest):
+                    return None
+                shortest = min(shortest, length)
+            elif not length <= shortest:
+                continue
             u = u - step * scale
             if length <= options.newton_tolerance:
                 tangent = dgetrs(lu, pivots, last)[0]
-                sign = int(np.prod(np.sign(np.diag(lu)))) * (-1) ** int(np.count_nonzero(pivots != np.arange(u.size)))
-                return Solution(u, replace(found, chain=chain), tangent / np.linalg.norm(tangent), sign)
+                turned = np.count_nonzero(lu.diagonal() < 0) + np.count_nonzero(pivots != np.arange(u.size))
+                sign = -1 if turned % 2 else 1
+                return Solution(u, replace(found, chain=chain), tangent / math.sqrt(tangent @ tangent), sign)
     except (InputError, SolverError):  # there is no such problem, or no such motion
         return None
     return None

@@ -19,7 +19,6 @@ from lapjoint.orbits.curves.newton import Solution
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
-
 _BESIDE = 1e-6
 """Arclength of a way along the tangent that is told from rounding, and on which a curve does not turn."""
 
@@ -38,7 +37,7 @@ class GapExtrema:
     """Distance beyond the stop, over its gap or, without one, over the motion there; above zero where the contact
     sequence lacks two events, shape ``(m,)``."""
     lost: float
-    """The largest displacement of a stop, compared likewise, that a passage from one contact state to the next loses."""
+    """The largest displacement of a stop, compared likewise, that a passage between contact states loses."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +102,7 @@ class CurvePoint:
 
     @property
     def tolerance(self) -> float:
-        """Violation up to which an extremum touches its stop and no more: what passages lose of the motion, at least."""
+        """Violation up to which an extremum touches its stop and no more: some of what passages lose."""
         return max(self.problem.resolution.options.grazing_tolerance, 10 * self.extrema.lost)
 
     @property
@@ -187,7 +186,7 @@ class CurvePoint:
         return replace(self, tangent=-self.tangent, orientation=-self.orientation)
 
     def sections(self) -> list[SectionPoint]:
-        """The motion at multiples of the excitation period and, mirrored, of half periods where the problem allows that.
+        """The motion at multiples of the excitation period, or of half periods of a problem that is its mirror image.
 
         Returns
         -------
@@ -278,10 +277,8 @@ def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
     return problem.time(u) + float(problem.durations(u)[:arc].sum())
 
 
-def _at_section(
-    problem: BoundaryProblem, u: FloatArray, arc: int, shift: float
-) -> tuple[BoundaryProblem, FloatArray]:
-    """The same motion with the section some time after the start of an arc, from 0 to M - 1, or before the first one."""
+def _at_section(problem: BoundaryProblem, u: FloatArray, arc: int, shift: float) -> tuple[BoundaryProblem, FloatArray]:
+    """The same motion with the section some time after the start of an arc, 0 to M - 1, or before the first one."""
     arcs, chain, sequence = problem.arcs(u), problem.chain(u), problem.sequence
     durations, stops, mirrored = problem.durations(u), sequence.stops, problem.half_periods % 2
     twins = mirror_twins(arcs.problem) if mirrored else None

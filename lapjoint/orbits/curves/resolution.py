@@ -278,9 +278,7 @@ class ParameterRange:
         """
         return next((one for end, one in self.zones if value <= end), self.zones[-1][1])
 
-    def _resolved(
-        self, solver: HasPeriodMap, problem_at: Callable[[float], Problem]
-    ) -> list[tuple[float, Resolution]]:
+    def _resolved(self, solver: HasPeriodMap, problem_at: Callable[[float], Problem]) -> list[tuple[float, Resolution]]:
         low, high = self.low, self.high
         if not isinstance(solver, Resolves):
             return [(high, Resolution(solver, problem_at, self.path, low, high, self.options))]

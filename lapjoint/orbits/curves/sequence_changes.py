@@ -1,10 +1,10 @@
 """Changes of the contact sequence along a curve: contacts that are born, end, split or merge, and events out of order.
 
 An arc whose duration passes zero ends: between events of one stop the stop's contact (or flight) vanishes with both
-events, between events of two stops the events change their order.  An extremum that passes its stop in an open arc gives
-birth to a contact, and in a closed arc it splits the contact by a flight.  The curves on both sides of a change meet
-where the arc's duration and the extremum are zero.  A solver whose passages lose part of the motion has the meeting point
-a little elsewhere on either side; the distance is an error of truncation, see `SequenceChange.offset`.
+events, between events of two stops the events change their order.  An extremum that passes its stop in an open arc
+gives birth to a contact, and in a closed arc it splits the contact by a flight.  The curves on both sides of a change
+meet where the arc's duration and the extremum are zero.  A solver whose passages lose part of the motion has the
+meeting point a little elsewhere on either side; the distance is an error of truncation, see `SequenceChange.offset`.
 """
 
 from __future__ import annotations
@@ -88,16 +88,12 @@ def violated(point: CurvePoint) -> list[Monitor]:
     """
     shares = point.shares
     found = [
-        Monitor("duration", i, -1, 0.0, float(-shares[i]))
-        for i in point.problem.free[1:].tolist()
-        if shares[i] < 0
+        Monitor("duration", i, -1, 0.0, float(-shares[i])) for i in point.problem.free[1:].tolist() if shares[i] < 0
     ]
     its, length = point.extrema, point.problem.length(point.u)
     for i in np.flatnonzero(its.violation > point.tolerance):
         found.append(
-            Monitor(
-                "extremum", int(its.arc[i]), int(its.stop[i]), float(its.time[i]) / length, float(its.violation[i])
-            )
+            Monitor("extremum", int(its.arc[i]), int(its.stop[i]), float(its.time[i]) / length, float(its.violation[i]))
         )
     return found
 
@@ -273,7 +269,7 @@ def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     tied = {k if k < i else k + 2 * len(stops) for k in problem.tied}
     tied |= {*range(i + 1, i + 1 + more), *range(i + 2 + more, i + 2 + 2 * more)}
     new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=frozenset(tied))
-    after = _on_duration(new, new.packed(before.u[:n], shares, before.value), i + 1 + more)
+    after = on_duration(new, new.packed(before.u[:n], shares, before.value), i + 1 + more)
     kind: ChangeKind = "split" if monitor.stop in sequence.states[i] else "birth"
     return SequenceChange(kind, (monitor.stop,), before, after)
 
@@ -297,12 +293,27 @@ def _exchanged(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     new = replace(problem, sequence=sequence, tied=frozenset(tied))
     shares = before.shares.copy()
     shares[first[0] + 1 : last[-1] + 1] = 0.0
-    after = _on_duration(new, new.packed(before.u[: before.coordinates], shares, before.value), arc)
+    after = on_duration(new, new.packed(before.u[: before.coordinates], shares, before.value), arc)
     return SequenceChange("exchange", (problem.sequence.stops[i - 1], problem.sequence.stops[i]), before, after)
 
 
-def _on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
-    """The point of a curve at which an arc has no duration, its tangent towards a longer one."""
+def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
+    """The point of a curve at which an arc has no duration.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+    arc : int
+        The arc.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards a longer arc; None if Newton's method finds none.
+    """
     row, scale = np.zeros(guess.size), scale_of(problem, guess)
     at = problem.position(guess, arc)
     row[at] = 1.0
@@ -327,11 +338,26 @@ def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
     monitor = Monitor("extremum", gone[0], stop, time, 0.0)
     guess = new.packed(before.u[:n], shares, before.value)
-    return SequenceChange(kind, (stop,), before, _at_graze(new, guess, monitor))
+    return SequenceChange(kind, (stop,), before, at_graze(new, guess, monitor))
 
 
-def _at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
-    """The point of a curve near a guess at which an extremum is zero, its tangent towards where it is below zero."""
+def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
+    """The point of a curve near a guess at which an extremum is zero.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+    monitor : Monitor
+        The extremum.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards where the extremum is below zero; None if no zero is found.
+    """
     near = nearest(problem, guess)
     its = None if near is None else same_monitor(near, monitor)
     if near is None or its is None:

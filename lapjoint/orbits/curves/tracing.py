@@ -11,7 +11,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.curves.bifurcations import Bifurcation, Stretch, within
 from lapjoint.orbits.curves.continuation import End, Step, at_value, centred, follow
-from lapjoint.orbits.curves.halves import half_difference, meeting, springing
+from lapjoint.orbits.curves.halves import half_difference, half_of, meeting, springing
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import ParameterRange, Resolution
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, nearest
@@ -163,6 +163,12 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         if isinstance(step, SequenceChange):
             if change:
                 way.found.append(Found(change.pop(), len(way.points), "persists"))
+            mother = None if step.after is None else half_of(step.after, _SAME)
+            if step.after is not None and mother is not None:
+                way.found.append(Found(step, len(way.points), "ends"))
+                way.points.append(step.after)
+                way.end, way.mother = "bifurcation", replace(Start.at(mother), direction=None)
+                break
             if step.kind != "exchange":
                 change.append(step)
             continue
@@ -171,7 +177,9 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         met = meeting(step)
         if met is not None:
             step = Stretch(step.start, met.point, step.length)
-        way.found += [Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)]
+        way.found += [
+            Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)
+        ]
         if met is not None:
             way.points.append(met.point)
             way.end, way.mother = "bifurcation", replace(Start.at(met.mother), direction=None)

@@ -7,17 +7,22 @@ then, while a motion that converges to a periodic one shows nothing of it.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import analytic
-from analytic.march import march_linearised
+from analytic import ensemble
+from analytic.march import growth, linearised, march_linearised, periods
+from analytic.march.compiled import SWITCHES, Motion
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
+from analytic.march.march import next_switches, settle_status
 from analytic.period_map import PeriodMap
-from lapjoint import FREE, Problem
+from lapjoint import FREE, ModalDamping, Problem, paper_joint
 from lapjoint.answers import SectionPoint
+from lapjoint.one_thread import in_one_thread
 from lapjoint.problem import FloatArray, HarmonicsBaseMotion
 from tests.helpers.population import harmonic_joint, joint, stiffened_joint
 
@@ -121,3 +126,57 @@ def test_a_march_that_has_to_learn_its_switches_carries_the_same_deviations() ->
         assert np.array_equal(ends[0], ends[1]), seed
     assert learned[0] > 0
     assert learned[1] == 0
+
+
+LONG = 8
+
+
+def of_many_switches() -> tuple[PeriodMap, SectionPoint]:
+    """A joint whose motion switches often in `LONG` half periods, and whose fast modes die out on the way."""
+    problem = paper_joint(angular_frequency=200.0).replace(damping=ModalDamping(ratio=0.05))
+    period_map = analytic.Solver(n_modes=40).period_map(problem)
+    return period_map, period_map.march(period_map.initial(), 8).end
+
+
+@in_one_thread
+def test_deviations_carried_in_pieces_are_those_carried_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, whole = [], 0
+    period_map, point = of_many_switches()
+    for at_once in (1_000_000, 3):
+        monkeypatch.setattr(linearised, "WITH_ALL_AT_ONCE", at_once)
+        known = period_map.linearised_by("base_motion.angular_frequency", point, LONG)
+        assert known is not None
+        assert known.known.factors is not None
+        whole = known.arrays.start.size
+        found.append((known.matrix, known.by_number, known.arrays.deviations, known.arrays.drift))
+    assert whole > 20
+    for pieces in found[1:]:
+        for one, other in zip(pieces, found[0], strict=True):
+            assert one == pytest.approx(other, rel=1e-12, abs=1e-12 * np.abs(other).max())
+
+
+def test_long_marches_come_back_from_compiled_code_before_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python takes no notice of Ctrl-C until they do."""
+    counts: list[int] = []
+
+    def counting(of: Joint, motion: Motion, status: int, max_switches: int) -> None:
+        counts.append(int(motion.counts[SWITCHES]))
+        settle_status(of, motion, status, max_switches)
+
+    period_map, point = of_many_switches()
+    for module in (growth, periods, ensemble):
+        monkeypatch.setattr(module, "settle_status", counting)
+    monkeypatch.setattr(growth, "WITH_ALL_AT_ONCE", 10)
+    monkeypatch.setattr(next_switches, "__defaults__", (10,))
+    begin = Coordinates(point.state, *point.coordinates)
+    marches = [
+        lambda: march_linearised(period_map.joint, begin, LONG / 2 * period_map.period, np.eye(point.coordinates.size)),
+        lambda: period_map.march(point, LONG),
+        lambda: period_map.followed(point, np.ones(point.coordinates.size), LONG // 2),
+        lambda: period_map.ensemble([point, point]).march(np.arange(2), LONG // 2),
+    ]
+    for made in marches:
+        counts.clear()
+        made()
+        assert max(counts) > 20
+        assert all(after - before <= 11 for before, after in pairwise([0, *counts]))

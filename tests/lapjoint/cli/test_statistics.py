@@ -15,6 +15,7 @@ from lapjoint import Beam, ModalDamping, Problem, Stop, Support, write_problem
 from lapjoint.cli.main import main
 from lapjoint.cli.statistics_printing import quantiles
 from lapjoint.problem.random_motion import RandomBaseMotion
+from lapjoint.problem.records import RecordBaseMotion
 
 SHAKEN = Problem(
     title="Shaken",
@@ -103,3 +104,15 @@ def test_quantiles_of_counts_in_bins() -> None:
     low, high = np.array([1.0, 2.0, 4.0]), np.array([2.0, 4.0, 8.0])
     assert quantiles(np.array([50, 0, 50]), low, high) == pytest.approx([2.0, 4 * 2**0.8, 4 * 2**0.98])
     assert all(math.isnan(value) for value in quantiles(np.array([0, 0, 0]), low, high))
+
+
+def test_holes_that_are_bridged_are_said(tmp_path: Path) -> None:
+    times = np.delete(np.arange(0.0, 2.0, 0.01), range(100, 130))
+    record = RecordBaseMotion(quantity="acceleration", values=np.sin(20 * times), times=times, holes="bridge")
+    path = tmp_path / "holed.toml"
+    write_problem(SHAKEN.replace(base_motion=record), path)
+    result = run(str(path))
+    assert result.exit_code == 0, result.output
+    assert max(map(len, result.stdout.splitlines())) <= 80
+    said = "1 hole bridged as from sample to sample, the longest from 0.99 s on for 0.31 s"
+    assert said in " ".join(result.stdout.split())

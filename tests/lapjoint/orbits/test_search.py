@@ -12,21 +12,23 @@ from toy import Bar, bar
 
 import analytic
 import fe_lapjoint
-from lapjoint import Outcome, Problem, paper_joint
+from lapjoint import FREE, Outcome, Problem, StepLoad, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.answers.steady_state import Exponent
 from lapjoint.errors import InputError
 from lapjoint.orbits import Effort, Passage, PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
-from lapjoint.orbits.newton import Orbit, find_orbit
-from lapjoint.orbits.period_map import period_pieces
+from lapjoint.orbits.newton import FAR, Orbit, find_orbit
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, period_pieces
 from lapjoint.orbits.search import STRETCH, TRANSIENT, Found, Search
+from lapjoint.orbits.segments import Segment
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
 from lapjoint.problem import FloatArray
 
 pytestmark = pytest.mark.long_march
 
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=6), "FE": fe_lapjoint.Solver(elements=3), "bar": Bar()}
+SPRUNG = bar(0.8)
 JOINTS: dict[str, Problem] = {"analytic": paper_joint(), "FE": paper_joint(), "bar": bar(0.8, (0.5, 5.0))}
 
 
@@ -262,6 +264,108 @@ def test_a_march_still_far_from_a_clearance_goes_on_until_it_is_bound() -> None:
         waited.append(found.acceptance.periods)
     assert waited == sorted(waited)
     assert waited[0] < waited[-1]
+
+
+# --- Growth beyond rounding ----------------------------------------------------------------------------------------
+
+
+NONE = np.zeros(0, dtype=complex)
+STILL = Segment(
+    start=0.0,
+    end=1.0,
+    closed=np.zeros(0, dtype=bool),
+    rates=NONE,
+    weights=np.zeros((0, 0), dtype=complex),
+    amplitudes=NONE,
+    polynomial=np.zeros((0, 3)),
+    deviations=np.zeros((0, 1), dtype=complex),
+    drift=np.zeros((0, 2, 1)),
+    switched=-1,
+)
+"""A period of a motion without stops, with one deviation."""
+
+
+class Violent:
+    """A map whose ends are random numbers for some periods, and from then on a third as far from a fixed point."""
+
+    period, name = 1.0, "violent"
+
+    def __init__(self, periods: float, lowest_damping_rate: float) -> None:
+        self.problem = SPRUNG.replace(point_loads=(StepLoad(x=1.0, force=1.0),))
+        self.periods, self.lowest_damping_rate, self.linearisations = periods, lowest_damping_rate, 0
+
+    def initial(self) -> SectionPoint:
+        return SectionPoint(FREE, np.array([[1.5, 0.0]]))
+
+    def step(self, point: SectionPoint) -> tuple[SectionPoint, float]:
+        x, done = point.coordinates[0]
+        if done >= self.periods:
+            return SectionPoint(FREE, np.array([[1 + (x - 1) / 3, done + 1]])), 1 / 3
+        chance = np.random.default_rng(np.array([x]).view(np.uint64)).uniform(0.5, 1.5)
+        return SectionPoint(FREE, np.array([[chance, done + 1]])), 1e20
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        return Passage(self.linearised(start, half_periods).end, np.zeros(0), 0)
+
+    def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
+        point, whole = start, 1.0
+        for _ in range(half_periods // 2):
+            point, growth = self.step(point)
+            whole *= growth
+
+        def derivative() -> Derivative:
+            self.linearisations += 1
+            return Derivative(np.array([[whole]]))
+
+        return Linearised(point, derivative, lambda: (STILL,))
+
+    def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
+        points, growth = [start], []
+        for _ in range(periods):
+            point, rate = self.step(points[-1])
+            points.append(point)
+            growth.append(math.log(rate))
+        return Followed(tuple(points[1:]), np.zeros((periods, 0)), 0, np.array(growth), deviation)
+
+    def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
+        return np.asarray((point.coordinates - origin.coordinates)[0, :1])
+
+    def norm(self, deviation: FloatArray) -> float:
+        return float(np.abs(deviation[0]))
+
+    def size(self, point: SectionPoint) -> float:
+        return float(point.coordinates[0, 0])
+
+    def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
+        return SectionPoint(FREE, origin.coordinates + np.array([[deviation[0], 0.0]]))
+
+
+@pytest.mark.parametrize("growth", [True, False])
+def test_where_rounding_decides_every_period_newtons_method_is_not_tried_again(growth: bool) -> None:
+    map_ = Violent(math.inf, 0.1)  # twenty decay times are 200 periods
+    found = Search(map_, Effort(growth=growth)).run(map_.initial())  # type: ignore[arg-type]
+    assert isinstance(found.motion, Wandering)
+    assert found.motion.outcome is Outcome.APERIODIC
+    assert found.motion.exponent.value == pytest.approx(math.log(1e20))
+    assert found.motion.exponent.periods >= 200
+    assert found.acceptance.periods < TRANSIENT  # where the last stretch begins
+    assert map_.linearisations <= 1  # where no growth is known yet
+
+
+@pytest.mark.parametrize(("violent", "rate"), [(10, 1.0), (30, 1.0), (90, 1.0), (200, 1.0), (900, 0.02)])
+def test_a_march_that_calms_down_within_twenty_decay_times_is_followed_to_its_orbit(violent: int, rate: float) -> None:
+    map_ = Violent(violent, rate)
+    found = Search(map_, Effort()).run(map_.initial())  # type: ignore[arg-type]
+    assert isinstance(found.motion, Orbit)
+    assert found.motion.leading == pytest.approx(1 / 3)
+    assert found.acceptance.periods >= violent
+
+
+def test_no_fixed_point_is_looked_for_of_a_map_that_makes_deviations_grow_beyond_rounding() -> None:
+    map_ = Violent(math.inf, 1.0)
+    for half_periods in (2, 40):  # over twenty periods, the derivative is beyond double precision
+        assert find_orbit(HalfPeriods(map_), map_.initial(), half_periods, FAR) is None  # type: ignore[arg-type]
+    assert map_.linearisations == 2
 
 
 # --- Pushes, and what is shown -------------------------------------------------------------------------------------

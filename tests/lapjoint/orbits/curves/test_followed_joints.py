@@ -1,0 +1,115 @@
+"""Curves of random joints are followed through all changes of their contact sequences, and their motions are true."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from galerkin_arcs import GalerkinArcs, GalerkinResolution, base_of, random_joint
+from scipy.integrate import solve_ivp
+
+from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.curves.bifurcations import Stretch
+from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
+from lapjoint.orbits.curves.continuation import End, follow
+from lapjoint.orbits.curves.point import CurvePoint
+from lapjoint.orbits.curves.sequence_changes import SequenceChange, nearest
+from lapjoint.problem import FloatArray
+
+AMPLITUDE = "base_motion.amplitude"
+SEED, FEW, MANY, MOST = 46, 12, 100, 600
+FARTHEST = 2.0
+"""Amplitude up to which a curve is followed, over that of the first graze."""
+MARCHED, GROWING = 2, 30.0
+"""Number of motions of a curve that are marched, and the largest multiplier of those: a march leaves others."""
+
+
+@dataclass
+class Followed:
+    """A curve from the motion without contact on."""
+
+    graze: float
+    """The first graze in closed form."""
+    stretches: list[Stretch] = field(default_factory=list)
+    changes: list[SequenceChange] = field(default_factory=list)
+    end: str = "points"
+
+
+def first_graze(arcs: GalerkinArcs, amplitude: float) -> float:
+    """Y = min gap / |H|, of a joint that is driven at the amplitude."""
+    answers = [abs(arcs.row(k) @ arcs.state(FREE).X) / amplitude for k in range(len(arcs.problem.stops))]
+    return float(min(stop.gap / answer for stop, answer in zip(arcs.problem.stops, answers, strict=True)))
+
+
+def followed(seed: int, index: int) -> Followed:
+    """The curve of a random joint with one to four stops."""
+    rng = np.random.default_rng((seed, index))
+    problem, modes, zeta, viscous = random_joint(rng, 1 + index % 4)
+    graze = first_graze(GalerkinArcs(problem, modes, zeta, viscous), base_of(problem).amplitude)
+    resolution = GalerkinResolution(problem, AMPLITUDE, 0.2 * graze, FARTHEST * graze, modes, zeta, viscous)
+    free = np.append(resolution.arcs(0.9 * graze).without_contact, 0.9 * graze)
+    start = nearest(BoundaryProblem(resolution, ContactSequence(FREE), 2, 0.0), free)
+    assert start is not None
+    found = Followed(graze)
+    for step in follow(start if start.tangent[-1] > 0 else start.turned()):
+        if isinstance(step, End):
+            found.end = step.reason
+            break
+        if isinstance(step, SequenceChange):
+            found.changes.append(step)
+        else:
+            found.stretches.append(step)
+        if len(found.stretches) > MOST:
+            break
+    return found
+
+
+def marched(arcs: GalerkinArcs, point: CurvePoint) -> FloatArray:
+    """The motion a period after the section, by an integrator that knows of no sequence: the force law alone."""
+    stops, rows = arcs.problem.stops, [arcs.row(k) for k in range(len(arcs.problem.stops))]
+
+    def rate(t: float, y: FloatArray) -> FloatArray:
+        closed = tuple(k for k, stop in enumerate(stops) if stop.sign * float(rows[k] @ y) > stop.gap)
+        state = arcs.state(ContactState(closed))
+        return np.asarray(state.A @ (y - state.forced(t)) + state.forced(t, 1))
+
+    time, start = point.problem.time(point.u), point.u[: point.coordinates]
+    # the force law has kinks where a stop switches: steps must be short there, wherever that is
+    found = solve_ivp(
+        rate, (time, time + arcs.period), start, "DOP853", rtol=1e-9, atol=1e-13, max_step=arcs.period / 400
+    )
+    return np.asarray(found.y[:, -1])
+
+
+def check(found: Followed, rng: np.random.Generator) -> None:
+    """Fail unless the first graze is that of the closed form, and marches from motions of the curve come back."""
+    first = found.changes[0]
+    assert first.kind == "birth"
+    assert first.value == pytest.approx(found.graze, rel=1e-9)
+    assert all(change.offset <= 1e-8 * found.graze for change in found.changes if change.after is not None)
+    steady = [one.end for one in found.stretches if np.abs(one.end.multipliers).max() < GROWING]
+    for i in rng.permutation(len(steady))[:MARCHED].tolist():
+        point = steady[i]
+        arcs, n = point.problem.resolution.arcs(point.value), point.coordinates
+        assert isinstance(arcs, GalerkinArcs)
+        apart = (marched(arcs, point) - point.u[:n]) / point.scale[:n]
+        assert float(np.linalg.norm(apart)) < 1e-4
+
+
+@pytest.mark.parametrize("index", range(FEW))
+def test_a_few_random_joints_are_followed_through_all_their_contacts(index: int) -> None:
+    found = followed(SEED, index)
+    assert found.end in ("boundary", "points")
+    check(found, np.random.default_rng(index))
+
+
+@pytest.mark.slow
+def test_random_joints_are_followed_through_all_their_contacts() -> None:
+    ends = []
+    for index in range(MANY):
+        found = followed(SEED + 1, index)
+        check(found, np.random.default_rng(index))
+        ends.append(found.end)
+    assert sum(end in ("boundary", "points") for end in ends) >= 0.97 * MANY, ends
