@@ -257,9 +257,7 @@ def nearest_of(known: Mapping[float, CurvePoint], length: float) -> CurvePoint |
     return known[min(known, key=lambda at: abs(at - length))] if known else None
 
 
-def beside(
-    start: CurvePoint, length: float, near: CurvePoint | None = None, exact: bool = True
-) -> CurvePoint | None:
+def beside(start: CurvePoint, length: float, near: CurvePoint | None = None, exact: bool = True) -> CurvePoint | None:
     """The point of a curve in the hyperplane some arclength along a point's tangent.
 
     Parameters
