@@ -241,7 +241,7 @@ def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
     n = problem.coordinates(u)
     units = problem.arcs(u).unit_norms(problem.sequence.first)
     size = float(np.linalg.norm(u[:n] * units))
-    return np.concatenate([max(size, 1e-300) / units, np.ones(problem.free.size), [problem.resolution.scale(u[-1])]])
+    return np.concatenate([max(size, 1e-300) / units, np.full(problem.free.size, 1 / (problem.events + 1)), [problem.resolution.scale(u[-1])]])
 
 
 def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
