@@ -12,7 +12,7 @@ Of a product the sign is taken, and the size of its least factor.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -231,7 +231,7 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
     known = dict[float, CurvePoint]()
 
     def value(s: float) -> float:
-        point = beside(start, s)
+        point = beside(start, s, nearest_of(known, s))
         if point is None:
             raise ValueError
         known[s] = point
@@ -246,7 +246,25 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
     return at, known[at]
 
 
-def beside(start: CurvePoint, length: float) -> CurvePoint | None:
+def nearest_of(known: Mapping[float, CurvePoint], length: float) -> CurvePoint | None:
+    """The point nearest to an arclength.
+
+    Parameters
+    ----------
+    known : mapping
+        Points of a curve, by their arclengths.
+    length : float
+        The arclength.
+
+    Returns
+    -------
+    CurvePoint, or None
+        None if none is known.
+    """
+    return known[min(known, key=lambda at: abs(at - length))] if known else None
+
+
+def beside(start: CurvePoint, length: float, near: CurvePoint | None = None, exact: bool = True) -> CurvePoint | None:
     """The point of a curve in the hyperplane some arclength along a point's tangent.
 
     Parameters
@@ -255,11 +273,18 @@ def beside(start: CurvePoint, length: float) -> CurvePoint | None:
         The point.
     length : float
         The arclength, of either sign.
+    near : CurvePoint, optional
+        A point of the curve that is nearer, if one is known.
+    exact : bool
+        Whether to evaluate the derivative there, see `lapjoint.orbits.curves.newton.solve`.
 
     Returns
     -------
     CurvePoint, or None
         Its tangent goes in the same direction; None if Newton's method finds none.
     """
-    found = solve(start.problem, start.predicted(length), start.scale, start.tangent, exact=True)
+    near = start if near is None else near
+    done = float(start.tangent @ ((near.u - start.u) / start.scale))
+    rate = float(start.tangent @ (near.tangent * near.scale / start.scale))
+    found = solve(start.problem, near.predicted((length - done) / rate), start.scale, start.tangent, exact)
     return None if found is None else CurvePoint.of(start.problem, found, start.scale)
