@@ -363,6 +363,7 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
     if near is None or its is None:
         return None
     here, at, other = near, 0.0, 1e-3 * problem.resolution.options.first_step
+    rate, widest = 0.0, 0.0  # of nearly equal values rounding decides which is the larger
     for _ in range(_SECANTS):
         found = solve(problem, near.predicted(other), near.scale, near.tangent)
         beside = None if found is None else CurvePoint.of(problem, found, near.scale)
@@ -370,17 +371,19 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
         if beside is None or (there is not None and there.value == its.value):
             return None
         if there is None:  # the extremum vanishes in this direction, at the start of its arc
-            slope = -np.copysign(1.0, other)
+            rate = -np.copysign(1.0, other)
             break
         slope = (there.value - its.value) / (other - at)
+        if abs(other - at) > widest:
+            rate, widest = slope, abs(other - at)
         if abs(there.value) < abs(its.value):
             here, at, its = beside, other, there
         other = at - its.value / slope
         if abs(its.value) <= problem.resolution.options.grazing_tolerance or other == at:
             break
-    if abs(its.value) > max(here.tolerance, abs(slope) * problem.resolution.options.newton_tolerance):
+    if abs(its.value) > max(here.tolerance, abs(rate) * problem.resolution.options.newton_tolerance):
         return None
-    return here if slope < 0 else here.turned()
+    return here if rate < 0 else here.turned()
 
 
 def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
