@@ -404,6 +404,8 @@ def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
     scale = scale_of(problem, guess)
     J = problem.linearised(guess).jacobian * scale
     sizes = np.abs(J).max(axis=1)
+    if not np.isfinite(sizes).all():  # fast modes grow without bound in an arc of negative duration
+        return None
     row = np.linalg.svd(J / np.where(sizes > 0, sizes, 1.0)[:, None])[2][-1]
     found = solve(problem, guess, scale, row)
     return None if found is None else CurvePoint.of(problem, found, scale)
