@@ -37,7 +37,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
-from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, ExcitationChange, change_with, excitation_change
+from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, ExcitationChange, change_with
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.orbits.segments import MadeSegments, Segments
 from lapjoint.problem import BaseMotion, FloatArray, Problem
@@ -86,16 +86,6 @@ class PeriodMap:
         """The twin of each stop, if the problem is its own mirror image."""
         return mirror_twins(self.problem)
 
-    def _change_by(self, field: str) -> ExcitationChange | None:
-        if field not in self._changes:
-            self._changes[field] = excitation_change(self.problem, field)
-        return self._changes[field]
-
-    @cached_property
-    def _changes(self) -> dict[str, ExcitationChange | None]:
-        """How the excitation changes with the numbers that have been asked for, by their paths."""
-        return {}
-
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
         """The map with another amplitude or frequency of a sine of the base, if that alone drives the beam.
 
@@ -104,7 +94,7 @@ class PeriodMap:
         base = self.problem.base_motion
         if field not in (FREQUENCY, AMPLITUDE) or not isinstance(base, BaseMotion) or self.problem.point_loads:
             return None
-        if self._change_by(field) is None or value <= 0:
+        if self.joint.change_by(field) is None or value <= 0:
             return None
         amplitude, omega = (value, base.angular_frequency) if field == AMPLITUDE else (base.amplitude, value)
         sizes = np.array([1.0, inertial_load(self.problem.beam.m, amplitude, omega)])
@@ -113,7 +103,7 @@ class PeriodMap:
         other.__dict__["period"] = 2 * math.pi / omega
         if "_twins" in self.__dict__:
             other.__dict__["_twins"] = self._twins
-        other._changes[field] = change_with(field, value, np.ones(1))
+        other.joint.changes[field] = change_with(field, value, np.ones(1))
         return other
 
     def initial(self) -> SectionPoint:
@@ -229,7 +219,7 @@ class PeriodMap:
 
     def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
         """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
-        known, duration = self._change_by(field), half_periods * self.period / 2
+        known, duration = self.joint.change_by(field), half_periods * self.period / 2
         if known is None:
             return None
         motion = march(self.joint, _coordinates(start), 0.0, duration)

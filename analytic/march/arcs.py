@@ -10,19 +10,24 @@ is f'(t) and the rate of all the rest.  After the passage y_new = S y + b(t) the
 
     w_new = S w + (S f_old' + b' - f_new') dt
 
-with one vector in the bracket for all durations before.
+with one vector in the bracket for all durations before.  With a number of the problem that changes the harmonics,
+while times keep their ratios to the excitation period, so that phases theta stay, one more w is carried likewise: its
+dy = w + df, with the change df of the answer at the same phases.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
+from analytic.march.change import Change, add_forced_change, changes_of_answers, forced_change
 from analytic.march.joint import Joint
-from analytic.march.mean_rates import mean_rate_at_stop
+from analytic.march.known_states import KnownStates
+from analytic.march.mean_rates import mean_rate, mean_rate_at_stop
 from analytic.march.switching import switch
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.tangent import flow
@@ -37,9 +42,16 @@ from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.problem import FloatArray, Problem
 
+_ROUTES = 256
+"""Number of contact sequences whose routes are kept, those of a curve or two; each takes a kilobyte."""
+
+
+_NO_CHANGE = Change(0.0, np.zeros(0))
+"""That of no number."""
+
 
 class _Route(NamedTuple):
-    """A contact sequence as compiled functions take it: ``M`` events between ``M + 1`` arcs."""
+    """A contact sequence as compiled functions take it: ``M`` events between ``M + 1`` arcs; not to be written to."""
 
     slot: IntArray
     """The contact state of each arc, shape ``(M + 1,)``."""
@@ -70,6 +82,7 @@ class JointArcs:
         time: float,
         durations: FloatArray,
         derivatives: bool = True,
+        number: str | None = None,
     ) -> Chain:
         """Follow the arcs of a contact sequence. See `lapjoint.orbits.arcs.Arcs.chain`."""
         route = self._route(sequence)
@@ -77,10 +90,14 @@ class JointArcs:
         rows, times, events = np.empty((arcs + 1, 2 * tables.kind.shape[1])), np.empty(arcs), np.empty(arcs - 1)
         rows[0, :n] = start
         sizes = 2 * tables.modes[route.slot]
-        columns = n + arcs if derivatives else 0
+        known = self.joint.change_by(number) if derivatives and number is not None else None
+        change = _NO_CHANGE if known is None else Change(known.frequency, known.sizes)
+        own = int(known is not None)
+        columns = own + n + arcs if derivatives else 0
         end_by, events_by = np.zeros((int(sizes[-1]), columns)), np.zeros((arcs - 1, columns))
         _chain(
             tables,
+            change,
             *route,
             float(time),
             np.ascontiguousarray(durations, dtype=float),
@@ -92,7 +109,10 @@ class JointArcs:
         )
         starts = tuple(row[:size] for row, size in zip(rows[:-1], sizes.tolist(), strict=True))
         end = rows[arcs, : end_by.shape[0]]
-        return Chain(starts, times, end, events, *((end_by, events_by) if derivatives else ()))
+        if not derivatives:
+            return Chain(starts, times, end, events)
+        by_number = np.concatenate([end_by[:, 0], events_by[:, 0]]) if own else None
+        return Chain(starts, times, end, events, end_by[:, own:], events_by[:, own:], by_number)
 
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
         """The displacement at the stops as sums of exponentials. See `lapjoint.orbits.arcs.Arcs.motion`."""
@@ -133,17 +153,35 @@ class JointArcs:
 
     def _route(self, sequence: ContactSequence) -> _Route:
         """The slots of a sequence, of which every switch is made known."""
-        joint, states = self.joint, sequence.states
-        slots = np.array([joint.slot(state) for state in states], dtype=np.int64)
-        for slot, stop in zip(slots[:-1].tolist(), sequence.stops, strict=True):
+        found, joint = _known_route(self.joint.known, sequence), self.joint
+        if found is not None:
+            return found
+        slots = [joint.slot(state) for state in sequence.states]
+        for slot, stop in zip(slots[:-1], sequence.stops, strict=True):
             if joint.tables.next_slot[slot, stop] < 0:
                 joint.connect(slot, stop)
-        return _Route(slots, np.array(sequence.stops, dtype=np.int64), np.array(sequence.returning, dtype=np.bool_))
+        return _route(slots, sequence)
+
+
+@lru_cache(maxsize=_ROUTES)
+def _known_route(known: KnownStates, sequence: ContactSequence) -> _Route | None:
+    """The slots of a sequence in tables that begin with known states; None if one of its switches is not known."""
+    states, stops = sequence.states, sequence.stops
+    switches = {(new if stop in old else old, stop) for old, new, stop in zip(states, states[1:], stops, strict=False)}
+    if sequence.first not in known.slots or not switches.issubset(known.switches):
+        return None
+    return _route([known.slots[state] for state in states], sequence)
+
+
+def _route(slots: list[int], sequence: ContactSequence) -> _Route:
+    stops, returning = np.array(sequence.stops, dtype=np.int64), np.array(sequence.returning, dtype=np.bool_)
+    return _Route(np.array(slots, dtype=np.int64), stops, returning)
 
 
 @njit_called(vectorised=True)
 def _chain(
     tables: Tables,
+    change: Change,
     slots: IntArray,
     stops: IntArray,
     returning: BoolArray,
@@ -161,6 +199,8 @@ def _chain(
     ----------
     tables : Tables
         The states of the joint.
+    change : Change
+        How its harmonics change with a number; of no harmonic, if the derivative by a number is not asked for.
     slots, stops, returning : ndarray
         As `_Route` has them.
     time : float
@@ -174,18 +214,21 @@ def _chain(
     events : FloatArray, shape (M,)
         Takes the left sides of the equations, m or m/s.
     end_by, events_by : FloatArray, shape (2 N_end, n + M + 1) and (M, n + M + 1)
-        Take the derivatives; without columns, they are not asked for.
+        Take the derivatives, in the first column that by the number if it is asked for; without columns, none is.
     """
-    most, arcs, carried = tables.kind.shape[1], slots.size, end_by.shape[1] > 0
+    most, arcs, carried, own = tables.kind.shape[1], slots.size, end_by.shape[1] > 0, min(change.size.size, 1)
     n = max(end_by.shape[1] - arcs, 0)
     theta, after, unturned = complex_zeros(tables.omega.size), complex_zeros(tables.omega.size), complex_zeros(0)
     first, term, poly = complex_zeros(2 * most), complex_zeros(2 * most), zeros((most, 3))
     q, v, row, rates = zeros(most), zeros(most), zeros(2 * most), zeros(2 * most)
     here = zeros((2 * tables.modes[slots[0]], n))
-    for j in range(here.shape[1]):
-        here[j, j] = 1.0
+    for j in range(here.shape[1] - own):
+        here[j, own + j] = 1.0
     _read(rows[0], tables.modes[slots[0]], q, v)
     set_phases(tables, time, theta)
+    changes = changes_of_answers(tables, change, slots[: own * arcs])
+    if own:
+        add_forced_change(tables, change, changes, slots[0], 0.0, theta, -1.0, here[:, :1])
     for i in range(arcs):
         slot, d, size = slots[i], durations[i], tables.modes[slots[i]]
         times[i] = time
@@ -202,6 +245,8 @@ def _chain(
             _free_rates(tables, slot, d, term, poly, rates)
             for j in range(2 * size):
                 there[j, n + i] = rates[j]
+                if own:
+                    there[j, 0] -= change.omega * d * rates[j]
         if i == arcs - 1:
             break
         k = stops[i]
@@ -212,14 +257,21 @@ def _chain(
             if carried:
                 _apply(row, sign, here, n, by_time, events_by[i])
                 events_by[i, n + i] = sign * by_duration
+                if own:
+                    events_by[i, 0] -= sign * change.omega * d * by_duration
+                    events_by[i, 0] += sign * _change_of_mean_rate(tables, change, changes, slot, u, d, theta, after)
         else:
             z, by_time = _at_stop(tables, slot, u, after, q, row)
             events[i] = sign * z - tables.gap[k]
             if carried:
                 _apply(row, sign, there, n, by_time, events_by[i])
+                for h in range(own * after.size):
+                    events_by[i, 0] += sign * (forced_change(tables, change, changes, slot, u, h) * after[h]).imag
         switch(tables, slot, k, after, q, v)
         if carried:
             here = _passed(tables, slot, k, after, live, n, there)
+            if own:
+                _add_passage_change(tables, change, changes, slot, k, after, here)
         put(theta, after)
         _write(rows[i + 1], tables.modes[slots[i + 1]], q, v)
     last = slots[arcs - 1]
@@ -230,6 +282,8 @@ def _chain(
             put(end_by[j], there[j])
             for c in range(n, end_by.shape[1]):
                 end_by[j, c] += rates[j]
+        if own:
+            add_forced_change(tables, change, changes, last, 0.0, after, 1.0, end_by[:, :1])
 
 
 @njit_inner()
@@ -336,6 +390,45 @@ def _passed(tables: Tables, old: int, k: int, theta: ComplexArray, live: int, n:
             here[j, c] += x
             here[n_new + j, c] += y
     return here
+
+
+@njit_inner()
+def _change_of_mean_rate(
+    tables: Tables,
+    change: Change,
+    changes: ComplexArray,
+    slot: int,
+    u: int,
+    d: float,
+    theta: ComplexArray,
+    after: ComplexArray,
+) -> float:
+    """How the harmonics' part of the mean rate at a position of stops changes, while the duration stays."""
+    total = 0.0
+    for h in range(theta.size):
+        mean, turning = mean_rate(complex(0.0, tables.omega[h]), d)[0], change.omega * tables.omega[h]
+        total += (forced_change(tables, change, changes, slot, u, h) * theta[h] * mean).imag
+        total += turning * (tables.forced[slot, u, h] * after[h]).real
+    return total
+
+
+@njit_inner()
+def _add_passage_change(
+    tables: Tables, change: Change, changes: ComplexArray, old: int, k: int, theta: ComplexArray, here: FloatArray
+) -> None:
+    """Add to the first w after a stop has switched S df_old + db - df_new."""
+    new, row = tables.next_slot[old, k], tables.passage[old, k]
+    n_old, n_new = tables.modes[old], tables.modes[new]
+    S, onto, before = tables.carry[row], tables.carry_residual[row], zeros((2 * n_old, 1))
+    add_forced_change(tables, change, changes, old, 0.0, theta, 1.0, before)
+    add_forced_change(tables, change, changes, new, 0.0, theta, -1.0, here[:, :1])
+    for j in range(n_new):
+        for i in range(n_old):
+            here[j, 0] += S[j, i] * before[i, 0]
+            here[n_new + j, 0] += S[j, i] * before[n_old + i, 0]
+        for h in range(theta.size):
+            here[j, 0] += onto[1 + h, j] * change.size[h] * theta[h].imag
+            here[n_new + j, 0] += onto[1 + h, j] * tables.omega[h] * (change.omega + change.size[h]) * theta[h].real
 
 
 @njit_called()

@@ -35,6 +35,7 @@ from analytic.march.tables import (
 )
 from analytic.modes.static_residual import Residual
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.problem import FloatArray, Problem
 
 _FEW_PLACES, _KEPT_PLACES = 64, 256
@@ -71,9 +72,13 @@ class Joint:
         """Factors of the unit loads, shape ``(1 + H + R,)``."""
         self._flat: dict[ContactState, FlatState] = {}
         self._places: dict[tuple[Any, ...], FloatArray] = {}
+        self.changes: dict[str, ExcitationChange | None] = {}
+        """How the excitation changes with the numbers that have been asked for, by their paths."""
         self.tables: Tables
         self._borrows: bool
-        self._fill_known(self._memory.known)
+        self.known = self._memory.known
+        """The states and switches that the tables have from the start, in slots of that order."""
+        self._fill_known(self.known)
 
     def driven(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> Joint:
         """The same with an excitation of other frequencies and sizes.
@@ -103,6 +108,23 @@ class Joint:
         """The problem."""
         assert self._problem is not None
         return self._problem()
+
+    def change_by(self, field: str) -> ExcitationChange | None:
+        """How the excitation changes with a number of the problem.
+
+        Parameters
+        ----------
+        field : str
+            Path of the number, as `lapjoint.orbits.parameters.excitation_change` takes it.
+
+        Returns
+        -------
+        ExcitationChange, or None
+            None if that is not known.
+        """
+        if field not in self.changes:
+            self.changes[field] = excitation_change(self.problem, field)
+        return self.changes[field]
 
     def __getstate__(self) -> dict[str, Any]:
         """What another process needs: the problem, instead of what gives it."""

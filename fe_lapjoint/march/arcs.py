@@ -75,6 +75,7 @@ class Arcs:
         time: float,
         durations: FloatArray,
         derivatives: bool = True,
+        number: str | None = None,
     ) -> Chain:
         """Follow arcs. See `lapjoint.orbits.arcs.Arcs.chain`.
 

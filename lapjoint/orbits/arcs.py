@@ -66,6 +66,10 @@ class Chain:
     the time of the section stays where it is; shape ``(n_M, n + M + 1)``; None if they were not asked for."""
     events_by: FloatArray | None = field(default=None, repr=False)
     """The same derivatives of `events`, shape ``(M, n + M + 1)``."""
+    by_number: FloatArray | None = field(default=None, repr=False)
+    """Derivatives of `end` and then of `events` by a number of the problem, while the start stays, and the time of the
+    section and the durations keep their ratios to the excitation period, shape ``(n_M + M,)``; None if it was not asked
+    for, or is not known."""
 
 
 class Arcs(Protocol):
@@ -86,6 +90,7 @@ class Arcs(Protocol):
         time: float,
         durations: FloatArray,
         derivatives: bool = True,
+        number: str | None = None,
     ) -> Chain:
         """Follow the arcs of a contact sequence.
 
@@ -101,6 +106,9 @@ class Arcs(Protocol):
             Durations of the arcs, s, of either sign.
         derivatives : bool
             Whether to carry derivatives along.
+        number : str, optional
+            Path of a number of the problem, as `lapjoint.Axis` takes it: with the other derivatives that by this number
+            is carried along, if the solver knows it.
 
         Returns
         -------

@@ -128,6 +128,7 @@ class GalerkinArcs:
         time: float,
         durations: FloatArray,
         derivatives: bool = True,
+        number: str | None = None,
     ) -> Chain:
         """See `lapjoint.orbits.Arcs.chain`."""
         n, M = start.size, len(sequence.stops)

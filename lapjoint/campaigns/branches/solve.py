@@ -20,7 +20,7 @@ from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.curves.bifurcations import Bifurcation
-from lapjoint.orbits.curves.errors import stated, value_of
+from lapjoint.orbits.curves.errors import stated
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import ParameterRange
 from lapjoint.orbits.curves.starts import start_from, without_contact
@@ -111,7 +111,7 @@ def _plain(of: ParameterRange, found: Traced, errors: bool) -> dict[str, Any]:
         "half_periods": found.points[0].problem.half_periods,
         "values": [point.value for point in found.points],
         "points": [vars(_point(point)) for point in found.points],
-        "bifurcations": [_row(one, errors) for one in found.found],
+        "bifurcations": [_row(of, one, errors) for one in found.found],
         "ends": list(found.ends),
         "starts": [plain_start(start) for start in found.starts],
         "springs": [[float(value), plain_section(section)] for value, section in found.springs],
@@ -175,7 +175,7 @@ def _multiple(point: CurvePoint) -> int:
     return half_periods if half_periods % 2 else half_periods // 2
 
 
-def _row(one: Found, errors: bool) -> dict[str, Any]:
+def _row(of: ParameterRange, one: Found, errors: bool) -> dict[str, Any]:
     """A bifurcation as the dataset has it."""
     what, stop = one.what, -1
     if isinstance(what, Bifurcation):
@@ -185,8 +185,8 @@ def _row(one: Found, errors: bool) -> dict[str, Any]:
         is_simpler = after is not None and after.problem.events < what.before.problem.events
         point = after if after is not None and is_simpler else what.before
         stop = what.stops[0] if point.twins is None else min(what.stops[0], point.twins[what.stops[0]])
-    known = stated(what) if errors else None
-    value, error = (value_of(what), math.inf) if known is None else (known.value, known.error)
+    known = stated(one.what) if errors else None
+    value, error = (point.value, math.inf) if known is None else (known.value, known.error)
     period_map, section, multiple = point.problem.resolution.map(point.value), point.section(), _multiple(point)
     try:
         impulses = (period_map.march(section, 2 * multiple).impulses / multiple).tolist()

@@ -6,17 +6,20 @@ With the multipliers mu_i over the motion's half periods:
     flip              prod_i (1 + mu_i); it breaks the symmetry of a motion that repeats mirrored
     Neimark-Sacker    prod_(i < j) (1 - mu_i mu_j), where a pair is complex (Kuznetsov, Elements of Applied Bifurcation
                       Theory, section 10.2)
+
+Of a product the sign is taken, and the size of its least factor.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from scipy.optimize import toms748
 
+from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint
 
@@ -82,10 +85,9 @@ def flip_test(point: CurvePoint) -> float:
     Returns
     -------
     float
-        Without unit; divided by the sizes of multipliers beyond 1.
+        Without unit: the distance of the nearest multiplier from -1.
     """
-    mu = point.multipliers
-    return float(np.prod((1 + mu) / np.maximum(np.abs(mu), 1.0)).real)
+    return _signed(1 + point.multipliers)
 
 
 def torus_test(point: CurvePoint) -> float:
@@ -99,13 +101,19 @@ def torus_test(point: CurvePoint) -> float:
     Returns
     -------
     float
-        Without unit; divided by the sizes of products beyond 1.
+        Without unit: the distance of the nearest product of two multipliers from 1.
     """
     mu = point.multipliers
     mu = mu[np.abs(mu) > _FAINT]
     i, j = np.triu_indices(mu.size, 1)
-    products = mu[i] * mu[j]
-    return float(np.prod((1 - products) / np.maximum(np.abs(products), 1.0)).real)
+    return _signed(1 - mu[i] * mu[j])
+
+
+def _signed(factors: ComplexArray) -> float:
+    """The least of some factors in size, with the sign of their product, which is real and may overflow."""
+    sizes = np.abs(factors)
+    least = float(sizes.min(initial=np.inf))
+    return least * float(np.sign(np.prod(factors / sizes).real)) if 0 < least < np.inf else least
 
 
 _TESTS: dict[Kind, Callable[[CurvePoint], float]] = {
@@ -191,15 +199,14 @@ def is_critical(kind: Kind, point: CurvePoint) -> bool:
     """
     if kind == "fold":
         return True
+    if abs(_TESTS[kind](point)) > _CRITICAL:
+        return False
+    if kind == "flip":
+        return True
     mu = point.multipliers
     mu = mu[np.abs(mu) > _FAINT]
-    if kind == "flip":
-        return bool(np.abs(1 + mu).min(initial=np.inf) <= _CRITICAL)
     i, j = np.triu_indices(mu.size, 1)
-    apart = np.abs(1 - mu[i] * mu[j])
-    if not apart.min(initial=np.inf) <= _CRITICAL:
-        return False
-    one = mu[i[np.argmin(apart)]]
+    one = mu[i[np.argmin(np.abs(1 - mu[i] * mu[j]))]]
     return bool(abs(one.imag) > _REAL * abs(one))
 
 
@@ -224,7 +231,7 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
     known = dict[float, CurvePoint]()
 
     def value(s: float) -> float:
-        point = beside(start, s)
+        point = beside(start, s, nearest_of(known, s))
         if point is None:
             raise ValueError
         known[s] = point
@@ -239,7 +246,25 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
     return at, known[at]
 
 
-def beside(start: CurvePoint, length: float) -> CurvePoint | None:
+def nearest_of(known: Mapping[float, CurvePoint], length: float) -> CurvePoint | None:
+    """The point nearest to an arclength.
+
+    Parameters
+    ----------
+    known : mapping
+        Points of a curve, by their arclengths.
+    length : float
+        The arclength.
+
+    Returns
+    -------
+    CurvePoint, or None
+        None if none is known.
+    """
+    return known[min(known, key=lambda at: abs(at - length))] if known else None
+
+
+def beside(start: CurvePoint, length: float, near: CurvePoint | None = None, exact: bool = True) -> CurvePoint | None:
     """The point of a curve in the hyperplane some arclength along a point's tangent.
 
     Parameters
@@ -248,11 +273,18 @@ def beside(start: CurvePoint, length: float) -> CurvePoint | None:
         The point.
     length : float
         The arclength, of either sign.
+    near : CurvePoint, optional
+        A point of the curve that is nearer, if one is known.
+    exact : bool
+        Whether to evaluate the derivative there, see `lapjoint.orbits.curves.newton.solve`.
 
     Returns
     -------
     CurvePoint, or None
         Its tangent goes in the same direction; None if Newton's method finds none.
     """
-    found = solve(start.problem, start.predicted(length), start.scale, start.tangent, exact=True)
+    near = start if near is None else near
+    done = float(start.tangent @ ((near.u - start.u) / start.scale))
+    rate = float(start.tangent @ (near.tangent * near.scale / start.scale))
+    found = solve(start.problem, near.predicted((length - done) / rate), start.scale, start.tangent, exact)
     return None if found is None else CurvePoint.of(start.problem, found, start.scale)

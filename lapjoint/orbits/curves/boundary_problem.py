@@ -147,10 +147,7 @@ class BoundaryProblem:
         FloatArray, shape (M + 1,)
             s.
         """
-        shares = np.zeros(self.events + 1)
-        shares[self.free] = u[self.coordinates(u) : -1]
-        shares[-1] = 1.0 - shares.sum()
-        return self.length(u) * shares
+        return self._durations(u, self.arcs(u))
 
     def length(self, u: FloatArray) -> float:
         """Length L of the motion, s.
@@ -165,7 +162,7 @@ class BoundaryProblem:
         float
             Half periods of the excitation at the parameter.
         """
-        return self.half_periods * self.arcs(u).period / 2
+        return self._length(self.arcs(u))
 
     def time(self, u: FloatArray) -> float:
         """Time of the section, s from a multiple of the excitation period.
@@ -197,8 +194,9 @@ class BoundaryProblem:
         Chain
             The arcs.
         """
-        n = self.coordinates(u)
-        return self.arcs(u).chain(self.sequence, u[:n], self.time(u), self.durations(u), derivatives)
+        arcs, x, number = self.arcs(u), u[: self.coordinates(u)], self.resolution.path
+        times = self.phase * arcs.period, self._durations(u, arcs)
+        return arcs.chain(self.sequence, x, *times, derivatives, number if derivatives else None)
 
     def residual(self, u: FloatArray, chain: Chain | None = None) -> FloatArray:
         """Left sides of the equations.
@@ -239,12 +237,24 @@ class BoundaryProblem:
         J = np.empty((n + F, n + F + 1))
         by_all = np.concatenate([self._sign * chain.end_by, chain.events_by[free]])
         J[:, :n] = by_all[:, :n]
-        J[:n, :n] -= np.eye(n)
+        J.ravel()[: n * J.shape[1] : J.shape[1] + 1] -= 1.0
         J[:, n:-1] = self.length(u) * (by_all[:, n + free] - by_all[:, -1:])  # the last arc takes what is left
-        step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
-        moved[-1] += step
-        J[:, -1] = (self.residual(moved) - residual) / step
+        if chain.by_number is None:
+            step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
+            moved[-1] += step
+            J[:, -1] = (self.residual(moved) - residual) / step
+        else:
+            J[:n, -1], J[n:, -1] = self._sign * chain.by_number[:n], chain.by_number[n:][free]
         return Linearisation(residual, J, chain)
+
+    def _length(self, arcs: Arcs) -> float:
+        return self.half_periods * arcs.period / 2
+
+    def _durations(self, u: FloatArray, arcs: Arcs) -> FloatArray:
+        shares = np.zeros(self.events + 1)
+        shares[self.free] = u[self.coordinates(u) : -1]
+        shares[-1] = 1.0 - shares.sum()
+        return self._length(arcs) * shares
 
     @property
     def _sign(self) -> float:

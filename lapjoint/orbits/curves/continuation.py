@@ -17,6 +17,7 @@ from lapjoint.orbits.curves.halves import halves_exchange
 from lapjoint.orbits.curves.newton import Solution, solve
 from lapjoint.orbits.curves.point import CurvePoint, resectioned
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, crossed, first_change, nearest, violated
+from lapjoint.problem import FloatArray
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,9 @@ def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
 
 
 def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
-    """The point a step along a curve; None if Newton's method finds none, or the curve turns too much.
+    """The point a step along a curve; None if Newton's method finds none, or leads too far aside.
+
+    An evenly curved step that turns by an angle leads aside by half of the angle times the step.
 
     Parameters
     ----------
@@ -137,7 +140,16 @@ def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
     CurvePoint, or None
         Its tangent goes on in the direction of the one before.
     """
-    return _going_on(here, solve(here.problem, here.predicted(length), here.scale, here.tangent))
+    guess = here.predicted(length)
+    found = solve(here.problem, guess, here.scale, here.tangent)
+    if found is not None and _length(here, found.u - guess) > here.problem.resolution.options.turning * abs(length):
+        return None
+    return _going_on(here, found)
+
+
+def _length(here: CurvePoint, way: FloatArray) -> float:
+    """Length of a way, by the scale of a point."""
+    return float(np.linalg.norm(way / here.scale))
 
 
 def _going_on(here: CurvePoint, found: Solution | None) -> CurvePoint | None:

@@ -192,7 +192,8 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
     if half is None:
         return None
     on_either_side = (beside(half, length) for length in (way, -way))
-    return next((one for one in on_either_side if one is not None and not violated(one)), half)
+    fits = [one for one in on_either_side if one is not None and not violated(one)]
+    return min(fits, key=lambda one: float(one.extrema.violation.max(initial=-np.inf)), default=half)
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:

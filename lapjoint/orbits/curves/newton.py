@@ -11,6 +11,7 @@ are made with the derivative of the step before: that changes how fast the metho
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -51,7 +52,7 @@ def solve(
     row : FloatArray, shape (n + F + 1,)
         The border, for scaled unknowns.
     exact : bool
-        Whether to evaluate the derivative at the solution, and not a short step before.
+        Whether to evaluate the derivative anew for short steps, too.
 
     Returns
     -------
@@ -63,36 +64,39 @@ def solve(
     last[-1] = 1.0
     try:
         for _ in range(options.newton_iterations):
-            kept = shortest <= options.chord and not kept  # fast modes may need a new one soon
+            kept = not (exact or kept) and shortest <= options.chord  # fast modes may need a new one soon
             if not kept:
                 found = problem.linearised(u)
-                J = found.jacobian * scale
+                bordered = np.empty((row.size, row.size), order="F")  # as LAPACK takes it
+                J = np.multiply(found.jacobian, scale, out=bordered[:-1])
                 sizes = np.abs(J).max(axis=1)
                 sizes[sizes == 0] = 1.0
-                lu, pivots, singular = dgetrf(np.concatenate([J / sizes[:, None], row[None]]))
+                J /= sizes[:, None]
+                bordered[-1] = row
+                lu, pivots, singular = dgetrf(bordered, overwrite_a=True)
                 chain, residual = found.chain, found.residual
                 if singular:
                     return None
             else:
                 chain = problem.chain(u)
                 residual = problem.residual(u, chain)
-            right = np.append(-residual / sizes, -float(row @ ((u - guess) / scale)))
-            step = dgetrs(lu, pivots, right)[0]
-            length = float(np.linalg.norm(step))
+            right = np.empty(row.size)
+            np.divide(residual, sizes, out=right[:-1])
+            right[-1] = row @ ((u - guess) / scale)
+            step = dgetrs(lu, pivots, right, overwrite_b=True)[0]
+            length = math.sqrt(step @ step)
             if not kept:
                 if not length <= min(options.newton_radius, 2 * shortest):
                     return None
                 shortest = min(shortest, length)
             elif not length <= shortest:
                 continue
-            u = u + step * scale
+            u = u - step * scale
             if length <= options.newton_tolerance:
                 tangent = dgetrs(lu, pivots, last)[0]
-                if exact:
-                    found = problem.linearised(u)
-                    chain = found.chain
-                sign = int(np.prod(np.sign(np.diag(lu)))) * (-1) ** int(np.count_nonzero(pivots != np.arange(u.size)))
-                return Solution(u, replace(found, chain=chain), tangent / np.linalg.norm(tangent), sign)
+                turned = np.count_nonzero(lu.diagonal() < 0) + np.count_nonzero(pivots != np.arange(u.size))
+                sign = -1 if turned % 2 else 1
+                return Solution(u, replace(found, chain=chain), tangent / math.sqrt(tangent @ tangent), sign)
     except (InputError, SolverError):  # there is no such problem, or no such motion
         return None
     return None

@@ -49,7 +49,7 @@ class CurvePoint:
     u: FloatArray = field(repr=False)
     """The unknowns, shape ``(n + F + 1,)``."""
     scale: FloatArray = field(repr=False)
-    """Size of each unknown: of coordinates that of the motion, 1 of durations over the length, and the parameter's."""
+    """Size of each unknown: of coordinates that of the motion, of durations their mean, and that of the parameter."""
     tangent: FloatArray = field(repr=False)
     """Unit tangent in scaled unknowns, in either direction along the curve."""
     linearisation: Linearisation = field(repr=False)
@@ -241,7 +241,8 @@ def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
     n = problem.coordinates(u)
     units = problem.arcs(u).unit_norms(problem.sequence.first)
     size = float(np.linalg.norm(u[:n] * units))
-    return np.concatenate([max(size, 1e-300) / units, np.ones(problem.free.size), [problem.resolution.scale(u[-1])]])
+    durations = np.full(problem.free.size, 1 / (problem.events + 1))  # those of arcs that are all alike
+    return np.concatenate([max(size, 1e-300) / units, durations, [problem.resolution.scale(u[-1])]])
 
 
 def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import toms748
 
 from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.curves.bifurcations import beside, nearest_of
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint, scale_of
@@ -204,12 +205,13 @@ def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -
         None if Newton's method loses the curve, or the signs do not differ.
     """
     known: dict[float, tuple[Monitor, CurvePoint]] = {}
+    points = dict[float, CurvePoint]()
 
     def value(s: float) -> float:
-        found = solve(start.problem, start.predicted(s), start.scale, start.tangent)
-        if found is None:
+        point = beside(start, s, nearest_of(points, s), exact=False)
+        if point is None:
             raise _LostError
-        point = CurvePoint.of(start.problem, found, start.scale)
+        points[s] = point
         its = same_monitor(point, monitor)
         if its is None:  # it arises farther on, below zero
             return -1.0
@@ -402,6 +404,8 @@ def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
     scale = scale_of(problem, guess)
     J = problem.linearised(guess).jacobian * scale
     sizes = np.abs(J).max(axis=1)
+    if not np.isfinite(sizes).all():  # fast modes grow without bound in an arc of negative duration
+        return None
     row = np.linalg.svd(J / np.where(sizes > 0, sizes, 1.0)[:, None])[2][-1]
     found = solve(problem, guess, scale, row)
     return None if found is None else CurvePoint.of(problem, found, scale)

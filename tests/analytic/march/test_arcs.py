@@ -13,7 +13,7 @@ import numpy.typing as npt
 import pytest
 
 import analytic
-from analytic.march import Coordinates, March, march
+from analytic.march import Coordinates, Joint, March, march
 from analytic.march.arcs import JointArcs
 from analytic.march.gap_view import outline_of
 from analytic.march.mean_rates import mean_rate
@@ -21,7 +21,9 @@ from analytic.march.oscillator import DRIFTING, OSCILLATING, SPLIT
 from analytic.period_map import PeriodMap
 from lapjoint import BaseMotion, ModalDamping, NoDamping, Problem, Support, ViscousDamping, paper_joint
 from lapjoint.answers import SectionPoint
+from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits.arcs import Chain, ContactSequence, HasArcs
+from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY
 from lapjoint.orbits.watch import motion_at
 from lapjoint.problem import FloatArray
 from tests.helpers.population import harmonic_joint, joint, lasting_joint, stiffened_joint
@@ -170,6 +172,37 @@ def test_derivatives_are_those_that_differences_give(seeds: range) -> None:
             assert size((told - ends)[:, part]) <= 1e-6 * size(told[:, part]), (seed, part)
             for i in range(M):
                 assert size((told_events - events)[i, part]) <= 1e-6 * size(told_events[i, part]), (seed, part, i)
+
+
+@SOME
+def test_derivatives_by_numbers_of_the_excitation_are_those_that_differences_give(seeds: range) -> None:
+    for seed in seeds:
+        period_map, point = mapped(seed)
+        problem = period_map.problem
+        path = AMPLITUDE if isinstance(problem.base_motion, BaseMotion) and seed % 4 == 1 else FREQUENCY
+        arcs, start = period_map.arcs, period_map.arcs.coordinates(point)
+        sequence, durations = any_sequence(arcs, point, seed)
+        value, phase = getattr(problem.base_motion, path.split(".")[1]), 0.3
+        chain = arcs.chain(sequence, start, phase * arcs.period, durations, number=path)
+        assert chain.by_number is not None
+        assert chain.end_by is not None
+        assert chain.events_by is not None
+        step, n, slopes = value * (1e-5 if path == FREQUENCY else 0.25), start.size, list[FloatArray]()
+        grid = Grid(problem, (Axis(path, (value,)),))
+        for h in (step, 2 * step):  # the motion is linear in the amplitude
+            ends = []
+            for number in (value + h, value - h):
+                there = PeriodMap(Joint(grid.with_values((number,)), *period_map.joint.counts), "").arcs
+                shares = durations / arcs.period
+                its = there.chain(sequence, start, phase * there.period, shares * there.period, derivatives=False)
+                ends.append(np.concatenate([its.end, its.events]))
+            slopes.append((ends[0] - ends[1]) / (2 * h))
+        found = (4 * slopes[0] - slopes[1]) / 3
+        parts = (chain.end_by, slice(0, chain.end.size)), (chain.events_by, slice(chain.end.size, None))
+        for by, part in parts:
+            rounding = 1e-13 * size(np.abs(by[:, :n]) @ np.abs(start)) / step
+            assert size((found - chain.by_number)[part]) <= 1e-6 * size(chain.by_number[part]) + rounding, seed
+        assert arcs.chain(sequence, start, 0.0, durations, number="stops.*.gap").by_number is None
 
 
 def test_mean_rates_of_exponentials_are_right_for_any_duration() -> None:
