@@ -183,16 +183,17 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
     Returns
     -------
     CurvePoint, or None
-        One whose contacts are those that it is solved with; None if the halves of the motion differ.
+        Beside the graze, where that leaves room; None if the halves of the motion differ.
     """
     missed = half_difference(point)
     if missed is None or float(np.linalg.norm(missed)) > same:
         return None
     half, way = nearest(*_halved(point.problem, point.u)), point.problem.resolution.options.first_step
-    if half is None or not violated(half):
-        return half
+    if half is None:
+        return None
     on_either_side = (beside(half, length) for length in (way, -way))
-    return next((one for one in on_either_side if one is not None and not violated(one)), None)
+    fits = [one for one in on_either_side if one is not None and not violated(one)]
+    return min(fits, key=lambda one: float(one.extrema.violation.max(initial=-np.inf)), default=half)
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
