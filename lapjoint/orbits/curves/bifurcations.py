@@ -26,7 +26,7 @@ from lapjoint.orbits.curves.point import CurvePoint
 Kind = Literal["fold", "flip", "neimark-sacker"]
 _FAINT = 1e-4
 """Modulus of a multiplier below which its products with others are not near 1: others are below 1e4 then."""
-_AT_GRAZE = 1e-6
+_AT_GRAZE = 1e-5
 """Arclength between a graze and the nearest motions whose multipliers are asked: at a graze itself the time of a switch
 has no derivative by the section, and multipliers are limits."""
 _CRITICAL = 1e-2

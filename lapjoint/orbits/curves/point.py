@@ -102,8 +102,8 @@ class CurvePoint:
 
     @property
     def tolerance(self) -> float:
-        """Violation up to which an extremum touches its stop and no more: some of what passages lose."""
-        return max(self.problem.resolution.options.grazing_tolerance, 10 * self.extrema.lost)
+        """Violation up to which an extremum touches its stop and no more: what passages lose of the motion there."""
+        return max(self.problem.resolution.options.grazing_tolerance, self.extrema.lost)
 
     @property
     def multipliers(self) -> ComplexArray:

@@ -9,6 +9,7 @@ meeting point a little elsewhere on either side; the distance is an error of tru
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -26,6 +27,11 @@ ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
 """A contact begins or ends at a graze, a contact splits into two or two merge, or two events change their order."""
 _SECANTS = 8
 """Largest number of secant steps to a zero that lies near, of which two or three are needed."""
+_CLEARLY = 1e-7
+"""Value of a monitor that is above zero and not rounded: Newton's method leaves 1e-9 of arclength, along which an
+extremum rises by up to a hundred times as much."""
+_MOST_AT_ONCE = 6
+"""Largest number of changes that come at once: a motion of four periods has as many parts alike, or fewer."""
 AT_ONCE = 1e-6
 """Difference of the times of two extrema over the length of the motion up to which they are at one time."""
 _ACROSS = 0.5
@@ -184,7 +190,39 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
         located = zero_along(start, before, -back * length, 0.0)
         if located is not None:
             return located
-    return None
+    return before, start
+
+
+def at_once(change: SequenceChange) -> Iterator[SequenceChange]:
+    """The changes that come at once with another one: those whose monitors are above zero where that one leads to.
+
+    Halves of a motion that nearly repeats change one just after the other, and what passages lose may swap them.
+
+    Parameters
+    ----------
+    change : SequenceChange
+        The first change.
+
+    Yields
+    ------
+    SequenceChange
+        Each begins where the one before leads to.
+    """
+    for _ in range(_MOST_AT_ONCE):
+        here = change.after
+        there = [] if here is None else [one for one in violated(here) if one.value > _CLEARLY]
+        if here is None or not there:
+            return
+        monitor = min(there, key=lambda one: one.kind == "extremum")
+        point: CurvePoint | None = here
+        if monitor.kind == "duration":
+            guess = here.u.copy()
+            guess[here.problem.position(guess, monitor.arc)] = 0.0
+            point = on_duration(here.problem, guess, monitor.arc)
+        if point is None:
+            return
+        change = crossed(monitor, point)
+        yield change
 
 
 def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -> tuple[Monitor, CurvePoint] | None:
