@@ -17,13 +17,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import toms748
+from scipy.optimize import linear_sum_assignment, toms748
 
 from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint
 
 Kind = Literal["fold", "flip", "neimark-sacker"]
+_PASSING: dict[Kind, int] = {"fold": 1, "flip": 1, "neimark-sacker": 2}
+"""Number of multipliers that pass the unit circle at a bifurcation."""
+_HALVINGS = 4
+"""Largest number of times that a step is halved to tell bifurcations apart: to a sixteenth."""
 _FAINT = 1e-4
 """Modulus of a multiplier below which its products with others are not near 1: others are below 1e4 then."""
 _AT_GRAZE = 1e-5
@@ -140,7 +144,10 @@ def test_of(kind: Kind) -> Callable[[CurvePoint], float]:
 
 
 def within(stretch: Stretch) -> Iterator[Bifurcation]:
-    """The bifurcations in a step of a curve whose test functions change their signs.
+    """The bifurcations in a step of a curve.
+
+    Test functions change their signs there.  Two bifurcations of a kind within a step undo each other's change: so a
+    step is halved if more multipliers pass the unit circle than the changes of signs explain.
 
     Parameters
     ----------
@@ -152,13 +159,39 @@ def within(stretch: Stretch) -> Iterator[Bifurcation]:
     Bifurcation
         In the order of the arclength.
     """
-    found, (start, end) = list[tuple[float, Bifurcation]](), _ends(stretch)
-    for kind, test in _TESTS.items():
-        if start is not None and end is not None and test(start[1]) * test(end[1]) < 0:
-            located = located_in(stretch, kind, start[0], end[0])
-            if located is not None and is_critical(kind, located[1]):
-                found.append((located[0], Bifurcation(kind, located[1])))
-    yield from (one for _, one in sorted(found, key=lambda each: each[0]))
+    start, end = _ends(stretch)
+    if start is not None and end is not None:
+        found = sorted(_between(stretch, start, end, _HALVINGS), key=lambda each: each[0])
+        yield from (one for _, one in found)
+
+
+def _between(
+    stretch: Stretch, start: tuple[float, CurvePoint], end: tuple[float, CurvePoint], halvings: int
+) -> Iterator[tuple[float, Bifurcation]]:
+    """The bifurcations between two points of a step, and their arclengths from its start."""
+    kinds = [kind for kind, test in _TESTS.items() if test(start[1]) * test(end[1]) < 0]
+    if halvings and _passing(start[1], end[1]) > sum(_PASSING[kind] for kind in kinds):
+        middle = _with_length(stretch.start, (start[0] + end[0]) / 2)
+        if middle is not None:
+            yield from _between(stretch, start, middle, halvings - 1)
+            yield from _between(stretch, middle, end, halvings - 1)
+            return
+    for kind in kinds:
+        located = located_in(stretch, kind, start[0], end[0])
+        if located is not None and is_critical(kind, located[1]):
+            yield located[0], Bifurcation(kind, located[1])
+
+
+def _passing(first: CurvePoint, last: CurvePoint) -> int:
+    """The number of multipliers that pass the unit circle between two points: the nearest of both are one."""
+    mu, other = (np.sort_complex(point.multipliers) for point in (first, last))
+    if mu.size != other.size:
+        return 0
+    is_outside, was_outside = np.abs(other) > 1, np.abs(mu) > 1
+    if not (is_outside.any() or was_outside.any()):
+        return 0
+    i, j = linear_sum_assignment(np.abs(mu[:, None] - other))
+    return int((was_outside[i] != is_outside[j]).sum())
 
 
 def _ends(stretch: Stretch) -> tuple[tuple[float, CurvePoint] | None, tuple[float, CurvePoint] | None]:
