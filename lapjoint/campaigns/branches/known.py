@@ -20,9 +20,11 @@ from lapjoint.campaigns.branches.spec import range_of
 from lapjoint.campaigns.point import section_from
 from lapjoint.errors import InputError, SolverError
 from lapjoint.one_thread import in_one_thread
+from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.continuation import at_value
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import Resolution
+from lapjoint.orbits.curves.sequence_changes import nearest
 from lapjoint.orbits.curves.starts import at_parameter
 from lapjoint.orbits.curves.tracing import at_resolution
 from lapjoint.orbits.half_periods import HalfPeriods
@@ -31,8 +33,8 @@ from lapjoint.problem import FloatArray
 _SAME = 1e-6
 """Distance of two motions over their size up to which they are one: both are solved to 1e-9."""
 _LOCATED = 1e-6, 1e-3
-"""Distances of the parameter over its scale, and of the motion over its size, up to which two bifurcations are one:
-branches leave them along a parabola, so that the motions differ by the root of the parameter's error."""
+"""Distances of the parameter over its scale, and of the motion over its size, up to which two bifurcations, or grazes,
+are one: branches leave them along a parabola, so that the motions differ by the root of the parameter's error."""
 
 
 class Motion:
@@ -56,9 +58,12 @@ class Motion:
 
     @cached_property
     def point(self) -> CurvePoint | None:
-        """The motion as a solution; None if Newton's method does not find it."""
-        found: CurvePoint | None = in_one_thread(self.start.solved)(self._of)
-        return found
+        """The motion as a solution, whether or not its contacts fit; None if Newton's method does not find it."""
+        start = self.start
+        problem = BoundaryProblem(
+            self._of.resolution(start.value), start.sequence, start.half_periods, start.phase, start.tied
+        )
+        return at_parameter(problem, start.unknowns) or nearest(problem, start.unknowns)
 
     @cached_property
     def section(self) -> SectionPoint | None:
@@ -89,7 +94,9 @@ class Motion:
         resolution = self._of.resolution(point.value)
         half = HalfPeriods(resolution.map(point.value))
         found = curve.motions_at(point.value, point.problem.events)
-        return any(_is_one_of(section, one.sections(), half, _SAME) for one in found)
+        if any(_is_one_of(section, one.sections(), half, _SAME) for one in found):
+            return True
+        return any(_is_one_of(section, one.sections(), half, _LOCATED[1]) for one in curve.turns_at(point.value))
 
     def _springs_with(self, curve: Curve) -> bool:
         """Whether both spring from one bifurcation."""
@@ -160,6 +167,28 @@ class Curve:
         alike = (self._events[:-1] == events) | (self._events[1:] == events)
         for i in np.flatnonzero(between & alike).tolist():
             yield from self._between(i, value, resolution)
+
+    def turns_at(self, value: float) -> Iterator[CurvePoint]:
+        """Its motions where contacts change, or the parameter turns, at a value of the parameter, about.
+
+        Parameters
+        ----------
+        value : float
+            The parameter, in its SI unit.
+
+        Yields
+        ------
+        CurvePoint
+            Of the resolution that belongs to the value.
+        """
+        resolution = self._of.resolution(value)
+        near = np.flatnonzero(np.abs(self._values - value) <= _LOCATED[0] * resolution.scale(value))
+        for k in sorted(self._turns.intersection(near.tolist())):
+            problem = problem_of(self._of, self._equations[self._knots[k][0]], self.half_periods)
+            if problem.resolution is resolution:
+                found = nearest(problem, unknowns_of(self._knots[k]))
+                if found is not None:
+                    yield found
 
     def _between(self, i: int, value: float, resolution: Resolution) -> Iterator[CurvePoint]:
         """Motions between a knot and the next one."""

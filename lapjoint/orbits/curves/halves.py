@@ -189,8 +189,8 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
     if missed is None or float(np.linalg.norm(missed)) > same:
         return None
     half, way = nearest(*_halved(point.problem, point.u)), point.problem.resolution.options.first_step
-    if half is None:
-        return None
+    if half is None or not violated(half):
+        return half
     on_either_side = (beside(half, length) for length in (way, -way))
     fits = [one for one in on_either_side if one is not None and not violated(one)]
     return min(fits, key=lambda one: float(one.extrema.violation.max(initial=-np.inf)), default=half)

@@ -19,6 +19,7 @@ from lapjoint.campaigns.branches.plain import plain_start, start_of
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.branches.table import uncovered
 from lapjoint.campaigns.journal import journal_path
+from lapjoint.cli.branch_printing import print_branches
 from lapjoint.errors import Interrupted
 from lapjoint.orbits.curves.starts import of_motion, start_from
 from lapjoint.problem.presets import paper_joint
@@ -198,7 +199,9 @@ def test_a_branch_ends_with_the_points_that_are_allowed(problem: Problem) -> Non
     assert max(shares) == 1
 
 
-def test_what_could_not_be_followed_is_told(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_could_not_be_followed_is_told(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def stopped(*args: object) -> dict[str, object]:
         return {"starts": [], "points": [], "message": "stopped at t = 0.1 s"}
 
@@ -208,6 +211,8 @@ def test_what_could_not_be_followed_is_told(problem: Problem, monkeypatch: pytes
         f"a motion at {AMPLITUDE} = {value:g}: stopped at t = 0.1 s" for value in (LOW, HIGH)
     ]
     assert (nothing.uncovered_from.item(), nothing.uncovered_to.item()) == (LOW, HIGH)
+    print_branches(nothing)
+    assert "no branch covers 0.0003 to 0.0004\n" in capsys.readouterr().out
 
 
 def test_parts_of_the_range_that_no_branch_covers_are_told_with_the_ends_beside_them(spec: BranchSpec) -> None:
