@@ -190,9 +190,8 @@ class System:
     @cached_property
     def motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
         """The forced motion by real and imaginary part of each load, ``(2 n, 2 H)``, and that without, ``(2 n,)``."""
-        sine, cosine = self.amplitudes.real, self.amplitudes.imag
-        q, v = np.stack([cosine, sine], axis=2), np.stack([sine, -cosine], axis=2) * self.driven[:, None]
-        both = np.concatenate([q, v]).reshape(2 * self.omega.size, -1)
+        turning = self.amplitudes.conj()
+        both = np.concatenate([1j * turning, self.driven * turning]).view(float)
         ramp = np.zeros_like(self.equilibrium) if self.drift is None else self.drift[0]
         return both, np.concatenate([self.equilibrium, ramp])
 
@@ -443,7 +442,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         driven=np.array([load.angular_frequency for load in loads]),
         phase=np.array([load.phase for load in loads]),
         stops=assembly.stop_rows @ vectors,
-        positions=np.array([assembly.place(stop.x) for stop in problem.stops], dtype=float),
+        positions=assembly.stop_places,
         ramps=_modal_ramps(assembly, vectors),
     )
 
