@@ -82,8 +82,8 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
     -------
     dict of str to list
         ``equations``, each with the zone, the stops that are closed at the section, those that switch, the phase of
-        the section, and the events that are tied; and ``knots``, each with the number of its equations, the unknowns, and whether the parameter may
-        turn there.
+        the section, and the events that are tied; and ``knots``, each with the number of its equations, the unknowns,
+        and whether the parameter may turn there.
     """
     zones = [resolution for _, resolution in of.zones]
     numbers, knots = dict[tuple[Any, ...], int](), list[list[Any]]()

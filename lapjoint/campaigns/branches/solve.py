@@ -20,6 +20,7 @@ from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.curves.bifurcations import Bifurcation
+from lapjoint.orbits.curves.errors import stated
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import ParameterRange
 from lapjoint.orbits.curves.starts import start_from, without_contact
@@ -184,7 +185,8 @@ def _row(of: ParameterRange, one: Found, errors: bool) -> dict[str, Any]:
         is_simpler = after is not None and after.problem.events < what.before.problem.events
         point = after if after is not None and is_simpler else what.before
         stop = what.stops[0] if point.twins is None else min(what.stops[0], point.twins[what.stops[0]])
-    value, error = _stated(of, one) if errors else (point.value, math.inf)
+    known = stated(one.what) if errors else None
+    value, error = (point.value, math.inf) if known is None else (known.value, known.error)
     period_map, section, multiple = point.problem.resolution.map(point.value), point.section(), _multiple(point)
     try:
         impulses = (period_map.march(section, 2 * multiple).impulses / multiple).tolist()
@@ -192,11 +194,6 @@ def _row(of: ParameterRange, one: Found, errors: bool) -> dict[str, Any]:
         impulses = []
     row = Row(kind, float(value), float(error), one.index, int(stop), one.after, impulses)
     return vars(row) | {"motion": [point.value, plain_section(section), point.problem.half_periods]}
-
-
-def _stated(of: ParameterRange, one: Found) -> tuple[float, float]:
-    """The parameter at a bifurcation, and its numerical error."""
-    return (one.what.point if isinstance(one.what, Bifurcation) else one.what).value, math.inf
 
 
 def _kind(one: Bifurcation) -> BifurcationKind:

@@ -6,6 +6,8 @@ With the multipliers mu_i over the motion's half periods:
     flip              prod_i (1 + mu_i); it breaks the symmetry of a motion that repeats mirrored
     Neimark-Sacker    prod_(i < j) (1 - mu_i mu_j), where a pair is complex (Kuznetsov, Elements of Applied Bifurcation
                       Theory, section 10.2)
+
+Of a product the sign is taken, and the size of its least factor.
 """
 
 from __future__ import annotations
@@ -17,13 +19,14 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import toms748
 
+from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.curves.newton import solve
 from lapjoint.orbits.curves.point import CurvePoint
 
 Kind = Literal["fold", "flip", "neimark-sacker"]
 _FAINT = 1e-4
 """Modulus of a multiplier below which its products with others are not near 1: others are below 1e4 then."""
-_AT_GRAZE = 1e-6
+_AT_GRAZE = 1e-5
 """Arclength between a graze and the nearest motions whose multipliers are asked: at a graze itself the time of a switch
 has no derivative by the section, and multipliers are limits."""
 _CRITICAL = 1e-2
@@ -82,10 +85,9 @@ def flip_test(point: CurvePoint) -> float:
     Returns
     -------
     float
-        Without unit; divided by the sizes of multipliers beyond 1.
+        Without unit: the distance of the nearest multiplier from -1.
     """
-    mu = point.multipliers
-    return float(np.prod((1 + mu) / np.maximum(np.abs(mu), 1.0)).real)
+    return _signed(1 + point.multipliers)
 
 
 def torus_test(point: CurvePoint) -> float:
@@ -99,13 +101,19 @@ def torus_test(point: CurvePoint) -> float:
     Returns
     -------
     float
-        Without unit; divided by the sizes of products beyond 1.
+        Without unit: the distance of the nearest product of two multipliers from 1.
     """
     mu = point.multipliers
     mu = mu[np.abs(mu) > _FAINT]
     i, j = np.triu_indices(mu.size, 1)
-    products = mu[i] * mu[j]
-    return float(np.prod((1 - products) / np.maximum(np.abs(products), 1.0)).real)
+    return _signed(1 - mu[i] * mu[j])
+
+
+def _signed(factors: ComplexArray) -> float:
+    """The least of some factors in size, with the sign of their product, which is real and may overflow."""
+    sizes = np.abs(factors)
+    least = float(sizes.min(initial=np.inf))
+    return least * float(np.sign(np.prod(factors / sizes).real)) if 0 < least < np.inf else least
 
 
 _TESTS: dict[Kind, Callable[[CurvePoint], float]] = {
@@ -191,15 +199,14 @@ def is_critical(kind: Kind, point: CurvePoint) -> bool:
     """
     if kind == "fold":
         return True
+    if abs(_TESTS[kind](point)) > _CRITICAL:
+        return False
+    if kind == "flip":
+        return True
     mu = point.multipliers
     mu = mu[np.abs(mu) > _FAINT]
-    if kind == "flip":
-        return bool(np.abs(1 + mu).min(initial=np.inf) <= _CRITICAL)
     i, j = np.triu_indices(mu.size, 1)
-    apart = np.abs(1 - mu[i] * mu[j])
-    if not apart.min(initial=np.inf) <= _CRITICAL:
-        return False
-    one = mu[i[np.argmin(apart)]]
+    one = mu[i[np.argmin(np.abs(1 - mu[i] * mu[j]))]]
     return bool(abs(one.imag) > _REAL * abs(one))
 
 

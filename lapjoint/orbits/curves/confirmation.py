@@ -7,6 +7,7 @@ parameter, and locates the same by its own arcs and multipliers.  Its error come
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -77,7 +78,7 @@ def located(what: Located, resolution: Resolution) -> Stated | None:
     Stated, or None
         None if the other solver does not find it nearby.
     """
-    found = again(what, lambda point: shaped(point, resolution))
+    found = again(what, partial(shaped, resolution=resolution))
     return None if found is None else stated(found)
 
 

@@ -16,7 +16,7 @@ from lapjoint.orbits.curves.bifurcations import Stretch
 from lapjoint.orbits.curves.halves import halves_exchange
 from lapjoint.orbits.curves.newton import Solution, solve
 from lapjoint.orbits.curves.point import CurvePoint, resectioned
-from lapjoint.orbits.curves.sequence_changes import SequenceChange, crossed, first_change, nearest, violated
+from lapjoint.orbits.curves.sequence_changes import SequenceChange, at_once, crossed, first_change, nearest, violated
 from lapjoint.problem import FloatArray
 
 
@@ -70,6 +70,9 @@ def follow(start: CurvePoint) -> Iterator[Step]:
             last = crossed(*located)
             yield Stretch(here, last.before, float(here.tangent @ ((last.before.u - here.u) / here.scale)))
             yield last
+            for change in at_once(last):
+                yield change
+                last = change
             if last.after is None:
                 break
             if last.after.problem.events > options.max_contacts:

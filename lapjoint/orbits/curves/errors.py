@@ -1,14 +1,16 @@
 """Errors of bifurcations and grazes: each is located again at finer resolutions, from the arcs of the one before.
 
-The value stated is that of the finest resolution that was asked, and its error is the larger of the bounds by the last
-two refinements (see `lapjoint.orbits.refinement`): one alone may be small by chance.  Resolutions are asked until that
-error is at most `AIM`, and it is infinite where one of them does not locate the same nearby.
+The value stated is that of the finest resolution that was asked.  Its error is the bound by the last refinement, or
+what the order of convergence leaves of the bound before (see `lapjoint.orbits.refinement`), whichever is larger: two
+resolutions may agree by chance.  At a graze the distance between both sides is added.  Resolutions are asked until
+the error is at most `AIM`, at least two; it is infinite where one of them does not locate the same nearby.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -71,20 +73,20 @@ def stated(what: Located) -> Stated:
     Stated
         With an infinite error where a finer resolution does not locate it, or there is no finer one.
     """
-    bounds, value = list[float](), value_of(what)
+    value, error, bound = value_of(what), np.inf, np.inf
     scale = _resolution(what).scale(value)
-    error = np.inf
-    for _ in range(_MOST):
+    for asked in range(1, _MOST + 1):
         finer = _resolution(what).finer
         if finer is None:
             break
-        found = again(what, lambda point, resolution=finer[1]: carried(point, resolution))  # type: ignore[misc]
+        found = again(what, partial(carried, resolution=finer[1]))
         if found is None:
             return Stated(value, np.inf, what)
-        bounds.append(_bound(finer[0], value_of(found) - value))
+        left = bound / finer[0].ratio ** finer[0].order if asked > 1 else 0.0
+        bound = max(_bound(finer[0], value_of(found) - value), left)
         what, value = found, value_of(found)
-        error = max(bounds[-2:]) + _offset(what) + ROUNDING * scale
-        if len(bounds) > 1 and error <= AIM * scale:
+        error = bound + _offset(what) + ROUNDING * scale
+        if asked > 1 and error <= AIM * scale:
             break
     return Stated(value, error, what)
 

@@ -20,7 +20,7 @@ from lapjoint.orbits.curves.sequence_changes import nearest, violated
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
-_AWAY = (1e-2, 1e-3, 1e-4)
+_AWAY = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn: the first is
 found unless the branch is narrower, or grazes a stop before that."""
 
@@ -134,11 +134,12 @@ class Meeting:
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
-    """Where in a step, or in another one as long, a motion comes to repeat in half of its time.
+    """Where a motion comes to repeat in half of its time: in a step, or beyond one that ends near such motions.
 
     There the equations of the branch are singular, and those of the other branch, which flips there, are not.  What
     passages from one contact state to the next lose of a motion joins both branches beside that point, so that a curve
-    in small steps never comes there: so the point is looked for a step ahead.
+    in small steps never comes there: so the point is looked for once the halves differ by as little as they do where a
+    branch that springs is looked for.
 
     Parameters
     ----------
@@ -151,13 +152,15 @@ def meeting(stretch: Stretch) -> Meeting | None:
         None if it does not.
     """
     first, last = half_difference(stretch.start), half_difference(stretch.end)
-    if first is None or last is None or 2 * float(first @ last) > float(first @ first):
+    if first is None or last is None or float(first @ last) >= float(first @ first):
+        return None
+    if float(first @ last) > 0 and float(np.linalg.norm(last)) > _AWAY[0]:
         return None
     share = float(first @ first) / float(first @ (first - last))
     across = (stretch.end.u - stretch.start.u) / stretch.start.scale
     guess = stretch.start.u + share * across * stretch.start.scale
     near = nearest(*_halved(stretch.start.problem, guess))
-    mother = None if near is None else _flip_beside(near, float(np.linalg.norm(across)))
+    mother = None if near is None else _flip_beside(near, max(float(np.linalg.norm(across)), _AWAY[0]))
     if mother is None:
         return None
     problem, u, way = _doubled(mother)
@@ -168,7 +171,7 @@ def meeting(stretch: Stretch) -> Meeting | None:
 
 
 def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
-    """A motion that repeats in half of its time, as one of that time.
+    """A motion that repeats in half of its time, or one beside it at a graze, as one of that time.
 
     Parameters
     ----------
@@ -180,12 +183,17 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
     Returns
     -------
     CurvePoint, or None
-        None if its halves differ.
+        Beside the graze, where that leaves room; None if the halves of the motion differ.
     """
     missed = half_difference(point)
     if missed is None or float(np.linalg.norm(missed)) > same:
         return None
-    return nearest(*_halved(point.problem, point.u))
+    half, way = nearest(*_halved(point.problem, point.u)), point.problem.resolution.options.first_step
+    if half is None:
+        return None
+    on_either_side = (beside(half, length) for length in (way, -way))
+    fits = [one for one in on_either_side if one is not None and not violated(one)]
+    return min(fits, key=lambda one: float(one.extrema.violation.max(initial=-np.inf)), default=half)
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
@@ -200,7 +208,7 @@ def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, F
 
 def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
     """The nearest flip of a curve on either side of a point, at most some arclength away."""
-    length = point.problem.resolution.options.first_step
+    length = _AWAY[-1]
     while length <= most:
         ends = [beside(point, way) for way in (-length, length)]
         if ends[0] is None or ends[1] is None:
@@ -208,5 +216,5 @@ def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
         if flip_test(ends[0]) * flip_test(ends[1]) < 0:
             found = located_in(Stretch(point, ends[1], length), "flip", -length, length)
             return None if found is None else found[1]
-        length *= 2
+        length *= 4
     return None

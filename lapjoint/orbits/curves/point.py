@@ -49,7 +49,7 @@ class CurvePoint:
     u: FloatArray = field(repr=False)
     """The unknowns, shape ``(n + F + 1,)``."""
     scale: FloatArray = field(repr=False)
-    """Size of each unknown: of coordinates that of the motion, 1 of durations over the length, and the parameter's."""
+    """Size of each unknown: of coordinates that of the motion, of durations their mean, and that of the parameter."""
     tangent: FloatArray = field(repr=False)
     """Unit tangent in scaled unknowns, in either direction along the curve."""
     linearisation: Linearisation = field(repr=False)
@@ -102,8 +102,8 @@ class CurvePoint:
 
     @property
     def tolerance(self) -> float:
-        """Violation up to which an extremum touches its stop and no more: some of what passages lose."""
-        return max(self.problem.resolution.options.grazing_tolerance, 10 * self.extrema.lost)
+        """Violation up to which an extremum touches its stop and no more: what passages lose of the motion there."""
+        return max(self.problem.resolution.options.grazing_tolerance, self.extrema.lost)
 
     @property
     def multipliers(self) -> ComplexArray:
@@ -241,7 +241,8 @@ def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
     n = problem.coordinates(u)
     units = problem.arcs(u).unit_norms(problem.sequence.first)
     size = float(np.linalg.norm(u[:n] * units))
-    return np.concatenate([max(size, 1e-300) / units, np.full(problem.free.size, 1 / (problem.events + 1)), [problem.resolution.scale(u[-1])]])
+    durations = np.full(problem.free.size, 1 / (problem.events + 1))  # those of arcs that are all alike
+    return np.concatenate([max(size, 1e-300) / units, durations, [problem.resolution.scale(u[-1])]])
 
 
 def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:

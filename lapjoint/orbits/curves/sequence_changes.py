@@ -9,6 +9,7 @@ meeting point a little elsewhere on either side; the distance is an error of tru
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -26,6 +27,8 @@ ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
 """A contact begins or ends at a graze, a contact splits into two or two merge, or two events change their order."""
 _SECANTS = 8
 """Largest number of secant steps to a zero that lies near, of which two or three are needed."""
+_MOST_AT_ONCE = 6
+"""Largest number of changes that come at once: a motion of four periods has as many parts alike, or fewer."""
 AT_ONCE = 1e-6
 """Difference of the times of two extrema over the length of the motion up to which they are at one time."""
 _ACROSS = 0.5
@@ -184,7 +187,39 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
         located = zero_along(start, before, -back * length, 0.0)
         if located is not None:
             return located
-    return None
+    return before, start
+
+
+def at_once(change: SequenceChange) -> Iterator[SequenceChange]:
+    """The changes that come at once with another one: those whose monitors are above zero where that one leads to.
+
+    Halves of a motion that nearly repeats change one just after the other, and what passages lose may swap them.
+
+    Parameters
+    ----------
+    change : SequenceChange
+        The first change.
+
+    Yields
+    ------
+    SequenceChange
+        Each begins where the one before leads to.
+    """
+    for _ in range(_MOST_AT_ONCE):
+        here = change.after
+        there = [] if here is None else violated(here)
+        if here is None or not there:
+            return
+        monitor = min(there, key=lambda one: one.kind == "extremum")
+        point: CurvePoint | None = here
+        if monitor.kind == "duration":
+            guess = here.u.copy()
+            guess[here.problem.position(guess, monitor.arc)] = 0.0
+            point = on_duration(here.problem, guess, monitor.arc)
+        if point is None:
+            return
+        change = crossed(monitor, point)
+        yield change
 
 
 def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -> tuple[Monitor, CurvePoint] | None:
@@ -363,6 +398,7 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
     if near is None or its is None:
         return None
     here, at, other = near, 0.0, 1e-3 * problem.resolution.options.first_step
+    rate, widest = 0.0, 0.0  # of nearly equal values rounding decides which is the larger
     for _ in range(_SECANTS):
         found = solve(problem, near.predicted(other), near.scale, near.tangent)
         beside = None if found is None else CurvePoint.of(problem, found, near.scale)
@@ -370,17 +406,19 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
         if beside is None or (there is not None and there.value == its.value):
             return None
         if there is None:  # the extremum vanishes in this direction, at the start of its arc
-            slope = -np.copysign(1.0, other)
+            rate = -np.copysign(1.0, other)
             break
         slope = (there.value - its.value) / (other - at)
+        if abs(other - at) > widest:
+            rate, widest = slope, abs(other - at)
         if abs(there.value) < abs(its.value):
             here, at, its = beside, other, there
         other = at - its.value / slope
         if abs(its.value) <= problem.resolution.options.grazing_tolerance or other == at:
             break
-    if abs(its.value) > max(here.tolerance, abs(slope) * problem.resolution.options.newton_tolerance):
+    if abs(its.value) > max(here.tolerance, abs(rate) * problem.resolution.options.newton_tolerance):
         return None
-    return here if slope < 0 else here.turned()
+    return here if rate < 0 else here.turned()
 
 
 def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
@@ -401,6 +439,8 @@ def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
     scale = scale_of(problem, guess)
     J = problem.linearised(guess).jacobian * scale
     sizes = np.abs(J).max(axis=1)
+    if not np.isfinite(sizes).all():  # fast modes grow without bound in an arc of negative duration
+        return None
     row = np.linalg.svd(J / np.where(sizes > 0, sizes, 1.0)[:, None])[2][-1]
     found = solve(problem, guess, scale, row)
     return None if found is None else CurvePoint.of(problem, found, scale)

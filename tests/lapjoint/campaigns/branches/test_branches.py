@@ -1,4 +1,4 @@
-"""Branches over curves with a fixed contact sequence: the same however the work is done, and none is lost in silence."""
+"""Branches over curves with a fixed contact sequence: alike however the work is done, and none is lost in silence."""
 
 from __future__ import annotations
 
