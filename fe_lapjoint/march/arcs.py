@@ -274,7 +274,9 @@ class _Arc:
         C, S = (part[:count] for part in self._responses)
         a, omega = self.system.damping_rate[:count, None], self.system.omega[:count, None]
         q, v = deviations[:, 0], deviations[:, 1]
-        return np.stack([C * q + S * v, (C - 2 * a * S) * v - omega**2 * S * q], axis=1)
+        flown = np.empty_like(deviations)
+        flown[:, 0], flown[:, 1] = C * q + S * v, (C - 2 * a * S) * v - omega**2 * S * q
+        return flown
 
     @cached_property
     def end(self) -> FloatArray:

@@ -8,12 +8,18 @@ import numpy as np
 
 from fe_lapjoint.march.ramp_interval import Knots, knots_of
 from fe_lapjoint.march.ramp_tables import RampTables, ramp_tables
-from fe_lapjoint.march.system import System, build_system
+from fe_lapjoint.march.system import DETUNE, System, build_system, harmonic_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.ramps import Ramps
+
+_OF_FREE_MOTION = {
+    *("oscillating", "all_oscillate", "which", "slowest_decay", "roots", "parts_of_roots"),
+    *("equilibrium", "drift", "polynomial", "exponentials", "_distinct"),
+}
+"""What a `System` keeps that depends on no harmonic load."""
 
 
 @dataclass
@@ -33,6 +39,8 @@ class Model:
     _tables: dict[ContactState, RampTables] = field(default_factory=dict)
     _block: tuple[Ramps, Knots] | None = None
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
+    _alike: Model | None = None
+    """A model that differs by the excitation alone, if there is one."""
 
     def __post_init__(self) -> None:
         stops = self.problem.stops
@@ -55,7 +63,7 @@ class Model:
         """
         assembly = replace(self.assembly, problem=problem)
         assembly.__dict__.update({**self.assembly.__dict__, "problem": problem})
-        return Model(problem, assembly, self.method, self.rtol, self.atol, _maps=self._maps)
+        return Model(problem, assembly, self.method, self.rtol, self.atol, _maps=self._maps, _alike=self._alike or self)
 
     def system(self, state: ContactState) -> System:
         """One contact state in modal form.
@@ -72,7 +80,11 @@ class Model:
         """
         system = self._systems.get(state)
         if system is None:
-            system = self._systems[state] = build_system(self.assembly, state)
+            if self._alike is None:
+                system = build_system(self.assembly, state)
+            else:
+                system = _driven(self._alike.system(state), self.assembly)
+            self._systems[state] = system
         return system
 
     def ramp_tables(self, state: ContactState, window: float) -> RampTables:
@@ -185,3 +197,13 @@ class Model:
             direction = np.where(closed, -1.0, 1.0)
             signs = self._gaps[state] = direction * self.sign, direction * self.gap
         return signs
+
+
+def _driven(alike: System, assembly: Assembly) -> System:
+    """A contact state under harmonic loads of other sizes or frequencies; what does not depend on them is shared."""
+    if (alike.damping_rate < DETUNE * alike.omega).any():  # a load may meet its frequency
+        return build_system(assembly, alike.state)
+    harmonic, driven = harmonic_loads(assembly, alike.vectors)
+    system = replace(alike, harmonic=harmonic, driven=driven)
+    vars(system).update({name: kept for name, kept in vars(alike).items() if name in _OF_FREE_MOTION})
+    return system

@@ -29,9 +29,9 @@ _APART = 1e-4
 """Half the relative distance kept between the two rates of a critically damped mode: the motion changes by 1e-8."""
 _NEAR = 0.25
 """Relative distance of a^2 and omega^2 below which the two exponentials of a mode nearly cancel."""
-_DETUNE = 1e-9
+DETUNE = 1e-9
 """Least relative distance kept between an undamped frequency and that of a load: free and forced motion, each static
-deflection / (2 `_DETUNE`) large, cancel to 1e-7 of the static deflection, and the phase is off by 1e-9 of itself."""
+deflection / (2 `DETUNE`) large, cancel to 1e-7 of the static deflection, and the phase is off by 1e-9 of itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,9 +190,8 @@ class System:
     @cached_property
     def motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
         """The forced motion by real and imaginary part of each load, ``(2 n, 2 H)``, and that without, ``(2 n,)``."""
-        sine, cosine = self.amplitudes.real, self.amplitudes.imag
-        q, v = np.stack([cosine, sine], axis=2), np.stack([sine, -cosine], axis=2) * self.driven[:, None]
-        both = np.concatenate([q, v]).reshape(2 * self.omega.size, -1)
+        turning = self.amplitudes.conj()
+        both = np.concatenate([1j * turning, self.driven * turning]).view(float)
         ramp = np.zeros_like(self.equilibrium) if self.drift is None else self.drift[0]
         return both, np.concatenate([self.equilibrium, ramp])
 
@@ -420,32 +419,50 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     System
         Its modes and loads.
     """
-    problem = assembly.problem
+    problem, loads = assembly.problem, assembly.problem.forces.harmonic
     omega, vectors = eigenmodes(assembly, state)
-    loads = problem.forces.harmonic
+    harmonic, driven = harmonic_loads(assembly, vectors)
     damping_rate = _damping_rates(assembly, omega)
-    omega = _away_from_resonance(omega, damping_rate, [load.angular_frequency for load in loads])
+    omega = _away_from_resonance(omega, damping_rate, driven.tolist())
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
     for step in problem.forces.constant:
         f0 += step.force * assembly.reading(step.x)
-    shapes = [_shape(assembly, load.x) for load in loads]
-    columns = [load.amplitude * shape for load, shape in zip(loads, shapes, strict=True)]
     return System(
         state=state,
         omega=omega,
         vectors=vectors,
         damping_rate=damping_rate,
         constant=vectors.T @ f0,
-        harmonic=vectors.T @ np.array(columns).reshape(len(columns), omega.size).T,
-        driven=np.array([load.angular_frequency for load in loads]),
+        harmonic=harmonic,
+        driven=driven,
         phase=np.array([load.phase for load in loads]),
         stops=assembly.stop_rows @ vectors,
-        positions=np.array([assembly.place(stop.x) for stop in problem.stops], dtype=float),
+        positions=assembly.stop_places,
         ramps=_modal_ramps(assembly, vectors),
     )
+
+
+def harmonic_loads(assembly: Assembly, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The ``H`` harmonic loads of a problem on modes.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The problem on a mesh.
+    vectors : FloatArray, shape (n, n)
+        The modes as columns, kg^-1/2.
+
+    Returns
+    -------
+    FloatArray, FloatArray, of shapes (n, H) and (H,)
+        Modal amplitudes, kg^1/2 m/s2, and angular frequencies, rad/s.
+    """
+    loads, n = assembly.problem.forces.harmonic, vectors.shape[0]
+    forces = np.array([load.amplitude * _shape(assembly, load.x) for load in loads]).reshape(len(loads), n).T
+    return vectors.T @ forces, np.array([load.angular_frequency for load in loads])
 
 
 def _away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: list[float]) -> FloatArray:
@@ -454,9 +471,9 @@ def _away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: li
     Free and forced motion take the same frequency, so that their difference grows as it does at resonance.
     """
     for w in sorted(driven):
-        least = _DETUNE * omega
+        least = DETUNE * omega
         met = (damping_rate < least) & (np.abs(omega - w) < least)
-        omega = np.where(met, w * (1 + _DETUNE), omega)
+        omega = np.where(met, w * (1 + DETUNE), omega)
     return omega
 
 

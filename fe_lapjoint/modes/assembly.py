@@ -168,6 +168,11 @@ class Assembly:
         return np.asarray(row * self.problem.beam.length**derivative)
 
     @cached_property
+    def stop_places(self) -> FloatArray:
+        """Where the stops are, m, shape ``(P,)``; see `place`."""
+        return np.array([self.place(stop.x) for stop in self.problem.stops], dtype=float)
+
+    @cached_property
     def stop_rows(self) -> FloatArray:
         """Rows that read z at the stops, without unit, shape ``(P, n)``."""
         rows = [self.reading(stop.x) for stop in self.problem.stops]

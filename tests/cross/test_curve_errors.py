@@ -25,7 +25,7 @@ from lapjoint.orbits.curves.sequence_changes import SequenceChange
 
 SEED, FEW, MANY = 46, range(20), range(200)
 MODES, MORE = 6, 48
-POINTS, ALL = 20, 150  # of a branch: in the fast run, and where it is followed by many modes, too
+POINTS, ALL = 16, 150  # of a branch: in the fast run, and where it is followed by many modes, too
 COVERED = 11 / 12  # of the errors that are finite
 CONFIRMED = 0.85  # of all: six modes make up some of what they have beside grazes
 NEAR = 3e-3  # of the value: another of the kind may lie beyond, where the branch of many modes lacks one
@@ -135,11 +135,11 @@ def grazes_of_clamped_beams(solver: object, indices: Iterable[int]) -> None:
 
 
 def test_errors_of_first_grazes_cover_the_closed_form() -> None:
-    grazes_of_clamped_beams(analytic.Solver(n_modes=4), range(5))
-    grazes_of_clamped_beams(fe_lapjoint.Solver(elements=12), range(3))
+    grazes_of_clamped_beams(analytic.Solver(n_modes=4), range(3))
+    grazes_of_clamped_beams(fe_lapjoint.Solver(elements=12), range(2))
 
 
 @pytest.mark.thorough
 def test_errors_of_many_first_grazes_cover_the_closed_form() -> None:
-    grazes_of_clamped_beams(analytic.Solver(n_modes=3), range(5, 60))
-    grazes_of_clamped_beams(fe_lapjoint.Solver(elements=12), range(3, 40))
+    grazes_of_clamped_beams(analytic.Solver(n_modes=3), range(3, 60))
+    grazes_of_clamped_beams(fe_lapjoint.Solver(elements=12), range(2, 40))

@@ -177,7 +177,7 @@ def _between(
             yield from _between(stretch, middle, end, halvings - 1)
             return
     for kind in kinds:
-        located = located_in(stretch, kind, start[0], end[0])
+        located = located_in(stretch, kind, start[0], end[0], dict((start, end)))
         if located is not None and is_critical(kind, located[1]):
             yield located[0], Bifurcation(kind, located[1])
 
@@ -243,7 +243,9 @@ def is_critical(kind: Kind, point: CurvePoint) -> bool:
     return bool(abs(one.imag) > _REAL * abs(one))
 
 
-def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple[float, CurvePoint] | None:
+def located_in(
+    stretch: Stretch, kind: Kind, first: float, last: float, known: Mapping[float, CurvePoint] | None = None
+) -> tuple[float, CurvePoint] | None:
     """Where a test function is zero in a step in which it changes its sign.
 
     Parameters
@@ -254,29 +256,29 @@ def located_in(stretch: Stretch, kind: Kind, first: float, last: float) -> tuple
         The kind of bifurcation.
     first, last : float
         Arclengths from the start between which the test function changes its sign.
+    known : mapping, optional
+        Points of the step that are known, by their arclengths.
 
     Returns
     -------
     tuple of float and CurvePoint, or None
         The arclength from the start, and the point; None if Newton's method loses the curve.
     """
-    start, test = stretch.start, _TESTS[kind]
-    known = dict[float, CurvePoint]()
+    start, test, points = stretch.start, _TESTS[kind], dict(known or {})
 
     def value(s: float) -> float:
-        point = beside(start, s, nearest_of(known, s))
+        point = points[s] if s in points else beside(start, s, nearest_of(points, s))
         if point is None:
             raise ValueError
-        known[s] = point
+        points[s] = point
         return test(point)
 
     try:
         at = toms748(value, first, last, xtol=1e-11, rtol=1e-9)
-        if at not in known:
-            value(at)
+        value(at)
     except ValueError:
         return None
-    return at, known[at]
+    return at, points[at]
 
 
 def nearest_of(known: Mapping[float, CurvePoint], length: float) -> CurvePoint | None:

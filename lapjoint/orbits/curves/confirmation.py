@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.errors import Located, Stated, again, stated, with_section
+from lapjoint.orbits.curves.errors import Located, Stated, again, resolution_of, stated, value_of, with_section
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import ParameterRange, Resolution
 from lapjoint.problem import FloatArray, SampledShape
@@ -50,17 +50,21 @@ def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
     Returns
     -------
     Confirmation
-        By the first of its resolutions, each finer than the one before, from which an error can be stated.
+        By the first of its resolutions, each finer than the one before, from which an error can be stated.  What is
+        apart counts only if the first solver locates the same from there.
     """
-    resolution, best = other.resolution(one.value), None
+    resolution, best = other.resolution(one.value), Confirmation("not found", None)
     for _ in range(_TRIED):
         found = located(one.what, resolution)
-        best = found or best
+        if found is not None:
+            verdict = _verdict(one, found)
+            if verdict != "apart" or _leads_back(one, found):
+                best = Confirmation(verdict, found)
         finer = resolution.finer
-        if finer is None or (found is not None and np.isfinite(found.error)):
+        if finer is None or best.verdict in ("agrees", "apart"):
             break
         resolution = finer[1]
-    return Confirmation(_verdict(one, best), best)
+    return best
 
 
 def located(what: Located, resolution: Resolution) -> Stated | None:
@@ -108,10 +112,14 @@ def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, 
     return with_section(point, resolution, resolution.map(value).adopted(begun))
 
 
-def _verdict(one: Stated, other: Stated | None) -> Verdict:
+def _verdict(one: Stated, other: Stated) -> Verdict:
     """What two values with their errors say of each other."""
-    if other is None:
-        return "not found"
     if not np.isfinite(one.error + other.error):
         return "no error stated"
     return "agrees" if abs(other.value - one.value) <= one.error + other.error else "apart"
+
+
+def _leads_back(one: Stated, other: Stated) -> bool:
+    """Whether the first solver locates the same from what the other one has: else that is another one nearby."""
+    back = again(other.what, partial(shaped, resolution=resolution_of(one.what)))
+    return back is not None and abs(value_of(back) - one.value) <= one.error

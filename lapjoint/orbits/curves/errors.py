@@ -74,9 +74,9 @@ def stated(what: Located) -> Stated:
         With an infinite error where a finer resolution does not locate it, or there is no finer one.
     """
     value, error, bound = value_of(what), np.inf, np.inf
-    scale = _resolution(what).scale(value)
+    scale = resolution_of(what).scale(value)
     for asked in range(1, _MOST + 1):
-        finer = _resolution(what).finer
+        finer = resolution_of(what).finer
         if finer is None:
             break
         found = again(what, partial(carried, resolution=finer[1]))
@@ -105,6 +105,22 @@ def value_of(what: Located) -> float:
         In its SI unit; of a graze that on the side with fewer events.
     """
     return what.point.value if isinstance(what, Bifurcation) else what.value
+
+
+def resolution_of(what: Located) -> Resolution:
+    """The resolution at which a bifurcation or graze was located.
+
+    Parameters
+    ----------
+    what : Bifurcation or SequenceChange
+        What was located.
+
+    Returns
+    -------
+    Resolution
+        Of its motion.
+    """
+    return (what.point if isinstance(what, Bifurcation) else what.before).problem.resolution
 
 
 def again(what: Located, carry: Carry) -> Located | None:
@@ -175,11 +191,6 @@ def with_section(
 def _bound(refinement: Refinement, apart: float) -> float:
     """The error of a value that a finer resolution has elsewhere."""
     return float(refinement.bounds(np.array([apart]), abs(apart))[0])
-
-
-def _resolution(what: Located) -> Resolution:
-    """The resolution at which a bifurcation or graze was located."""
-    return (what.point if isinstance(what, Bifurcation) else what.before).problem.resolution
 
 
 def _offset(what: Located) -> float:
@@ -256,4 +267,4 @@ def _far(point: CurvePoint, guess: FloatArray) -> bool:
     return float(np.linalg.norm((point.u - guess) / point.scale)) > _NEAR
 
 
-__all__ = ["AIM", "Located", "Stated", "again", "carried", "stated", "value_of", "with_section"]
+__all__ = ["AIM", "Located", "Stated", "again", "carried", "resolution_of", "stated", "value_of", "with_section"]

@@ -86,7 +86,7 @@ def solve(
             step = dgetrs(lu, pivots, right, overwrite_b=True)[0]
             length = math.sqrt(step @ step)
             if not kept:
-                if not length <= min(options.newton_radius, 2 * shortest):
+                if not length <= min(options.newton_radius, options.newton_growth * shortest):
                     return None
                 shortest = min(shortest, length)
             elif not length <= shortest:

@@ -27,6 +27,9 @@ class ContinuationOptions:
     """Largest number of Newton's iterations; near the curve three suffice."""
     newton_radius: float = 0.5
     """Longest step of Newton's method, as an arclength: a longer one has left the neighbourhood of the guess."""
+    newton_growth: float = 10.0
+    """Length of a step of Newton's method over the shortest before, at most: where fast modes bend the way to a
+    solution, a step may be four times as long as the one before, and the next ones are short."""
     difference_step: float = 3e-8
     """Step of the difference by the parameter over the parameter's scale: rounding, 1e-16 / 3e-8, and curvature leave
     seven digits of the derivative, which Newton's method needs only for its speed."""

@@ -246,7 +246,7 @@ def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -
     points = dict[float, CurvePoint]()
 
     def value(s: float) -> float:
-        point = beside(start, s, nearest_of(points, s), exact=False)
+        point = start if s == 0 else beside(start, s, nearest_of(points, s), exact=False)
         if point is None:
             raise _LostError
         points[s] = point

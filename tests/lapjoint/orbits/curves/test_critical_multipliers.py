@@ -1,0 +1,53 @@
+"""Test functions of multipliers: their signs, their sizes, and what they say where a multiplier passes infinity."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from lapjoint.answers.steady_state import ComplexArray
+from lapjoint.orbits.curves.bifurcations import Kind, flip_test, is_critical, torus_test
+
+MANY = 400  # pairs: products of pairs are 3e5, and two to that power overflows
+
+
+def point(*multipliers: complex) -> Any:
+    """A point of a curve of which only the multipliers are asked."""
+    return SimpleNamespace(multipliers=np.array(multipliers, dtype=complex))
+
+
+def pairs(moduli: ComplexArray, seed: int) -> list[complex]:
+    """Complex pairs of multipliers of some moduli and any angle."""
+    mu = moduli * np.exp(1j * np.random.default_rng(seed).uniform(0.1, 3.0, moduli.size))
+    return [*mu.tolist(), *mu.conj().tolist()]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_of_many_pairs_that_passes_the_circle_changes_the_sign(seed: int) -> None:
+    others = pairs(np.full(MANY, 0.3), seed)
+    inside, outside = (torus_test(point(*others, *pairs(np.array([r]), 9))) for r in (0.999, 1.001))
+    assert inside * outside < 0
+    assert abs(inside) == pytest.approx(1 - 0.999**2)
+
+
+def test_a_real_multiplier_that_passes_minus_one_changes_the_sign() -> None:
+    others = pairs(np.full(2000, 1.5), 1)
+    before, after = (flip_test(point(*others, mu)) for mu in (-0.999, -1.001))
+    assert (before, after) == pytest.approx((0.001, -0.001))
+
+
+@pytest.mark.parametrize("kind", ["flip", "neimark-sacker"])
+def test_a_multiplier_that_passes_infinity_is_no_bifurcation(kind: str) -> None:
+    test = {"flip": flip_test, "neimark-sacker": torus_test}[kind]
+    others = 0.4 + 0.3j, 0.4 - 0.3j, 0.2
+    sides = [point(*others, mu) for mu in (-1e12, 1e12)]
+    assert test(sides[0]) * test(sides[1]) < 0
+    assert not any(is_critical(cast(Kind, kind), side) for side in sides)
+
+
+def test_a_real_saddle_is_no_neimark_sacker() -> None:
+    assert not is_critical("neimark-sacker", point(2.0, 0.5, 0.1))
+    assert is_critical("neimark-sacker", point(0.6 + 0.8j, 0.6 - 0.8j, 0.1))
