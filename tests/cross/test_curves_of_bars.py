@@ -21,6 +21,7 @@ from lapjoint.orbits.curves.tracing import Limits, trace
 from lapjoint.problem.files import from_toml
 
 RATIO = 4.0  # of the two bending stiffnesses
+STIFF = 16.0  # of the softer bar, where one bar's amplitude happens to depend on its bending a hundred times less
 CURVED = 0.2  # share of a change with the bending that is not proportional to 1 / EI
 KINDS = ["fold", "flip", "symmetry breaking", "neimark-sacker"]
 POINTS = 200  # of a branch
@@ -63,7 +64,7 @@ def check(seed: int, kind: str, solver: object) -> None:
             compare(motion.amplitude, name, soft, stiff)
         return
     one = contact_bars.draw(seed, kind)
-    texts = [one.text(one.stable, factor * contact_bars.BENDING) for factor in (1.0, RATIO)]
+    texts = [one.text(one.stable, factor * STIFF * contact_bars.BENDING) for factor in (1.0, RATIO)]
     breaks = kind == "symmetry breaking"
     ends = one.low.amplitude, one.high.amplitude
     soft, stiff = (bifurcations(from_toml(text), ends, 1 if breaks else 2, solver) for text in texts)
