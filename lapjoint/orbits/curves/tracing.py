@@ -20,6 +20,9 @@ from lapjoint.orbits.half_periods import HalfPeriods
 
 _SAME = 1e-6
 """Distance of two motions over their size up to which they are one: both are solved to 1e-9."""
+_REPEATED = 1e-10
+"""Distance of the parameter at two changes of the contact sequence, over its scale, up to which they are one: each is
+located to rounding."""
 _GONE_ROUND = 3
 """Least number of steps after which a curve may close to a ring."""
 
@@ -153,7 +156,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
     Way
         The curve.
     """
-    way, change, steps = Way([start]), list[SequenceChange](), 0
+    way, change, steps, seen = Way([start]), list[SequenceChange](), 0, list[SequenceChange]()
     for step in _through_zones(of, start):
         if isinstance(step, End):
             way.end = step.reason
@@ -163,6 +166,10 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         if isinstance(step, SequenceChange):
             if change:
                 way.found.append(Found(change.pop(), len(way.points), "persists"))
+            if any(_is_same_change(step, other) for other in seen):
+                way.end = "lost"
+                break
+            seen.append(step)
             mother = None if step.after is None else half_of(step.after, _SAME)
             if step.after is not None and mother is not None:
                 way.found.append(Found(step, len(way.points), "ends"))
@@ -196,6 +203,16 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         if limits.progress is not None:
             limits.progress(_share(of, way, limits))
     return way
+
+
+def _is_same_change(one: SequenceChange, other: SequenceChange) -> bool:
+    """Whether a curve has come to a change of its contact sequence again, in either direction: it goes over itself."""
+    if one.after is None or other.after is None or one.stops != other.stops:
+        return False
+    events, others = (
+        {change.before.problem.events, change.after.problem.events} for change in (one, other) if change.after
+    )
+    return events == others and abs(one.value - other.value) <= _REPEATED * one.before.scale[-1]
 
 
 def _is_at_change(point: CurvePoint) -> bool:
