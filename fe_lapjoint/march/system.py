@@ -457,8 +457,10 @@ def harmonic_loads(assembly: Assembly, vectors: FloatArray) -> tuple[FloatArray,
 
     Returns
     -------
-    FloatArray, FloatArray, of shapes (n, H) and (H,)
-        Modal amplitudes, kg^1/2 m/s2, and angular frequencies, rad/s.
+    FloatArray, shape (n, H)
+        Modal amplitudes, kg^1/2 m/s2.
+    FloatArray, shape (H,)
+        Angular frequencies, rad/s.
     """
     loads, n = assembly.problem.forces.harmonic, vectors.shape[0]
     forces = np.array([load.amplitude * _shape(assembly, load.x) for load in loads]).reshape(len(loads), n).T

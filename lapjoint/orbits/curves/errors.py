@@ -157,7 +157,8 @@ def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem,
     Returns
     -------
     tuple of BoundaryProblem and FloatArray, or None
-        Its equations there, and a guess of the unknowns; None if the section has another contact state there.
+        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another contact
+        state there.
     """
     section = point.problem.arcs(point.u).point(point.problem.sequence.first, point.u[: point.coordinates])
     return with_section(point, resolution, resolution.map(point.value).adopted(section))
@@ -180,7 +181,7 @@ def with_section(
     Returns
     -------
     tuple of BoundaryProblem and FloatArray, or None
-        As `carried`: durations and parameter stay what they are.
+        As `carried`, the unknowns of shape ``(n + F + 1,)``: durations and parameter stay what they are.
     """
     if section.state != point.problem.sequence.first:
         return None
