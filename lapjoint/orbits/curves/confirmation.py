@@ -99,8 +99,8 @@ def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, 
     Returns
     -------
     tuple of BoundaryProblem and FloatArray, or None
-        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another contact
-        state there.
+        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another
+        contact state there.
     """
     problem, value = point.problem, point.value
     section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])

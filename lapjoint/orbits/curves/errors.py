@@ -157,8 +157,8 @@ def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem,
     Returns
     -------
     tuple of BoundaryProblem and FloatArray, or None
-        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another contact
-        state there.
+        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another
+        contact state there.
     """
     section = point.problem.arcs(point.u).point(point.problem.sequence.first, point.u[: point.coordinates])
     return with_section(point, resolution, resolution.map(point.value).adopted(section))

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.curves.bifurcations import Bifurcation, Stretch, within
-from lapjoint.orbits.curves.continuation import End, Step, at_value, centred, follow
-from lapjoint.orbits.curves.halves import half_difference, half_of, meeting, springing
+from lapjoint.orbits.curves.continuation import End, Step, at_value, follow
+from lapjoint.orbits.curves.errors import carried
+from lapjoint.orbits.curves.halves import half_of, meeting, springing
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import ParameterRange, Resolution
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, nearest
@@ -264,16 +263,9 @@ def at_resolution(point: CurvePoint, resolution: Resolution) -> CurvePoint | Non
     CurvePoint, or None
         Its tangent goes in the same direction; None if the other one does not have the motion.
     """
-    value, problem = point.value, point.problem
     try:
-        section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
-        adopted = resolution.map(value).adopted(section)
-        if adopted.state != problem.sequence.first:
-            return None
-        coordinates = resolution.arcs(value).coordinates(adopted)
-        other = nearest(
-            replace(problem, resolution=resolution), np.concatenate([coordinates, point.u[point.coordinates :]])
-        )
+        guess = carried(point, resolution)
+        other = None if guess is None else nearest(*guess)
     except (InputError, SolverError):
         return None
     if other is None:
@@ -303,6 +295,3 @@ def _share(of: ParameterRange, way: Way, limits: Limits) -> float:
     """The share of the range, or of the points allowed, that is behind."""
     covered = abs(way.points[-1].value - way.points[0].value) / (of.high - of.low)
     return min(max(covered, len(way.points) / limits.max_points), 1.0)
-
-
-__all__ = ["Found", "Limits", "Traced", "Way", "at_resolution", "centred", "half_difference", "one_way", "trace"]
