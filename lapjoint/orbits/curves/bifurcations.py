@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment, toms748
+from scipy.optimize import linear_sum_assignment, minimize_scalar, toms748
 
 from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.curves.newton import solve
@@ -26,6 +26,8 @@ from lapjoint.orbits.curves.point import CurvePoint
 Kind = Literal["fold", "flip", "neimark-sacker"]
 _PASSING: dict[Kind, int] = {"fold": 1, "flip": 1, "neimark-sacker": 2}
 """Number of multipliers that pass the unit circle at a bifurcation."""
+_LOOKS = 8
+"""Largest number of points at which a test function is looked at on its way to where it is the least."""
 _HALVINGS = 4
 """Largest number of times that a step is halved to tell bifurcations apart: to a sixteenth."""
 _FAINT = 1e-4
@@ -163,6 +165,73 @@ def within(stretch: Stretch) -> Iterator[Bifurcation]:
     if start is not None and end is not None:
         found = sorted(_between(stretch, start, end, _HALVINGS), key=lambda each: each[0])
         yield from (one for _, one in found)
+
+
+def undone(before: Stretch, after: Stretch) -> Iterator[tuple[bool, Bifurcation]]:
+    """Two bifurcations of a kind that undo each other near where two steps meet.
+
+    A test function that is nearer to zero there than at the other ends of both steps may pass zero and come back.
+    The step in which a parabola has its least is searched for the least.
+
+    Parameters
+    ----------
+    before, after : Stretch
+        Two steps, of which the second goes on where the first ends, with one contact sequence.
+
+    Yields
+    ------
+    tuple of bool and Bifurcation
+        Whether it lies in the second step, and the bifurcation.
+    """
+    first, middle, last = _ends(before)[0], before.end, _ends(after)[1]
+    if first is None or last is None or _at_graze(middle):
+        return
+    for kind, test in _TESTS.items():
+        values = [test(first[1]), test(middle), test(last[1])]
+        sign = np.sign(values[1])
+        if any(sign * value < abs(values[1]) for value in values):
+            continue
+        nearest = _nearest_to_zero([first[0] - before.length, 0.0, last[0]], [sign * value for value in values])
+        stretch = after if nearest > 0 else before
+        known = {0.0: middle, last[0]: last[1]} if nearest > 0 else {first[0]: first[1], before.length: middle}
+        low, high = known
+        beyond = _beyond_zero(stretch, test, sign, known)
+        if beyond is None:
+            continue
+        for one, other in ((low, beyond), (beyond, high)):
+            located = located_in(stretch, kind, one, other, known)
+            if located is not None and is_critical(kind, located[1]):
+                yield stretch is after, Bifurcation(kind, located[1])
+
+
+def _beyond_zero(
+    stretch: Stretch, test: Callable[[CurvePoint], float], sign: float, known: dict[float, CurvePoint]
+) -> float | None:
+    """Where between two points of a step a test function has the other sign, if it has where it is the least.
+
+    The point is added to those that are known, by its arclength.
+    """
+    low, high = known
+
+    def value(at: float) -> float:
+        found = [s for s in known if sign * test(known[s]) < 0]
+        point = None if found else beside(stretch.start, at, nearest_of(known, at))
+        if point is None:
+            return 0.0
+        known[at] = point
+        return sign * test(point)
+
+    minimize_scalar(value, bounds=(low, high), method="bounded", options={"maxiter": _LOOKS})
+    return next((s for s in known if sign * test(known[s]) < 0), None)
+
+
+def _nearest_to_zero(s: list[float], f: list[float]) -> float:
+    """Where the parabola through three points is the least, between the outer two; else the middle one."""
+    rises = [(f[1] - f[0]) / (s[1] - s[0]), (f[2] - f[1]) / (s[2] - s[1])] if s[0] < s[1] < s[2] else [0.0, 0.0]
+    if rises[0] >= rises[1]:
+        return s[1]
+    bend = (rises[1] - rises[0]) / (s[2] - s[0])
+    return min(max((s[0] + s[1] - rises[0] / bend) / 2, s[0]), s[2])
 
 
 def _between(

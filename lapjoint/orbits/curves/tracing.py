@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.curves.bifurcations import Bifurcation, Stretch, within
+from lapjoint.orbits.curves.bifurcations import Bifurcation, Stretch, undone, within
 from lapjoint.orbits.curves.continuation import End, Step, at_value, follow
 from lapjoint.orbits.curves.errors import carried
 from lapjoint.orbits.curves.halves import half_of, meeting, springing
@@ -156,6 +156,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         The curve.
     """
     way, change, steps, seen = Way([start]), list[SequenceChange](), 0, list[SequenceChange]()
+    last: Stretch | None = None
     for step in _through_zones(of, start):
         if isinstance(step, End):
             way.end = step.reason
@@ -163,6 +164,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
                 way.found.append(Found(change.pop(), len(way.points), "ends" if way.end == "graze" else "lost"))
             break
         if isinstance(step, SequenceChange):
+            last = None
             if change:
                 way.found.append(Found(change.pop(), len(way.points), "persists"))
             if any(_is_same_change(step, other) for other in seen):
@@ -186,6 +188,9 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         way.found += [
             Found(one, len(way.points)) for one in within(step) if met is None or not _is_near(one, met.point)
         ]
+        for is_here, one in () if last is None else undone(last, step):
+            way.found.append(Found(one, len(way.points) - (not is_here)))
+        last = step
         if met is not None:
             way.points.append(met.point)
             way.end, way.mother = "bifurcation", replace(Start.at(met.mother), direction=None)
@@ -201,6 +206,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
             break
         if limits.progress is not None:
             limits.progress(_share(of, way, limits))
+    way.found.sort(key=lambda one: one.index)
     return way
 
 
