@@ -208,6 +208,12 @@ class GalerkinArcs:
         return self.state(FREE).forced(0.0)
 
 
+def first_graze(arcs: GalerkinArcs, amplitude: float) -> float:
+    """Y = min gap / |H|, of a joint that is driven at the amplitude."""
+    answers = [abs(arcs.row(k) @ arcs.state(FREE).X) / amplitude for k in range(len(arcs.problem.stops))]
+    return float(min(stop.gap / answer for stop, answer in zip(arcs.problem.stops, answers, strict=True)))
+
+
 class GalerkinResolution(Resolution):
     """One number of modes over a range of the amplitude or the frequency."""
 

@@ -53,17 +53,6 @@ def stated(found: Resolved) -> list[Bifurcation]:
 
 
 @in_one_thread
-def test_a_branch_that_a_coarse_solver_loses_goes_on_to_where_it_springs() -> None:
-    """Its graze, beyond which it finds no motion, is none of a finer one."""
-    run, found = branch_at(family(), "lost")
-    assert run.end == "lost"
-    assert found.ends[1] == "bifurcation"
-    assert len(found.places) == len(found.families)
-    last = run.grazes[-1].value
-    assert not [one for one in stated(found) if one.kind == "grazing" and abs(one.value - last) < 1e-5 * last]
-
-
-@in_one_thread
 def test_what_lies_beside_where_a_branch_springs_is_looked_for_from_there() -> None:
     """It is lost 1e-8 of its number from there, and a motion that is carried is one of another branch."""
     run, found = branch_at(family(), "lost_at_once")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from galerkin_arcs import GalerkinArcs, GalerkinResolution, base_of, random_joint
+from galerkin_arcs import GalerkinArcs, GalerkinResolution, base_of, first_graze, random_joint
 from scipy.integrate import solve_ivp
 
 from lapjoint.answers.contact_state import FREE, ContactState
@@ -35,12 +35,6 @@ class Followed:
     stretches: list[Stretch] = field(default_factory=list)
     changes: list[SequenceChange] = field(default_factory=list)
     end: str = "points"
-
-
-def first_graze(arcs: GalerkinArcs, amplitude: float) -> float:
-    """Y = min gap / |H|, of a joint that is driven at the amplitude."""
-    answers = [abs(arcs.row(k) @ arcs.state(FREE).X) / amplitude for k in range(len(arcs.problem.stops))]
-    return float(min(stop.gap / answer for stop, answer in zip(arcs.problem.stops, answers, strict=True)))
 
 
 def followed(seed: int, index: int) -> Followed:

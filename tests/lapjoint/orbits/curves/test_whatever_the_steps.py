@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from galerkin_arcs import GalerkinArcs, GalerkinResolution, base_of, random_joint
-from test_followed_joints import AMPLITUDE, first_graze
+from galerkin_arcs import GalerkinArcs, GalerkinResolution, base_of, first_graze, random_joint
 
 from lapjoint.answers.contact_state import FREE
 from lapjoint.orbits.arcs import ContactSequence
@@ -16,6 +15,7 @@ from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.sequence_changes import nearest
 from lapjoint.orbits.curves.tracing import Limits, one_way
 
+AMPLITUDE = "base_motion.amplitude"
 SEED, FEW, MANY = 48, 6, 60
 ALIKE = 1e-6
 """Distance of the parameter over its value up to which two bifurcations are one."""
