@@ -16,9 +16,14 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
+from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.options import ContinuationOptions
+from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import Resolution
+from lapjoint.orbits.curves.sequence_changes import nearest
 from lapjoint.problem import FloatArray
+
+AMPLITUDE = "base_motion.amplitude"
 
 
 @lru_cache
@@ -257,3 +262,18 @@ def random_joint(rng: np.random.Generator, stops: int) -> tuple[Problem, int, fl
         base_motion=BaseMotion(amplitude=1e-4, angular_frequency=omega),
     )
     return problem, int(rng.choice([4, 8])), float(rng.choice([0.01, 0.02, 0.05])), bool(rng.integers(2))
+
+
+def before_first_graze(seed: int, index: int, farthest: float) -> tuple[float, GalerkinResolution, FloatArray]:
+    """A random joint's first graze in closed form, its resolution up to a multiple of that, and a motion before it."""
+    problem, modes, zeta, viscous = random_joint(np.random.default_rng((seed, index)), 1 + index % 4)
+    graze = first_graze(GalerkinArcs(problem, modes, zeta, viscous), base_of(problem).amplitude)
+    resolution = GalerkinResolution(problem, AMPLITUDE, 0.2 * graze, farthest * graze, modes, zeta, viscous)
+    return graze, resolution, np.append(resolution.arcs(0.9 * graze).without_contact, 0.9 * graze)
+
+
+def towards_graze(resolution: GalerkinResolution, motion: FloatArray) -> CurvePoint:
+    """That motion as a point of its curve, its tangent towards larger amplitudes."""
+    start = nearest(BoundaryProblem(resolution, ContactSequence(FREE), 2, 0.0), motion)
+    assert start is not None
+    return start if start.tangent[-1] > 0 else start.turned()

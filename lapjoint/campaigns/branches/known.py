@@ -25,13 +25,11 @@ from lapjoint.orbits.curves.continuation import at_value
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import Resolution
 from lapjoint.orbits.curves.sequence_changes import nearest
-from lapjoint.orbits.curves.starts import at_parameter
+from lapjoint.orbits.curves.starts import SAME, at_parameter
 from lapjoint.orbits.curves.tracing import at_resolution
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray
 
-_SAME = 1e-6
-"""Distance of two motions over their size up to which they are one: both are solved to 1e-9."""
 _LOCATED = 1e-6, 1e-3
 """Distances of the parameter over its scale, and of the motion over its size, up to which two bifurcations, or grazes,
 are one: branches leave them along a parabola, so that the motions differ by the root of the parameter's error."""
@@ -94,7 +92,7 @@ class Motion:
         resolution = self._of.resolution(point.value)
         half = HalfPeriods(resolution.map(point.value))
         found = curve.motions_at(point.value, point.problem.events)
-        if any(_is_one_of(section, one.sections(), half, _SAME) for one in found):
+        if any(_is_one_of(section, one.sections(), half, SAME) for one in found):
             return True
         return any(_is_one_of(section, one.sections(), half, _LOCATED[1]) for one in curve.turns_at(point.value))
 

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
+from lapjoint.orbits.curves.resolution import HasPeriodMap, Refines, zones_of
 from lapjoint.orbits.half_periods import HalfPeriods, Return
-from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import Refinement
 from lapjoint.problem import FloatArray, Problem
 
@@ -25,77 +22,6 @@ _STEP = 3e-8
 graze that is ten times farther away does not come between."""
 _KEPT = 32
 """Number of period maps that are kept: a step, and the differences at its ends, return to the same values."""
-_LOOKED_AT = 9
-"""Number of problems, evenly over a zone, of which the hardest decides the resolution there."""
-_ZONE = 8.0
-"""Ratio of the ends of a zone, about: up to 5000 rad/s the paper's joint takes 27 modes above 595 rad/s, and 16 below,
-which are faster.  Where the resolution changes, the curve jumps by its errors: a few zones are enough."""
-
-
-@runtime_checkable
-class HasPeriodMap(Protocol):
-    """A solver that gives its period map."""
-
-    @property
-    def name(self) -> str:
-        """Name and options in a line."""
-
-    def period_map(self, problem: Problem) -> PeriodMap:
-        """The motion of a problem from section point to section point.
-
-        Parameters
-        ----------
-        problem : Problem
-            What is solved; its excitation has a period.
-
-        Returns
-        -------
-        PeriodMap
-            The period map.
-
-        Raises
-        ------
-        InputError
-            If the excitation has no period.
-        """
-
-
-@runtime_checkable
-class Resolves(Protocol):
-    """A solver that chooses its resolution by the problem, and can be held to one resolution for several."""
-
-    def resolving(self, problems: Iterable[Problem]) -> HasPeriodMap:
-        """The same solver with the resolution that the hardest of some problems needs.
-
-        Parameters
-        ----------
-        problems : iterable of Problem
-            The problems, at least one.
-
-        Returns
-        -------
-        HasPeriodMap
-            A solver whose resolution does not depend on the problem.
-        """
-
-
-@runtime_checkable
-class Refines(Protocol):
-    """A solver that gives a finer self, by which its errors are estimated."""
-
-    def finer(self, problem: Problem) -> tuple[Refinement, HasPeriodMap] | None:
-        """A finer solver, and what is known of it.
-
-        Parameters
-        ----------
-        problem : Problem
-            What is solved.
-
-        Returns
-        -------
-        tuple of Refinement and HasPeriodMap, or None
-            None if there is none.
-        """
 
 
 @dataclass(frozen=True)
@@ -136,7 +62,7 @@ class Family:
         if not (np.isfinite([low, high]).all() and low < high):
             raise InputError(f"{path}: from {low:g} to {high:g} is no range; both must be finite, and ascend")
         self.problem_at, self.path, self.low, self.high = problem_at, path, float(low), float(high)
-        self.zones = self._resolved(solver)
+        self.zones = [Zone(end, own) for end, own in zones_of(solver, problem_at, self.low, self.high)]
         """Parts of the range of one resolution each, in ascending order."""
         self._highs = [zone.high for zone in self.zones]
         self._first = self
@@ -244,20 +170,6 @@ class Family:
         finer.zones, finer._maps, finer._like = zones, lru_cache(maxsize=_KEPT)(finer._made), {}
         finer.level, finer.marches = self.level + 1, 0
         return known, finer
-
-    def _resolved(self, solver: HasPeriodMap) -> list[Zone]:
-        """The zones of the range, in ascending order; neighbours of one resolution are one zone."""
-        if not isinstance(solver, Resolves):
-            return [Zone(self.high, solver)]
-        count = max(1, round(math.log(self.high / self.low, _ZONE))) if self.low > 0 else 1
-        edges = np.geomspace(self.low, self.high, count + 1) if count > 1 else np.array([self.low, self.high])
-        zones = list[Zone]()
-        for low, high in pairwise([self.low, *edges[1:-1].tolist(), self.high]):
-            own = solver.resolving([self.problem_at(float(value)) for value in np.linspace(low, high, _LOOKED_AT)])
-            if zones and own == zones[-1].solver:
-                zones.pop()
-            zones.append(Zone(high, own))
-        return zones
 
     def _zone_of(self, value: float) -> int:
         return bisect_left(self._highs, value, hi=len(self._highs) - 1)

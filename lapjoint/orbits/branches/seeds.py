@@ -13,9 +13,8 @@ from lapjoint.orbits.branches.closing import SAME, Start, images_of
 from lapjoint.orbits.branches.corrector import corrected
 from lapjoint.orbits.branches.family import Family
 from lapjoint.orbits.branches.tracing import Seed
+from lapjoint.orbits.curves.starts import periodic_motion
 from lapjoint.orbits.half_periods import HalfPeriods
-from lapjoint.orbits.newton import FAR, Orbit, find_orbit
-from lapjoint.orbits.search import TRANSIENT, Effort, Search
 from lapjoint.problem import FloatArray
 
 _LOCATED = 1e-6, 1e-3
@@ -49,27 +48,11 @@ def seed_from(family: Family, value: float, start: SectionPoint, most_multiple: 
         None if none is found.
     """
     half = family.at(value)
-    effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
     try:
-        motion = Search(half.map, effort).run(half.map.adopted(start)).motion
-        if isinstance(motion, Orbit):
-            return Seed(value, motion.point, motion.half_periods)
-        for count in range(half.least, 2 * most_multiple + 1):
-            if count % half.least == 0 and (count % 2 == 0 or half.least == 1):
-                orbit = find_orbit(half, motion.point, count, FAR)
-                if orbit is not None:
-                    return _least(half, orbit, value)
+        found = periodic_motion(half, half.map.adopted(start), most_multiple, SAME)
     except SolverError:
         return None
-    return None
-
-
-def _least(half: HalfPeriods, orbit: Orbit, value: float) -> Seed:
-    """The motion over the fewest half periods after which it repeats."""
-    for count in range(half.least, orbit.half_periods, half.least):
-        if orbit.half_periods % count == 0 and half.apart(half.marched(orbit.point, count), orbit.point) < SAME:
-            return Seed(value, orbit.point, count)
-    return Seed(value, orbit.point, orbit.half_periods)
+    return None if found is None else Seed(value, *found)
 
 
 def springs_where(family: Family, seed: Seed, springs: Sequence[tuple[float, SectionPoint]], count: int) -> bool:

@@ -20,8 +20,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment, minimize_scalar, toms748
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.orbits.curves.newton import solve
-from lapjoint.orbits.curves.point import CurvePoint
+from lapjoint.orbits.curves.point import CurvePoint, solved
 
 Kind = Literal["fold", "flip", "neimark-sacker"]
 _PASSING: dict[Kind, int] = {"fold": 1, "flip": 1, "neimark-sacker": 2}
@@ -109,10 +108,15 @@ def torus_test(point: CurvePoint) -> float:
     float
         Without unit: the distance of the nearest product of two multipliers from 1.
     """
+    return _signed(_pairs(point)[1])
+
+
+def _pairs(point: CurvePoint) -> tuple[ComplexArray, ComplexArray]:
+    """The first multiplier of each pair of those that are not faint, and 1 less the product of the pair."""
     mu = point.multipliers
     mu = mu[np.abs(mu) > _FAINT]
     i, j = np.triu_indices(mu.size, 1)
-    return _signed(1 - mu[i] * mu[j])
+    return mu[i], 1 - mu[i] * mu[j]
 
 
 def _signed(factors: ComplexArray) -> float:
@@ -305,10 +309,8 @@ def is_critical(kind: Kind, point: CurvePoint) -> bool:
         return False
     if kind == "flip":
         return True
-    mu = point.multipliers
-    mu = mu[np.abs(mu) > _FAINT]
-    i, j = np.triu_indices(mu.size, 1)
-    one = mu[i[np.argmin(np.abs(1 - mu[i] * mu[j]))]]
+    first, apart = _pairs(point)
+    one = first[np.argmin(np.abs(apart))]
     return bool(abs(one.imag) > _REAL * abs(one))
 
 
@@ -388,7 +390,6 @@ def beside(start: CurvePoint, length: float, near: CurvePoint | None = None, exa
         Its tangent goes in the same direction; None if Newton's method finds none.
     """
     near = start if near is None else near
-    done = float(start.tangent @ ((near.u - start.u) / start.scale))
     rate = float(start.tangent @ (near.tangent * near.scale / start.scale))
-    found = solve(start.problem, near.predicted((length - done) / rate), start.scale, start.tangent, exact)
-    return None if found is None else CurvePoint.of(start.problem, found, start.scale)
+    guess = near.predicted((length - start.arclength(near)) / rate)
+    return solved(start.problem, guess, start.scale, start.tangent, exact)

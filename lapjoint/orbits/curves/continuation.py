@@ -14,10 +14,8 @@ import numpy as np
 
 from lapjoint.orbits.curves.bifurcations import Stretch
 from lapjoint.orbits.curves.halves import halves_exchange
-from lapjoint.orbits.curves.newton import Solution, solve
-from lapjoint.orbits.curves.point import CurvePoint, resectioned
+from lapjoint.orbits.curves.point import CurvePoint, holding, resectioned, solved
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, at_once, crossed, first_change, nearest, violated
-from lapjoint.problem import FloatArray
 
 
 @dataclass(frozen=True)
@@ -61,14 +59,14 @@ def follow(start: CurvePoint) -> Iterator[Step]:
                 yield End("graze", last)
                 return
             continue
-        length = float(here.tangent @ ((new.u - here.u) / here.scale))
+        length = here.arclength(new)
         if there:
             located = first_change(here, new, length)
             if located is None:
                 step *= 0.5
                 continue
             last = crossed(*located)
-            yield Stretch(here, last.before, float(here.tangent @ ((last.before.u - here.u) / here.scale)))
+            yield Stretch(here, last.before, here.arclength(last.before))
             yield last
             for change in at_once(last):
                 yield change
@@ -121,9 +119,9 @@ def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
     """
     rate = float(here.tangent[-1] * here.scale[-1])
     length = (value - here.value) / rate if rate else most
-    guess, row = here.predicted(min(max(length, 0.0), most)), np.zeros(here.u.size)
-    guess[-1], row[-1] = value, 1.0
-    return _going_on(here, solve(here.problem, guess, here.scale, row))
+    guess = here.predicted(min(max(length, 0.0), most))
+    guess[-1] = value
+    return _going_on(here, holding(here.problem, guess, guess.size - 1, here.scale))
 
 
 def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
@@ -144,27 +142,20 @@ def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
         Its tangent goes on in the direction of the one before.
     """
     guess = here.predicted(length)
-    found = solve(here.problem, guess, here.scale, here.tangent)
-    if found is not None and _length(here, found.u - guess) > here.problem.resolution.options.turning * abs(length):
-        return None
-    return _going_on(here, found)
+    new = solved(here.problem, guess, here.scale, here.tangent)
+    aside = 0.0 if new is None else float(np.linalg.norm((new.u - guess) / here.scale))
+    return None if aside > here.problem.resolution.options.turning * abs(length) else _going_on(here, new)
 
 
-def _length(here: CurvePoint, way: FloatArray) -> float:
-    """Length of a way, by the scale of a point."""
-    return float(np.linalg.norm(way / here.scale))
-
-
-def _going_on(here: CurvePoint, found: Solution | None) -> CurvePoint | None:
-    """A solution as the next point of a curve; None if it is of another part of the curve, or the curve turns too much.
+def _going_on(here: CurvePoint, found: CurvePoint | None) -> CurvePoint | None:
+    """A point as the next one of a curve; None if it is of another part of the curve, or the curve turns too much.
 
     On another part the orientation differs, but for where the curve meets that of motions which repeat in half of the
     time; or the parameter has gone against the tangents at both ends.
     """
     if found is None:
         return None
-    new = CurvePoint.of(here.problem, found, here.scale)
-    new = new if _turn(here, new) > 0 else new.turned()
+    new = found if _turn(here, found) > 0 else found.turned()
     if _angle(here, new) > 2 * here.problem.resolution.options.turning:
         return None
     if new.orientation != here.orientation and not halves_exchange(here, new):

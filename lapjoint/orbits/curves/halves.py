@@ -14,8 +14,7 @@ import numpy as np
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.curves.bifurcations import Stretch, beside, flip_test, located_in
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.newton import solve
-from lapjoint.orbits.curves.point import CurvePoint, scale_of
+from lapjoint.orbits.curves.point import CurvePoint, scale_of, solved
 from lapjoint.orbits.curves.sequence_changes import nearest, violated
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
@@ -43,11 +42,9 @@ def springing(point: CurvePoint) -> CurvePoint | None:
     row = way / scale
     row /= np.linalg.norm(row)
     for length in _AWAY:
-        found = solve(problem, u + length * scale * row, scale, row)
-        if found is not None:
-            new = CurvePoint.of(problem, found, scale)
-            if not violated(new):
-                return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
+        new = solved(problem, u + length * scale * row, scale, row)
+        if new is not None and not violated(new):
+            return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
     return None
 
 

@@ -15,7 +15,7 @@ from lapjoint.orbits.branches.compiled_extrema import gap_extrema
 from lapjoint.orbits.branches.gap_extrema import stops_of
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem, Linearisation
-from lapjoint.orbits.curves.newton import Solution
+from lapjoint.orbits.curves.newton import Solution, solve
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
@@ -175,6 +175,21 @@ class CurvePoint:
         """
         return self.u + length * self.scale * self.tangent
 
+    def arclength(self, other: CurvePoint) -> float:
+        """How far another point of the curve lies along this one's tangent.
+
+        Parameters
+        ----------
+        other : CurvePoint
+            The other point, of the same equations.
+
+        Returns
+        -------
+        float
+            Arclength, of either sign.
+        """
+        return float(self.tangent @ ((other.u - self.u) / self.scale))
+
     def turned(self) -> CurvePoint:
         """The same point with the opposite tangent.
 
@@ -221,6 +236,51 @@ class CurvePoint:
         if self.problem.half_periods % 2:
             return self.sections()[0]  # each half period of such a motion is the mirror image of the one before
         return self.sections()[1 if mirrors and k % 2 else 0]
+
+
+def solved(
+    problem: BoundaryProblem, guess: FloatArray, scale: FloatArray, row: FloatArray, exact: bool = False
+) -> CurvePoint | None:
+    """The point of a curve to which Newton's method leads from a guess.
+
+    Parameters
+    ----------
+    problem, guess, scale, row, exact : BoundaryProblem, FloatArray of shape (n + F + 1,) and bool
+        As `lapjoint.orbits.curves.newton.solve` takes them.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards the border row; None if Newton's method finds none.
+    """
+    found = solve(problem, guess, scale, row, exact)
+    return None if found is None else CurvePoint.of(problem, found, scale)
+
+
+def holding(
+    problem: BoundaryProblem, guess: FloatArray, unknown: int, scale: FloatArray | None = None
+) -> CurvePoint | None:
+    """The point of a curve near a guess at which one of the unknowns is that of the guess.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+    unknown : int
+        Index of the unknown.
+    scale : FloatArray, shape (n + F + 1,), optional
+        Size of each unknown; by default as the guess has it.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards a larger value of the unknown; None if Newton's method finds none.
+    """
+    row = np.zeros(guess.size)
+    row[unknown] = 1.0
+    return solved(problem, guess, scale_of(problem, guess) if scale is None else scale, row)
 
 
 def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:

@@ -260,7 +260,10 @@ class ParameterRange:
                 f"solver = {solver.name}: has steady states and sweeps, but no branches, for its period map has no arcs"
             )
         self.path, self.low, self.high, self.options = path, float(low), float(high), options or ContinuationOptions()
-        self.zones = self._resolved(solver, problem_at)
+        self.zones = [
+            (end, Resolution(own, problem_at, path, self.low, self.high, self.options))
+            for end, own in zones_of(solver, problem_at, self.low, self.high)
+        ]
         """The upper end of each zone, ascending, and the resolution there, which may be used over the whole range."""
 
     def resolution(self, value: float) -> Resolution:
@@ -278,17 +281,35 @@ class ParameterRange:
         """
         return next((one for end, one in self.zones if value <= end), self.zones[-1][1])
 
-    def _resolved(self, solver: HasPeriodMap, problem_at: Callable[[float], Problem]) -> list[tuple[float, Resolution]]:
-        low, high = self.low, self.high
-        if not isinstance(solver, Resolves):
-            return [(high, Resolution(solver, problem_at, self.path, low, high, self.options))]
-        count = max(1, round(math.log(high / low, _ZONE))) if low > 0 else 1
-        edges = [low, *(np.geomspace(low, high, count + 1)[1:-1].tolist() if count > 1 else []), high]
-        found = list[tuple[float, Resolution]]()
-        for first, last in pairwise(edges):
-            own = solver.resolving([problem_at(float(value)) for value in np.linspace(first, last, _LOOKED_AT)])
-            resolution = Resolution(own, problem_at, self.path, low, high, self.options)
-            if found and found[-1][1].solver == own:
-                resolution = found.pop()[1]
-            found.append((last, resolution))
-        return found
+
+def zones_of(
+    solver: HasPeriodMap, problem_at: Callable[[float], Problem], low: float, high: float
+) -> list[tuple[float, HasPeriodMap]]:
+    """A range of a parameter, cut into zones of one resolution each.
+
+    Parameters
+    ----------
+    solver : HasPeriodMap
+        The solver.
+    problem_at : callable
+        Takes a value of the parameter, and returns the problem with that value.
+    low, high : float
+        The range, in the SI unit of the parameter; `low` < `high`.
+
+    Returns
+    -------
+    list of tuple of float and HasPeriodMap
+        The upper end of each zone, ascending, and the solver that resolves all problems in the zone; neighbours of one
+        resolution are one zone.
+    """
+    if not isinstance(solver, Resolves):
+        return [(high, solver)]
+    count = max(1, round(math.log(high / low, _ZONE))) if low > 0 else 1
+    edges = [low, *(np.geomspace(low, high, count + 1)[1:-1].tolist() if count > 1 else []), high]
+    found = list[tuple[float, HasPeriodMap]]()
+    for first, last in pairwise(edges):
+        own = solver.resolving([problem_at(float(value)) for value in np.linspace(first, last, _LOOKED_AT)])
+        if found and found[-1][1] == own:
+            own = found.pop()[1]
+        found.append((last, own))
+    return found

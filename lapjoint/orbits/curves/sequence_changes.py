@@ -19,8 +19,7 @@ from scipy.optimize import toms748
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.curves.bifurcations import beside, nearest_of
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.newton import solve
-from lapjoint.orbits.curves.point import CurvePoint, scale_of
+from lapjoint.orbits.curves.point import CurvePoint, holding, scale_of, solved
 from lapjoint.problem import FloatArray
 
 ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
@@ -155,7 +154,7 @@ def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Mon
         if located is None:
             return None
         best, seen = located, seen + 1
-        upper = float(start.tangent @ ((located[1].u - start.u) / start.scale))
+        upper = start.arclength(located[1])
         there = [one for one in violated(located[1]) if one[:3] != located[0][:3]]
         if seen > end.problem.events + len(end.extrema.stop):
             return None
@@ -174,13 +173,10 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
     """A monitor at its zero, and the point there."""
     if monitor.kind == "duration":
         at, unknown = _estimate(start, monitor, length), start.problem.position(start.u, monitor.arc)
-        guess, row = start.predicted(at), np.zeros(start.u.size)
-        guess[unknown], row[unknown] = 0.0, 1.0
-        found = solve(start.problem, guess, start.scale, row)
-        if found is None:
-            return None
-        point = CurvePoint.of(start.problem, found, start.scale)
-        if abs(float(start.tangent @ ((point.u - start.u) / start.scale)) - at) > (1 + _ACROSS) * length:
+        guess = start.predicted(at)
+        guess[unknown] = 0.0
+        point = holding(start.problem, guess, unknown, start.scale)
+        if point is None or abs(start.arclength(point) - at) > (1 + _ACROSS) * length:
             return None
         return monitor._replace(value=0.0), point if point.tangent @ start.tangent > 0 else point.turned()
     before = same_monitor(start, monitor)
@@ -352,14 +348,9 @@ def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurveP
     CurvePoint, or None
         Its tangent goes towards a longer arc; None if Newton's method finds none.
     """
-    row, scale = np.zeros(guess.size), scale_of(problem, guess)
     at = problem.position(guess, arc)
-    row[at] = 1.0
-    found = solve(problem, guess, scale, row)
-    if found is None:
-        return None
-    point = CurvePoint.of(problem, found, scale)
-    return point if point.tangent[at] > 0 else point.turned()
+    point = holding(problem, guess, at)
+    return point if point is None or point.tangent[at] > 0 else point.turned()
 
 
 def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
@@ -403,10 +394,9 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
     here, at, other = near, 0.0, 1e-3 * problem.resolution.options.first_step
     rate, widest = 0.0, 0.0  # of nearly equal values rounding decides which is the larger
     for _ in range(_SECANTS):
-        found = solve(problem, near.predicted(other), near.scale, near.tangent)
-        beside = None if found is None else CurvePoint.of(problem, found, near.scale)
-        there = None if beside is None else same_monitor(beside, monitor)
-        if beside is None or (there is not None and there.value == its.value):
+        point = beside(near, other, exact=False)
+        there = None if point is None else same_monitor(point, monitor)
+        if point is None or (there is not None and there.value == its.value):
             return None
         if there is None:  # the extremum vanishes in this direction, at the start of its arc
             rate = -np.copysign(1.0, other)
@@ -415,7 +405,7 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
         if abs(other - at) > widest:
             rate, widest = slope, abs(other - at)
         if abs(there.value) < abs(its.value):
-            here, at, its = beside, other, there
+            here, at, its = point, other, there
         other = at - its.value / slope
         if abs(its.value) <= problem.resolution.options.grazing_tolerance or other == at:
             break
@@ -445,5 +435,4 @@ def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
     if not np.isfinite(sizes).all():  # fast modes grow without bound in an arc of negative duration
         return None
     row = np.linalg.svd(J / np.where(sizes > 0, sizes, 1.0)[:, None])[2][-1]
-    found = solve(problem, guess, scale, row)
-    return None if found is None else CurvePoint.of(problem, found, scale)
+    return solved(problem, guess, scale, row)

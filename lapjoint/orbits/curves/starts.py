@@ -11,8 +11,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.newton import solve
-from lapjoint.orbits.curves.point import CurvePoint, resectioned, scale_of
+from lapjoint.orbits.curves.point import CurvePoint, holding, resectioned
 from lapjoint.orbits.curves.resolution import ParameterRange, Resolution
 from lapjoint.orbits.curves.sequence_changes import AT_ONCE, nearest, violated
 from lapjoint.orbits.half_periods import HalfPeriods
@@ -20,7 +19,7 @@ from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.search import TRANSIENT, Effort, Search
 from lapjoint.problem import FloatArray
 
-_SAME = 1e-6
+SAME = 1e-6
 """Distance of two motions over their size up to which they are one: both are solved to 1e-9."""
 
 
@@ -109,10 +108,7 @@ def at_parameter(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | No
     CurvePoint, or None
         Its tangent goes towards a larger parameter; None if Newton's method finds none.
     """
-    row, scale = np.zeros(guess.size), scale_of(problem, guess)
-    row[-1] = 1.0
-    found = solve(problem, guess, scale, row)
-    return None if found is None else CurvePoint.of(problem, found, scale)
+    return holding(problem, guess, guess.size - 1)
 
 
 def start_from(of: ParameterRange, value: float, point: SectionPoint, most_multiple: int) -> Start | None:
@@ -136,25 +132,55 @@ def start_from(of: ParameterRange, value: float, point: SectionPoint, most_multi
     """
     resolution = of.resolution(value)
     half = HalfPeriods(resolution.map(value))
-    effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
     try:
-        motion = Search(half.map, effort).run(half.map.adopted(point)).motion
-        if isinstance(motion, Orbit):
-            return of_motion(resolution, value, motion.point, _least(half, motion))
-        for count in range(half.least, 2 * most_multiple + 1):
-            if count % half.least == 0 and (count % 2 == 0 or half.least == 1):
-                orbit = find_orbit(half, motion.point, count, FAR)
-                if orbit is not None:
-                    return of_motion(resolution, value, orbit.point, _least(half, orbit))
+        found = periodic_motion(half, half.map.adopted(point), most_multiple, SAME)
+        return None if found is None else of_motion(resolution, value, *found)
     except SolverError:
         return None
+
+
+def periodic_motion(
+    half: HalfPeriods, point: SectionPoint, most_multiple: int, same: float
+) -> tuple[SectionPoint, int] | None:
+    """The periodic motion that a march comes to, or is near where it does not settle.
+
+    Parameters
+    ----------
+    half : HalfPeriods
+        The map.
+    point : SectionPoint
+        Where the march begins.
+    most_multiple : int
+        Largest period multiple.
+    same : float
+        Distance of two motions over their size up to which they are one.
+
+    Returns
+    -------
+    tuple of SectionPoint and int, or None
+        The motion, and the fewest half periods after which it repeats; None if none is found.
+
+    Raises
+    ------
+    SolverError
+        If the march cannot go on.
+    """
+    effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
+    motion = Search(half.map, effort).run(point).motion
+    if isinstance(motion, Orbit):
+        return motion.point, motion.half_periods  # over its least period
+    for count in range(half.least, 2 * most_multiple + 1):
+        if count % half.least == 0 and (count % 2 == 0 or half.least == 1):
+            orbit = find_orbit(half, motion.point, count, FAR)
+            if orbit is not None:
+                return orbit.point, _least(half, orbit, same)
     return None
 
 
-def _least(half: HalfPeriods, orbit: Orbit) -> int:
+def _least(half: HalfPeriods, orbit: Orbit, same: float) -> int:
     """The fewest half periods after which a motion repeats."""
     for count in range(half.least, orbit.half_periods, half.least):
-        if orbit.half_periods % count == 0 and half.apart(half.marched(orbit.point, count), orbit.point) < _SAME:
+        if orbit.half_periods % count == 0 and half.apart(half.marched(orbit.point, count), orbit.point) < same:
             return count
     return orbit.half_periods
 

@@ -14,11 +14,9 @@ from lapjoint.orbits.curves.halves import half_of, meeting, springing
 from lapjoint.orbits.curves.point import CurvePoint
 from lapjoint.orbits.curves.resolution import ParameterRange, Resolution
 from lapjoint.orbits.curves.sequence_changes import SequenceChange, nearest
-from lapjoint.orbits.curves.starts import Start
+from lapjoint.orbits.curves.starts import SAME, Start
 from lapjoint.orbits.half_periods import HalfPeriods
 
-_SAME = 1e-6
-"""Distance of two motions over their size up to which they are one: both are solved to 1e-9."""
 _REPEATED = 1e-10
 """Distance of the parameter at two changes of the contact sequence, over its scale, up to which they are one: each is
 located to rounding."""
@@ -171,7 +169,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
                 way.end = "lost"
                 break
             seen.append(step)
-            mother = None if step.after is None else half_of(step.after, _SAME)
+            mother = None if step.after is None else half_of(step.after, SAME)
             if step.after is not None and mother is not None:
                 way.found.append(Found(step, len(way.points), "ends"))
                 way.points.append(step.after)
@@ -227,7 +225,7 @@ def _is_at_change(point: CurvePoint) -> bool:
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
     """Whether a bifurcation is where a branch meets another, which both have."""
-    return abs(one.point.value - point.value) <= _SAME * point.problem.resolution.scale(point.value)
+    return abs(one.point.value - point.value) <= SAME * point.problem.resolution.scale(point.value)
 
 
 def _after(change: SequenceChange, step: Stretch) -> str:
@@ -292,7 +290,7 @@ def _closes(step: Stretch, start: CurvePoint) -> bool:
     half = HalfPeriods(start.problem.resolution.map(start.value))
     mine = start.section()
     try:
-        return any(half.apart(half.map.adopted(image), mine) <= _SAME for image in there.sections())
+        return any(half.apart(half.map.adopted(image), mine) <= SAME for image in there.sections())
     except (InputError, SolverError):
         return False
 

@@ -6,19 +6,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from galerkin_arcs import GalerkinArcs, GalerkinResolution, base_of, first_graze, random_joint
+from galerkin_arcs import GalerkinArcs, before_first_graze, towards_graze
 from scipy.integrate import solve_ivp
 
-from lapjoint.answers.contact_state import FREE, ContactState
-from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.curves.bifurcations import Stretch
-from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
 from lapjoint.orbits.curves.continuation import End, follow
 from lapjoint.orbits.curves.point import CurvePoint
-from lapjoint.orbits.curves.sequence_changes import SequenceChange, nearest
+from lapjoint.orbits.curves.sequence_changes import SequenceChange
 from lapjoint.problem import FloatArray
 
-AMPLITUDE = "base_motion.amplitude"
 SEED, FEW, MANY, MOST = 46, 12, 100, 600
 FARTHEST = 2.0
 """Amplitude up to which a curve is followed, over that of the first graze."""
@@ -39,15 +36,9 @@ class Followed:
 
 def followed(seed: int, index: int) -> Followed:
     """The curve of a random joint with one to four stops."""
-    rng = np.random.default_rng((seed, index))
-    problem, modes, zeta, viscous = random_joint(rng, 1 + index % 4)
-    graze = first_graze(GalerkinArcs(problem, modes, zeta, viscous), base_of(problem).amplitude)
-    resolution = GalerkinResolution(problem, AMPLITUDE, 0.2 * graze, FARTHEST * graze, modes, zeta, viscous)
-    free = np.append(resolution.arcs(0.9 * graze).without_contact, 0.9 * graze)
-    start = nearest(BoundaryProblem(resolution, ContactSequence(FREE), 2, 0.0), free)
-    assert start is not None
+    graze, resolution, free = before_first_graze(seed, index, FARTHEST)
     found = Followed(graze)
-    for step in follow(start if start.tangent[-1] > 0 else start.turned()):
+    for step in follow(towards_graze(resolution, free)):
         if isinstance(step, End):
             found.end = step.reason
             break

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
 import pytest
-from galerkin_arcs import GalerkinArcs, GalerkinResolution, base_of, first_graze, random_joint
+from galerkin_arcs import GalerkinResolution, before_first_graze, towards_graze
 
-from lapjoint.answers.contact_state import FREE
-from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.curves.bifurcations import Bifurcation
-from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.sequence_changes import nearest
 from lapjoint.orbits.curves.tracing import Limits, one_way
 
-AMPLITUDE = "base_motion.amplitude"
 SEED, FEW, MANY = 48, 6, 60
 ALIKE = 1e-6
 """Distance of the parameter over its value up to which two bifurcations are one."""
@@ -46,15 +40,10 @@ class Range:
 
 def found(index: int, shorter: float) -> list[tuple[str, float]]:
     """Bifurcations of a random joint, by steps that are shorter than the program's own."""
-    problem, modes, zeta, viscous = random_joint(np.random.default_rng((SEED, index)), 1 + index % 4)
-    graze = first_graze(GalerkinArcs(problem, modes, zeta, viscous), base_of(problem).amplitude)
-    resolution = GalerkinResolution(problem, AMPLITUDE, 0.2 * graze, 2.0 * graze, modes, zeta, viscous)
+    _, resolution, free = before_first_graze(SEED, index, 2.0)
     own = resolution.options
     resolution.options = replace(own, turning=own.turning / shorter, largest_step=own.largest_step / shorter)
-    free = np.append(resolution.arcs(0.9 * graze).without_contact, 0.9 * graze)
-    start = nearest(BoundaryProblem(resolution, ContactSequence(FREE), 2, 0.0), free)
-    assert start is not None
-    way = one_way(Range(resolution), start if start.tangent[-1] > 0 else start.turned(), Limits(600))  # type: ignore[arg-type]
+    way = one_way(Range(resolution), towards_graze(resolution, free), Limits(600))  # type: ignore[arg-type]
     return [(one.what.kind, one.what.point.value) for one in way.found if isinstance(one.what, Bifurcation)]
 
 
