@@ -193,8 +193,8 @@ def undone(before: Stretch, after: Stretch) -> Iterator[tuple[bool, Bifurcation]
     for kind, test in _TESTS.items():
         values = [test(first[1]), test(middle), test(last[1])]
         sign = np.sign(values[1])
-        if any(sign * value < abs(values[1]) for value in values):
-            continue
+        if not np.isfinite(values).all() or any(sign * value < abs(values[1]) for value in values):
+            continue  # without multipliers that are not faint it is infinitely far from zero
         nearest = _nearest_to_zero([first[0] - before.length, 0.0, last[0]], [sign * value for value in values])
         stretch = after if nearest > 0 else before
         known = {0.0: middle, last[0]: last[1]} if nearest > 0 else {first[0]: first[1], before.length: middle}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.orbits.curves.bifurcations import Kind, flip_test, is_critical, torus_test
+from lapjoint.orbits.curves.bifurcations import Kind, Stretch, flip_test, is_critical, torus_test, undone
 
 MANY = 400  # pairs: products of pairs are 3e5, and two to that power overflows
 
@@ -51,3 +51,18 @@ def test_a_multiplier_that_passes_infinity_is_no_bifurcation(kind: str) -> None:
 def test_a_real_saddle_is_no_neimark_sacker() -> None:
     assert not is_critical("neimark-sacker", point(2.0, 0.5, 0.1))
     assert is_critical("neimark-sacker", point(0.6 + 0.8j, 0.6 - 0.8j, 0.1))
+
+
+def test_motions_without_multipliers_hide_no_bifurcations() -> None:
+    """All multipliers may be faint; a warning of numpy would fail this test."""
+    problem = SimpleNamespace(sequence=SimpleNamespace(returning=()))
+    first, middle, last = (
+        cast(
+            Any,
+            SimpleNamespace(
+                multipliers=np.full(4, rate * 1e-5, complex), tangent=[rate], shares=np.ones(1), problem=problem
+            ),
+        )
+        for rate in (1.0, 2.0, 1.0)
+    )
+    assert not list(undone(Stretch(first, middle, 0.1), Stretch(middle, last, 0.1)))
