@@ -34,7 +34,7 @@ def response(omega: float, x: float) -> float:
 def main(points: int = 21) -> None:
     frequencies = np.linspace(4.0, 24.0, points)
     also = Axis(FREQUENCY, frequencies)
-    how = {"options": {"n_modes": 6}, "errors": False, "max_points": 30, "effort": 1}
+    how = {"options": {"n_modes": 6}, "errors": False, "max_points": 80, "effort": 1}
     found = branch(joint, "base_motion.amplitude", 1e-5, 6e-4, also_over=also, **how)
     first = found.isel(bifurcation=found.bifurcation_first == 1)
     axes = figures.plot_loci(first, figures.new_axes(7.0, 3.6))

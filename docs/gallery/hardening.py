@@ -18,7 +18,7 @@ joint = Problem(
     damping=ViscousDamping(coefficient=0.4),
     base_motion=BaseMotion(amplitude=1.4e-4, angular_frequency=3.0),
 )
-modes = {"n_modes": 1}
+modes = {"n_modes": 4}
 axes = figures.new_axes(7.0, 3.4)
 for start, marker in (("up", "^"), ("down", "v")):
     curve = sweep(joint, [Axis(FREQUENCY, np.linspace(2.8, 5.4, 14))], start=start, options=modes)

@@ -8,8 +8,8 @@ many starts end, and statistics of long motions.
 
 from lapjoint.campaigns.basin_plan import BasinPlan
 from lapjoint.campaigns.basin_running import basins, solve_basins
-from lapjoint.campaigns.branching import branch
-from lapjoint.campaigns.confirming import confirm
+from lapjoint.campaigns.branches.running import branch
+from lapjoint.campaigns.confirm.running import confirm
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.realisations import statistics

@@ -37,7 +37,7 @@ from lapjoint.cli.options import campaign_options, problem_options, solver_optio
     "--errors/--no-errors",
     default=True,
     show_default=True,
-    help="Estimate the errors of the bifurcations, by finer selves of the solver.",
+    help="Estimate the errors of the bifurcations, by finer resolutions of the solver.",
 )
 @click.option(
     "--max-points",
@@ -88,8 +88,8 @@ def branch(
     Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located; with --also-over, their loci in
     two numbers.  Interrupted in any way, the same command resumes.
     """
-    from lapjoint.campaigns.branch_plan import BranchPlan
-    from lapjoint.campaigns.branching import find_branches
+    from lapjoint.campaigns.branches.running import find_branches
+    from lapjoint.campaigns.branches.spec import BranchSpec
     from lapjoint.cli import arguments
     from lapjoint.cli.branch_printing import is_whole, print_branches
     from lapjoint.cli.finding import found_or_stored
@@ -99,7 +99,7 @@ def branch(
     numerics = arguments.options_from(n_modes, elements, options)
     also_over = None if second is None else arguments.axis_from(second, "--also-over")
     how = max_period_multiple, starts, seed, errors, max_points, effort, also_over
-    plan = BranchPlan(this, path, first, last, solver_name, numerics, *how)
+    plan = BranchSpec(this, path, first, last, solver_name, numerics, *how)
     found = found_or_stored(
         plan,
         "branch",

@@ -22,7 +22,7 @@ def is_whole(dataset: xr.Dataset) -> bool:
     """Whether branches were found, and all that began was followed to its end."""
     ends = {*dataset.branch_first_end.values, *dataset.branch_last_end.values}
     failed = int(dataset.sizes.get("failure", 0))
-    return bool(ends) and not ends & {"lost", "effort"} and not int(dataset.left_out.sum()) and not failed
+    return bool(ends) and not ends & {"lost", "effort", "contacts"} and not int(dataset.left_out.sum()) and not failed
 
 
 def print_branches(dataset: xr.Dataset) -> None:

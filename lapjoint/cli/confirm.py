@@ -47,8 +47,8 @@ def confirm(
     The other solver starts from the motions in the file, and states its own errors.  Interrupted in any way, the same
     command resumes.  The exit status is 1 unless both agree on all.
     """
-    from lapjoint.campaigns.branch_dataset import read_branches
-    from lapjoint.campaigns.confirm_plan import confirm_plan
+    from lapjoint.campaigns.branches.table import read_branches
+    from lapjoint.campaigns.confirm.spec import confirm_spec
     from lapjoint.campaigns.running import solve
     from lapjoint.cli import arguments
     from lapjoint.cli.confirm_printing import all_agree, print_confirmed
@@ -56,9 +56,9 @@ def confirm(
 
     arguments.check_file("--out", out, ".nc")
     numerics = arguments.options_from(n_modes, elements, options)
-    plan = confirm_plan(read_branches(branches), solver_name, numerics, share, seed)
+    spec = confirm_spec(read_branches(branches), solver_name, numerics, share, seed)
     found = found_or_stored(
-        plan, "confirm", "this confirmation", solve, out=out, force=force, workers=workers, scheduler=scheduler
+        spec, "confirm", "this confirmation", solve, out=out, force=force, workers=workers, scheduler=scheduler
     )
     print_confirmed(found)
     click.get_current_context().exit(0 if all_agree(found) else 1)

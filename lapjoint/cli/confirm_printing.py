@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.campaigns.confirm_dataset import VERDICTS
+from lapjoint.campaigns.confirm.table import VERDICTS
 from lapjoint.cli.echo import echo
 from lapjoint.figures.branch_names import KIND_NAMES
 

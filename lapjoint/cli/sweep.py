@@ -121,7 +121,7 @@ def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | N
     their bifurcations; of basins, which motion each start ends in, or the share of each motion.
     """
     from lapjoint.campaigns.basin_plan import BasinPlan
-    from lapjoint.campaigns.branch_plan import BranchPlan
+    from lapjoint.campaigns.branches.spec import BranchSpec
     from lapjoint.campaigns.dataset import read_result
     from lapjoint.campaigns.plan import Plan
     from lapjoint.cli import arguments
@@ -130,9 +130,9 @@ def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | N
 
     path = figure or str(Path(curve).with_suffix(".pdf"))
     arguments.check_file("--out", path, *FIGURES)
-    dataset = read_result(curve, Plan.noun, BranchPlan.noun, BasinPlan.noun)
+    dataset = read_result(curve, Plan.noun, BranchSpec.noun, BasinPlan.noun)
     of = dataset.attrs.get("result_of")
-    if of == BranchPlan.noun:
+    if of == BranchSpec.noun:
         arguments.refuse("a diagram of branches has one look", wide=wide, hz=hz, variable=variable)
         save(plot_loci(dataset) if "also_over" in dataset.attrs else plot_branches(dataset), path)
     elif of == BasinPlan.noun:

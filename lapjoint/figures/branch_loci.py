@@ -47,7 +47,7 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     names = np.array([locus_name(dataset, j) for j in range(dataset.sizes["bifurcation"])], dtype=object)
     locus, x, y = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
     for i, name in enumerate(sorted(set(names.tolist()), key=lambda one: (-int((names == one).sum()), one))):
-        look = _look(i, name)
+        look = _look(i)
         axes.plot([], [], label=name, **look)
         for number in dict.fromkeys(locus[names == name].tolist()):
             mine = np.flatnonzero(locus == number)
@@ -63,11 +63,9 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     return axes
 
 
-def _look(i: int, name: str) -> dict[str, Any]:
-    """The look of the loci of a name; what is not resolved is grey, and no line."""
+def _look(i: int) -> dict[str, Any]:
+    """The look of the loci of a name."""
     look: dict[str, Any] = {"markersize": 3.0, "markerfacecolor": "white", "markeredgewidth": 0.7, "linewidth": 0.9}
-    if name.startswith("unresolved"):
-        return {**look, "color": GREY, "linestyle": "", "marker": "x"}
     which = {"color": COLOURS, "linestyle": STYLES, "marker": MARKERS}
     return {**look, **{key: one[i % len(one)] for key, one in which.items()}}
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import xarray as xr
 
-KIND_NAMES = ("fold", "flip", "Neimark-Sacker", "symmetry breaking", "grazing", "unresolved")
+KIND_NAMES = ("fold", "flip", "Neimark-Sacker", "symmetry breaking", "grazing")
 """Names of bifurcations, in the sequence of their codes in a dataset."""
 _GRAZING = KIND_NAMES.index("grazing")
 

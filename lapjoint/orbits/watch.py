@@ -32,7 +32,7 @@ from lapjoint.orbits.compiled_intervals import (
 )
 from lapjoint.orbits.compiled_watch import largest_motion, terms_at_points
 from lapjoint.orbits.segments import Segment, Segments
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray, Problem, Stop
 
 _PER_HALF_PERIOD = 16
 """Least number of intervals of equal width in half a period of the fastest excitation, to begin with."""
@@ -110,6 +110,29 @@ class Watch(Protocol):
         """
 
 
+def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
+    """Stops as compiled functions take them.
+
+    Parameters
+    ----------
+    stops : sequence of Stop
+        The ``P`` stops, at ``U`` places.
+    twins : sequence of int, optional
+        The twin of each on the other side, if the motion goes on mirrored; without it each stop is its own.
+
+    Returns
+    -------
+    Stops
+        Places are numbered from the smallest coordinate on.
+    """
+    return Stops(
+        sign=np.array([stop.sign for stop in stops], dtype=float),
+        gap=np.array([stop.gap for stop in stops], dtype=float),
+        place=np.unique([stop.x for stop in stops], return_inverse=True)[1],
+        beyond=np.arange(len(stops)) if twins is None else np.array(twins, dtype=np.intp),
+    )
+
+
 class SegmentWatch:
     """The watch over an orbit whose segments are known in closed form.
 
@@ -126,15 +149,10 @@ class SegmentWatch:
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
         segments = Segments.of(segments)
-        _, first, place = np.unique([stop.x for stop in problem.stops], return_index=True, return_inverse=True)
+        stops = stops_of(problem.stops, twins)
+        self._place = stops.place
+        first = np.unique(stops.place, return_index=True)[1]
         motion, length = motion_at(segments, first), float(segments.end[-1])
-        stops = Stops(
-            sign=np.array([stop.sign for stop in problem.stops], dtype=float),
-            gap=np.array([stop.gap for stop in problem.stops], dtype=float),
-            place=place,
-            beyond=np.arange(len(problem.stops)) if twins is None else np.array(twins, dtype=np.intp),
-        )
-        self._place = place
         self._switching = np.flatnonzero(segments.switched >= 0)
         stop, time = segments.switched[self._switching], segments.end[self._switching]
         rate, curvature = slopes_at_switches(motion, stops, self._switching, stop)

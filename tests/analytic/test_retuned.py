@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-from itertools import product
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from analytic.march import Joint
 from analytic.period_map import PeriodMap
 from lapjoint import BaseMotion, InputError, NoDamping, Problem, SineLoad, paper_joint
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.family import Family
+from lapjoint.orbits.branches.resolution import ParameterRange
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY
 
 MODES = 9
@@ -95,20 +94,18 @@ def test_a_map_does_not_know_what_it_cannot() -> None:
         assert solver.period_map(paper_joint()).retuned(FREQUENCY, value, never) is None
 
 
-def test_a_family_has_the_maps_that_are_made_anew_in_all_its_zones_and_none_where_there_is_no_problem() -> None:
+def test_a_range_has_the_maps_that_are_made_anew_in_all_its_zones_and_none_where_there_is_no_problem() -> None:
     grid = Grid(paper_joint(), (Axis(FREQUENCY, (50.0, 4000.0)),))
-    family = Family(analytic.Solver(), lambda value: grid.with_values((value,)), FREQUENCY, 50.0, 4000.0)
-    assert len(family.zones) > 1
-    values = np.random.default_rng(73).uniform(50.0, 4000.0, 12).tolist()
-    for value, own in product(values, (family, family.self_at(1))):
-        anew = own.solver_at(value).period_map(grid.with_values((value,)))
-        half_periods = own.at(value)
-        found = half_periods.map
+    of = ParameterRange(analytic.Solver(), lambda value: grid.with_values((value,)), FREQUENCY, 50.0, 4000.0)
+    assert len(of.zones) > 1
+    for value in np.random.default_rng(73).uniform(50.0, 4000.0, 12).tolist():
+        own = of.resolution(value)
+        anew = own.solver.period_map(grid.with_values((value,)))
+        found = own.map(value)
         assert isinstance(found, PeriodMap)
         assert isinstance(anew, PeriodMap)
         assert found.problem == anew.problem
-        assert half_periods.structure is anew.problem.structure
         assert_the_same(found, anew, FREQUENCY)
     for value in (0.0, -3.0, 1e200):
         with pytest.raises(InputError):
-            family.at(value)
+            of.resolution(1e3).map(value)

@@ -6,12 +6,12 @@ import itertools
 import math
 
 import pytest
+from rigid_starts import ORDERS, start
 
 import analytic
 import fe_lapjoint
 from lapjoint import BaseMotion, Beam, ModalDamping, NoDamping, Problem, Stop, Support
 from lapjoint.problem import PolynomialShape, RecordBaseMotion
-from tests.helpers.rigid_starts import ORDERS, start
 
 RIGID = Beam(length=1.0, bending_stiffness=1e8, mass_per_length=1.0)
 SPRINGS = Support(x=0.0, translational=50.0), Support(x=1.0, translational=50.0)

@@ -8,13 +8,11 @@ a torsional spring, with a bending stiffness that can be raised.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lapjoint import BaseMotion, Beam, ModalDamping, PolynomialShape, Problem, Stop, Support, ViscousDamping
-from lapjoint.answers.branches import Branch
 from validation.references.bilinear_map import BilinearMap, OneContact, Piece
 
 _SIDE = 1.08  # by so much the range goes beyond the folds and flips at its ends
@@ -52,7 +50,7 @@ class Bar:
         base = BaseMotion(amplitude=self.seed.amplitude, angular_frequency=known.omega)
         on_pin = bool(self.torsional)
         length, mass = (LENGTH, MASS) if on_pin else (1.0, 1.0)
-        supports = (Support(x=0.0, translational=math.inf, torsional=self.torsional),)
+        supports: tuple[Support, ...] = (Support(x=0.0, translational=math.inf, torsional=self.torsional),)
         if not on_pin:
             supports = tuple(Support(x=x, translational=0.5) for x in (0.0, 1.0))
         coefficient = 2 * self.ratio * math.sqrt(known.free.stiffness / known.free.mass) * mass
@@ -76,31 +74,6 @@ def draw(seed: int, kind: str, *, on_pin: bool) -> Bar:
         found = _around(one, kind)
         if found is not None:
             return found
-
-
-def matched(bar: Bar, branch: Branch) -> Iterator[tuple[str, float, float, int]]:
-    """Kind, closed form and value of each fold and flip with one contact, and its index in `branch.bifurcations`.
-
-    Those that are joined to the seed must be there, and all that are there must be known.
-    """
-    known = [(kind, motion.amplitude) for kind, motion in (*bar.there, *bar.elsewhere)]
-    left = [(kind, motion.amplitude) for kind, motion in bar.there]
-    for i, one in enumerate(branch.bifurcations):
-        beside = branch.points[max(one.index - 1, 0) : one.index + 1]
-        if one.kind not in ("fold", "flip") or any(contacts(point.motion.history.contacts) != 1 for point in beside):
-            continue
-        same = [pair for pair in known if pair[0] == one.kind]
-        assert same, (one.kind, one.value)
-        nearest = min(same, key=lambda pair: abs(pair[1] - one.value))
-        if nearest in left:
-            left.remove(nearest)
-        yield one.kind, nearest[1], one.value, i
-    assert not left, left
-
-
-def contacts(found: tuple[object, ...]) -> int:
-    """Number of contacts in a period, one that the section point cuts counted once."""
-    return sum(not one.open_start for one in found)  # type: ignore[attr-defined]
 
 
 def _random(rng: np.random.Generator, on_pin: bool) -> Bar:

@@ -1,4 +1,4 @@
-"""A witness of branches who follows none: at points drawn along a branch he marches, looks at every gap, and pushes.
+"""A witness of branches who follows none: at motions drawn from a branch he marches, looks at every gap, and pushes.
 
 He draws a field and a range of it for each random joint, has the branch of the motion from rest traced, and then
 
@@ -6,7 +6,8 @@ He draws a field and a range of it for each random joint, has the branch of the 
   of it; finite elements he marches again by `dense_march`, too, and finds the same switches;
 - marches a drawn orbit from a section point pushed a little away: it comes back or leaves as the multipliers say, by
   the factor that the largest of them says;
-- asks whether contacts or the number of multipliers outside the unit circle change anywhere without a bifurcation.
+- asks whether contacts or the number of multipliers outside the unit circle change anywhere without a bifurcation,
+  whether the number is extremal at folds, and whether the branch ends where it says.
 """
 
 from __future__ import annotations
@@ -23,13 +24,16 @@ from population import joint
 import analytic
 import fe_lapjoint
 from fe_lapjoint.march.field import ElementField
-from lapjoint import History, Problem
-from lapjoint.answers.branches import Branch, BranchPoint
+from lapjoint import History, Problem, SteadyState
 from lapjoint.campaigns import Axis, Grid
-from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.run import Limits
-from lapjoint.orbits.branches.seeds import seed_from
-from lapjoint.orbits.branches.tracing import trace
+from lapjoint.campaigns.branches.solve import steady_state
+from lapjoint.orbits.branches.bifurcations import Bifurcation, beside
+from lapjoint.orbits.branches.errors import value_of
+from lapjoint.orbits.branches.point import SAME, CurvePoint
+from lapjoint.orbits.branches.resolution import ParameterRange
+from lapjoint.orbits.branches.starts import start_from
+from lapjoint.orbits.branches.tracing import Found, Limits, Traced, trace
+from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.problem import BaseMotion, FloatArray
 
@@ -47,7 +51,9 @@ _CLOSED = 1e-7  # of the motion's size, and of its period: by so much the marche
 _DEEP = 1e-6  # of a motion's largest displacement: contacts less deep may be seen by one march, and not by the other
 _GRAZES = 1e-3  # of the number: a motion is at a graze
 _BESIDE = 1e-9  # of a motion's period
-_ONE = 1e-9  # of the number, and of impulses: bifurcations are located to so much
+_ONE = 1e-9  # of the number: bifurcations are located to so much
+_AWAY = (1e-3, 1e-4, 1e-5, 1e-6)  # arclengths from a fold at which the number is looked at
+_TOLD = 1e-13  # of the number's scale: the least change that is told
 _SAMPLES = 40  # in the shortest period of a mode
 _AT_ONCE = 1_000_000  # samples that are looked at: all of a motion with fast modes would fill the memory
 
@@ -94,90 +100,126 @@ class Witnessed:
     """Its bifurcations."""
 
 
-def witnessed(solver: AnySolver, seed: int, index: int, errors: bool = False) -> Witnessed:
-    """All of it for one problem; with errors, finer solvers have followed what was in doubt."""
+def witnessed(solver: AnySolver, seed: int, index: int) -> Witnessed:
+    """All of it for one problem."""
     one, rng = drawn(seed, index), np.random.default_rng((seed, index, 14))
-    grid = Grid(one.problem, (Axis(one.path, (one.low, one.high)),))
-    family = Family(solver, lambda value: grid.with_values((value,)), one.path, one.low, one.high)
-    branch = first_branch(family, errors)
-    if branch is None:
+    of = range_of(solver, one)
+    traced, at_end = first_branch(of)
+    if traced is None:
         return Witnessed((), 0, 0, (), ())
-    faults, pushed = [*unnamed(branch), *listed_twice(branch), *short(family, branch)], 0
-    for i in rng.permutation(len(branch.points))[:DRAWN].tolist():
-        point = branch.points[i]
-        map_ = map_of(family, point)
+    faults, pushed = [*unnamed(traced), *listed_twice(traced), *ends(of, traced, at_end), *not_extremal(traced)], 0
+    for i in rng.permutation(len(traced.points))[:DRAWN].tolist():
+        point = traced.points[i]
+        map_, motion = point.problem.resolution.map(point.value), steady_state(point)
         where = f"point {i} at {point.value:.9g}"
-        faults += [f"{where}: {what}" for what in (*unseen(point), *marched_again(map_, point))]
-        said = None if at_graze(branch, i) else pushed_march(map_, point, rng)
+        faults += [f"{where}: {what}" for what in unseen(motion)]
+        if not at_graze(traced, i, _ONE):  # there rounding decides about a contact, and nearby a push
+            faults += [f"{where}: {what}" for what in marched_again(map_, point, motion)]
+        said = None if at_graze(traced, i, _GRAZES) else pushed_march(map_, motion, rng)
         pushed += said is not None
         faults += [f"{where}: {said}"] if said else []
-    return Witnessed(
-        tuple(faults), len(branch.points), pushed, branch.ends, tuple(one.kind for one in branch.bifurcations)
-    )
+    kinds = tuple(one.what.kind for one in traced.found)
+    return Witnessed(tuple(faults), len(traced.points), pushed, traced.ends, kinds)
 
 
-def map_of(family: Family, point: BranchPoint) -> PeriodMap:
-    """The period map of the solver that has found a motion."""
-    while family.solver_at(point.value).name != point.motion.solver:
-        finer = family.finer(point.value)
-        assert finer is not None
-        family = finer[1]
-    return family.at(point.value).map
+def range_of(solver: AnySolver, one: Drawn) -> ParameterRange:
+    """The range of a problem by a solver."""
+    grid = Grid(one.problem, (Axis(one.path, (one.low, one.high)),))
+    return ParameterRange(solver, lambda value: grid.with_values((value,)), one.path, one.low, one.high)
 
 
-def first_branch(family: Family, errors: bool) -> Branch | None:
-    """The branch of a motion that a march from rest comes to, at one of three values."""
-    for value in (family.low, family.high, 0.5 * (family.low + family.high)):
-        seed = seed_from(family, value, family.at(value).map.initial(), 2)
-        if seed is not None:
-            found = trace(family, seed, most_multiple=2, errors=errors, limits=Limits(POINTS))
-            return None if found is None else found.branch
-    return None
+def first_branch(of: ParameterRange) -> tuple[Traced | None, bool]:
+    """The branch of a motion that a march from rest comes to, at one of three values, and whether at an end."""
+    for value in (of.low, of.high, 0.5 * (of.low + of.high)):
+        start = start_from(of, value, of.resolution(value).map(value).initial(), 2)
+        if start is not None:
+            return trace(of, start, 2, Limits(POINTS)), value in (of.low, of.high)
+    return None, False
 
 
-def unnamed(branch: Branch) -> Iterator[str]:
+def closings(point: CurvePoint, multiple: int) -> int:
+    """Contacts that begin while the excitation has so many periods, as the contact sequence has them."""
+    return point.problem.events * multiple // point.problem.half_periods
+
+
+def begun(history: History) -> int:
+    """Contacts that begin in a motion."""
+    return sum(not contact.open_start for contact in history.contacts)
+
+
+def unnamed(traced: Traced) -> Iterator[str]:
     """Where contacts or stability change from point to point without a bifurcation between."""
-    # A graze lies at its point, on either side of which other contacts may be; others lie before their point.
-    named = {one.index for one in branch.bifurcations}
-    named |= {one.index + 1 for one in branch.bifurcations if one.kind == "grazing"}
-    for i, (a, b) in enumerate(pairwise(branch.points)):
+    named = {one.index for one in traced.found}
+    last = len(traced.points) - 1
+    named |= {at for at, end in zip((1, last), traced.ends, strict=True) if end == "bifurcation"}
+    for i, (a, b) in enumerate(pairwise(traced.points)):
         if i + 1 in named:
             continue
         where = f"between points {i} and {i + 1} at {a.value:.9g} and {b.value:.9g}"
-        if len(a.motion.history.contacts) != len(b.motion.history.contacts):
-            counts = [sum(not c.open_start for c in one.motion.history.contacts) for one in (a, b)]
-            if counts[0] != counts[1]:
-                yield f"{where}: {counts[0]} and {counts[1]} contacts, and no graze"
-        outside = [int(np.count_nonzero(np.abs(one.motion.multipliers) > 1)) for one in (a, b)]
+        if a.problem.events != b.problem.events:
+            yield f"{where}: {a.problem.events} and {b.problem.events} switches, and no graze"
+        outside = [int(np.count_nonzero(np.abs(one.multipliers) > 1)) for one in (a, b)]
         if outside[0] != outside[1]:
             yield f"{where}: {outside[0]} and {outside[1]} multipliers outside the circle, and no bifurcation"
 
 
-def listed_twice(branch: Branch) -> Iterator[str]:
-    """Bifurcations that have the number and the impulses of another one of their kind and stop."""
-    for a, b in combinations([one for one in branch.bifurcations if one.kind != "unresolved"], 2):
-        near = (a.kind, a.stop) == (b.kind, b.stop) and abs(a.value - b.value) <= _ONE * abs(a.value)
-        if near and np.allclose(a.impulses, b.impulses, rtol=_ONE):
-            yield f"{a.kind} at {a.value:.12g} before points {a.index} and {b.index}"
+def listed_twice(traced: Traced) -> Iterator[str]:
+    """Bifurcations that have the number and the motion of another one of their kind."""
+    for one, other in combinations(traced.found, 2):
+        a, b = value_of(one.what), value_of(other.what)
+        if one.what.kind == other.what.kind and abs(a - b) <= _ONE * abs(a) and is_one_motion(one, other):
+            yield f"{one.what.kind} at {a:.12g} before points {one.index} and {other.index}"
 
 
-def short(family: Family, branch: Branch) -> Iterator[str]:
-    """Ends that are said to be those of the range, and are not."""
-    for end, point in zip(branch.ends, (branch.points[0], branch.points[-1]), strict=True):
-        if end == "boundary" and point.value not in (family.low, family.high):
+def is_one_motion(one: Found, other: Found) -> bool:
+    """Whether two bifurcations have one motion."""
+    point, there = (
+        found.what.point if isinstance(found.what, Bifurcation) else found.what.before for found in (one, other)
+    )
+    half = HalfPeriods(point.problem.resolution.map(point.value))
+    mine = half.map.adopted(point.section())
+    return any(half.apart(half.map.adopted(image), mine) <= SAME for image in there.sections())
+
+
+def ends(of: ParameterRange, traced: Traced, at_end: bool) -> Iterator[str]:
+    """Ends that are said to be those of the range, and are not, and rings from a motion at an end of the range."""
+    for end, point in zip(traced.ends, (traced.points[0], traced.points[-1]), strict=True):
+        if end == "boundary" and point.value not in (of.low, of.high):
             yield f"ends as boundary at {point.value:.9g}"
+        if end == "closed" and at_end:
+            yield "is a ring, which goes through an end of the range"
 
 
-def at_graze(branch: Branch, i: int) -> bool:
-    """Whether a point is so near to a graze, or to what is not resolved, that a push decides about a contact."""
-    value = branch.points[i].value
-    kinds = ("grazing", "unresolved")
-    return any(abs(one.value - value) <= _GRAZES * abs(value) for one in branch.bifurcations if one.kind in kinds)
+def not_extremal(traced: Traced) -> Iterator[str]:
+    """Folds on both sides of which the number goes on in one direction."""
+    for one in traced.found:
+        if isinstance(one.what, Bifurcation) and one.what.kind == "fold" and not is_extremal(one.what.point):
+            yield f"fold at {one.what.point.value:.9g}: the number goes on"
 
 
-def unseen(point: BranchPoint) -> Iterator[str]:
+def is_extremal(fold: CurvePoint) -> bool:
+    """Whether the number is on one side of a fold's on both sides of it, as near as can be told."""
+    told = True
+    for length in _AWAY:
+        near = [beside(fold, way) for way in (length, -length)]
+        changes = [(one.value - fold.value) / fold.scale[-1] for one in near if one is not None]
+        if len(changes) == 2 and min(map(abs, changes)) > _TOLD:
+            told = changes[0] * changes[1] > 0
+            if told:
+                break
+    return told
+
+
+def at_graze(traced: Traced, i: int, near: float) -> bool:
+    """Whether the number of a point is as near to that of a graze, over its size."""
+    value = traced.points[i].value
+    grazes = (value_of(one.what) for one in traced.found if not isinstance(one.what, Bifurcation))
+    return any(abs(one - value) <= near * abs(value) for one in grazes)
+
+
+def unseen(motion: SteadyState) -> Iterator[str]:
     """Where the orbit is beyond a stop outside its contacts, or short of it in one."""
-    history = point.motion.history
+    history = motion.history
     count = math.ceil((history.end - history.start) * fastest_of(history) * _SAMPLES / (2 * math.pi))
     samples, jumps = max(count, 2000), displaced(history)
     edges = np.linspace(0, samples, math.ceil(samples / _AT_ONCE) + 1).astype(int)
@@ -228,12 +270,15 @@ def displaced(history: History) -> FloatArray:
     return np.array([float(np.abs(jump).max(initial=0.0)) for jump in jumps])
 
 
-def marched_again(map_: PeriodMap, point: BranchPoint) -> Iterator[str]:
-    """How a march in tiny steps differs from the orbit; by finite elements alone."""
+def marched_again(map_: PeriodMap, point: CurvePoint, motion: SteadyState) -> Iterator[str]:
+    """How the solver's march, and by finite elements one in tiny steps, too, differ from the orbit."""
+    contacts = closings(point, motion.period_multiple), begun(motion.history)
+    if contacts[0] != contacts[1]:
+        yield f"marched it has {contacts[1]} contacts, not {contacts[0]}"
     model = getattr(map_, "model", None)
     if model is None:
         return
-    periods, start = point.motion.period_multiple, point.motion.section_point
+    periods, start = motion.period_multiple, motion.section_point
     y = np.asarray(map_.modal(start)).ravel()  # type: ignore[attr-defined]
     found = dense_march(model, start.state, y, map_.period, periods)
     omega = 2 * math.pi / map_.period
@@ -244,10 +289,10 @@ def marched_again(map_: PeriodMap, point: BranchPoint) -> Iterator[str]:
     q0, v0 = np.split(y, 2)
     size = math.hypot(float(np.linalg.norm(q0)), float(np.linalg.norm(v0)) / omega)
     away = math.hypot(float(np.linalg.norm(q - q0)), float(np.linalg.norm(v - v0)) / omega)
-    growth = max(1.0, float(np.abs(point.motion.multipliers).max()))
+    growth = max(1.0, float(np.abs(motion.multipliers).max()))
     if away > _CLOSED * growth * size:
         yield f"marched in tiny steps it closes to {away / size:.1e}"
-    history = point.motion.history
+    history = motion.history
     expected = sorted(
         [(c.start - history.start, c.stop) for c in history.contacts if not c.open_start]
         + [(c.end - history.start, c.stop) for c in history.contacts if not c.open_end]
@@ -260,9 +305,8 @@ def marched_again(map_: PeriodMap, point: BranchPoint) -> Iterator[str]:
         yield f"marched in tiny steps a switch is {np.abs(by_time).max():.1e} s off"
 
 
-def pushed_march(map_: PeriodMap, point: BranchPoint, rng: np.random.Generator) -> str | None:
+def pushed_march(map_: PeriodMap, motion: SteadyState, rng: np.random.Generator) -> str | None:
     """What is wrong with a march from a push, "" if nothing is; None where the multipliers say too little."""
-    motion = point.motion
     leading = float(np.abs(motion.multipliers).max(initial=0.0))
     if abs(leading - 1) < MARGIN:
         return None

@@ -144,10 +144,10 @@ def _text(tables: str, known: BilinearMap, motion: OneContact, bending: float) -
 def _range_around(tables: str, known: BilinearMap, kind: str) -> ContactBar | None:
     """The first bifurcation of a kind with enough room on either side of it."""
     for at in known.flips() if kind == "symmetry breaking" else known.neimark_sackers():
-        ends = [_end(known, at, step) for step in (-1, 1)]
-        if ends[0] is None or ends[1] is None:
+        ends = [end for end in (_end(known, at, step) for step in (-1, 1)) if end is not None]
+        if len(ends) < 2:
             continue
-        low, high = sorted(ends, key=lambda one: one.amplitude)  # type: ignore[union-attr]
+        low, high = sorted(ends, key=lambda one: one.amplitude)
         one = ContactBar(tables, known, at, low, high)
         if abs(one.stable.multipliers[0]) < 1 < abs(one.unstable.multipliers[0]):
             return one

@@ -108,7 +108,8 @@ class _Stretch:
         self.n, self.t, self.last = system.omega.size, t, last
         self.unit = np.maximum(system.omega, system.driven.max())  # of velocities: like entries round less
         self.M, self.z = _matrix(system, self.unit, y, t)
-        self.fastest = fastest_moving(system, *np.split(y, 2), t)
+        q, v = np.split(y, 2)
+        self.fastest = fastest_moving(system, q, v, t)
         self.rows = np.zeros((2, model.sign.size, self.z.size))
         self.rows[0, :, : self.n] = model.orientation(state)[:, None] * system.stops
         self.rows[1, :, self.n : 2 * self.n] = self.rows[0, :, : self.n] * self.unit

@@ -15,12 +15,12 @@ from lapjoint import BaseMotion, Beam, Problem, Stop, Support
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.arcs import Chain, ContactSequence
+from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
+from lapjoint.orbits.branches.options import ContinuationOptions
+from lapjoint.orbits.branches.point import CurvePoint
+from lapjoint.orbits.branches.resolution import Resolution
+from lapjoint.orbits.branches.sequence_changes import nearest
 from lapjoint.orbits.compiled_intervals import Motion
-from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.options import ContinuationOptions
-from lapjoint.orbits.curves.point import CurvePoint
-from lapjoint.orbits.curves.resolution import Resolution
-from lapjoint.orbits.curves.sequence_changes import nearest
 from lapjoint.problem import FloatArray
 
 AMPLITUDE = "base_motion.amplitude"
@@ -104,14 +104,18 @@ class GalerkinArcs:
     def _states(self) -> dict[ContactState, State]:
         return {}
 
+    def shapes(self, x: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Frequencies without contact, mass-normalised shapes at x, and integrals of the shapes over the mass."""
+        return clamped_free(self.modes, x)
+
     def row(self, stop: int) -> FloatArray:
         """Displacement at a stop from (q, v)."""
-        return np.concatenate([clamped_free(self.modes, self.problem.stops[stop].x)[1], np.zeros(self.modes)])
+        return np.concatenate([self.shapes(self.problem.stops[stop].x)[1], np.zeros(self.modes)])
 
     def state(self, closed: ContactState) -> State:
         """One contact state."""
         if closed not in self._states:
-            natural, _, part = clamped_free(self.modes, 1.0)
+            natural, _, part = self.shapes(self.problem.beam.length)
             K, e, N = np.diag(natural**2), np.zeros(self.modes), self.modes
             for k in closed.closed:
                 stop, phi = self.problem.stops[k], self.row(k)[:N]
@@ -222,6 +226,8 @@ def first_graze(arcs: GalerkinArcs, amplitude: float) -> float:
 class GalerkinResolution(Resolution):
     """One number of modes over a range of the amplitude or the frequency."""
 
+    kind = GalerkinArcs
+
     def __init__(
         self, problem: Problem, path: str, low: float, high: float, modes: int, zeta: float, viscous: bool = False
     ) -> None:
@@ -239,7 +245,7 @@ class GalerkinResolution(Resolution):
         if value not in self._arcs:
             if len(self._arcs) > 64:
                 self._arcs.clear()
-            self._arcs[value] = GalerkinArcs(self.problem_at(value), self.modes, self.zeta, self.viscous)
+            self._arcs[value] = self.kind(self.problem_at(value), self.modes, self.zeta, self.viscous)
         return self._arcs[value]
 
 

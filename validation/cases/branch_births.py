@@ -25,6 +25,9 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 STIFFNESS = 1e6  # N m2: the softer bar bends so that a bifurcation is displaced by 6e-5
 SPAN = 0.96, 1.04  # of the amplitude at the bifurcation
 SOLVER = "analytic"
+AT = 1e-9
+"""Of the amplitude: by as little does the point at which the branch springs differ from the bifurcation, where a
+multiplier is 1."""
 _BEAM = """
 [beam]
 length = 1.5
@@ -159,9 +162,7 @@ def _beside(birth: Birth, data: xr.Dataset, found: Sequence[Found], where: str) 
     name = f"{birth.name}, {where}: one branch springs from it, and goes to the end of the range (1: yes)"
     yield Criterion(name, "1", float(ends[1:] == [{"bifurcation", "boundary"}]), 1, 1, "a start comes to it, too")
     name = f"{birth.name}, {where}: points of it that are unstable, or not above"
-    wrong = np.count_nonzero((stable[~mine] != 1) | (x[~mine] < (1 - SAME) * found[0].value.value))
+    above = x / found[0].value.value - 1
+    its_own = ~mine & (np.abs(above) > AT)
+    wrong = np.count_nonzero((stable[its_own] != 1) | (above[its_own] < 0))
     yield Criterion(name, "1", float(wrong), 0, 0, "it takes the stability over")
-
-
-SAME = 1e-4
-"""Of the amplitude: points of the branch that springs are as near to where it springs."""

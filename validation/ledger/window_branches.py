@@ -10,7 +10,7 @@ import numpy as np
 
 from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, branch
-from lapjoint.campaigns.branch_dataset import KINDS
+from lapjoint.campaigns.branches.table import KINDS
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:

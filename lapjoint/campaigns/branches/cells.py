@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.branches.search import Part
 from lapjoint.campaigns.branches.solve import follow_a_little
-from lapjoint.campaigns.branches.spec import range_of
+from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.solver import Progress, Solver
 
 
@@ -33,11 +32,11 @@ class Parts:
     Others come to them while workers solve some.
     """
 
-    noun: ClassVar[str] = BranchPlan.noun
-    cells_noun: ClassVar[str] = BranchPlan.cells_noun
+    noun: ClassVar[str] = BranchSpec.noun
+    cells_noun: ClassVar[str] = BranchSpec.cells_noun
     longest_batch: ClassVar[int] = 1
     chained: ClassVar[bool] = False
-    spec: BranchPlan
+    spec: BranchSpec
     """What is asked, at all values of the second parameter."""
     parts: Mapping[int, Part]
     """The parts that are not done, by the numbers of their cells; never changed, but replaced by another mapping, as a

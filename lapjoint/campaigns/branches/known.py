@@ -14,19 +14,18 @@ from typing import Any
 import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.branches.plain import problem_of, start_of, unknowns_of
-from lapjoint.campaigns.branches.spec import range_of
+from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.point import section_from
 from lapjoint.errors import InputError, SolverError
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.continuation import at_value
-from lapjoint.orbits.curves.point import CurvePoint
-from lapjoint.orbits.curves.resolution import Resolution
-from lapjoint.orbits.curves.sequence_changes import nearest
-from lapjoint.orbits.curves.starts import SAME, at_parameter
-from lapjoint.orbits.curves.tracing import at_resolution
+from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
+from lapjoint.orbits.branches.continuation import at_value
+from lapjoint.orbits.branches.point import SAME, CurvePoint
+from lapjoint.orbits.branches.resolution import Resolution
+from lapjoint.orbits.branches.sequence_changes import nearest
+from lapjoint.orbits.branches.starts import at_parameter
+from lapjoint.orbits.branches.tracing import at_resolution
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray
 
@@ -40,13 +39,13 @@ class Motion:
 
     Parameters
     ----------
-    spec : BranchPlan
+    spec : BranchSpec
         What is asked.
     plain : mapping
         The motion, as `lapjoint.campaigns.branches.plain.plain_start` gives it.
     """
 
-    def __init__(self, spec: BranchPlan, plain: Mapping[str, Any]) -> None:
+    def __init__(self, spec: BranchSpec, plain: Mapping[str, Any]) -> None:
         self._of, self._plain = range_of(spec), plain
 
     @cached_property
@@ -126,13 +125,13 @@ class Curve:
 
     Parameters
     ----------
-    spec : BranchPlan
+    spec : BranchSpec
         What is asked.
     branch : mapping
         The branch, as `lapjoint.campaigns.branches.solve.solve_branch` gives it.
     """
 
-    def __init__(self, spec: BranchPlan, branch: Mapping[str, Any]) -> None:
+    def __init__(self, spec: BranchSpec, branch: Mapping[str, Any]) -> None:
         self._of = range_of(spec)
         self.half_periods: int = branch["half_periods"]
         """Half periods after which its motions repeat."""

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
+from typing import Any, get_args
 
 import numpy as np
 
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.campaigns.point import plain_section, section_from
 from lapjoint.orbits.arcs import ContactSequence
-from lapjoint.orbits.curves.boundary_problem import BoundaryProblem
-from lapjoint.orbits.curves.point import CurvePoint
-from lapjoint.orbits.curves.resolution import ParameterRange
-from lapjoint.orbits.curves.starts import Start
+from lapjoint.orbits.branches.bifurcations import Bifurcation, Kind
+from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
+from lapjoint.orbits.branches.errors import Located, resolution_of
+from lapjoint.orbits.branches.point import CurvePoint
+from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
+from lapjoint.orbits.branches.sequence_changes import nearest, with_ended_arc
+from lapjoint.orbits.branches.starts import Start
 from lapjoint.problem import FloatArray
 
 
@@ -132,3 +136,65 @@ def unknowns_of(knot: Sequence[Any]) -> FloatArray:
         With the same bits.
     """
     return np.array(knot[1], dtype=float)
+
+
+def plain_located(of: ParameterRange, what: Located) -> dict[str, Any] | None:
+    """A bifurcation or graze as values that JSON can hold.
+
+    Parameters
+    ----------
+    of : ParameterRange
+        The range.
+    what : Bifurcation or SequenceChange
+        What was located, at a resolution of the range or one that is finer.
+
+    Returns
+    -------
+    dict of str to Any, or None
+        ``kind``; ``zone`` and ``finer``, the number of the zone and how many times finer its solver is made; and the
+        motion, as `plain_start` gives it.  None of a graze whose motion with a contact more is not known.
+    """
+    point = what.point if isinstance(what, Bifurcation) else what.more
+    if point is None:
+        return None
+    zone, finer = next(
+        (i, k)
+        for i, (_, coarsest) in enumerate(of.zones)
+        for k, one in enumerate(_made_finer(coarsest))
+        if one is resolution_of(what)
+    )
+    return {"kind": what.kind, "zone": zone, "finer": finer, **plain_start(Start.at(point))}
+
+
+def located_of(of: ParameterRange, plain: Mapping[str, Any]) -> Located | None:
+    """The bifurcation or graze that `plain_located` made values of.
+
+    Parameters
+    ----------
+    of : ParameterRange
+        The range.
+    plain : mapping
+        The values.
+
+    Returns
+    -------
+    Bifurcation or SequenceChange, or None
+        A graze comes from the side with a contact more; None if Newton's method does not find the motion again.
+    """
+    start = start_of(plain)
+    resolution = next(islice(_made_finer(of.zones[plain["zone"]][1]), plain["finer"], None), None)
+    if resolution is None:
+        return None
+    problem = BoundaryProblem(resolution, start.sequence, start.half_periods, start.phase, start.tied)
+    if plain["kind"] not in get_args(Kind):
+        return with_ended_arc(problem, start.unknowns)
+    point = nearest(problem, start.unknowns)
+    return None if point is None else Bifurcation(plain["kind"], point)
+
+
+def _made_finer(resolution: Resolution) -> Iterator[Resolution]:
+    """A resolution, and finer and finer ones that are made of it."""
+    yield resolution
+    while resolution.finer is not None:
+        resolution = resolution.finer[1]
+        yield resolution

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.batch import Batch, Solved
-from lapjoint.campaigns.branch_journal import BranchJournal
-from lapjoint.campaigns.branch_plan import EFFORT, MAX_POINTS
-from lapjoint.campaigns.branches.spec import BranchSpec
+from lapjoint.campaigns.branches.journal import BranchJournal
+from lapjoint.campaigns.branches.spec import EFFORT, MAX_POINTS, BranchSpec
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.running import send, stored
 from lapjoint.campaigns.workers import Workers, check_workers
@@ -77,7 +76,7 @@ def branch(
     seed : int
         Seed of the random starts.
     errors : bool
-        Whether to estimate the errors of the bifurcations, by finer selves of the solver.
+        Whether to estimate the errors of the bifurcations, by finer resolutions of the solver.
     max_points : int
         Largest number of points of a branch; one that needs more, or more tries than go with so many, ends as
         ``effort``.

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from lapjoint.campaigns.branch_plan import BranchPlan
 from lapjoint.campaigns.branches.known import Curve, Motion
 from lapjoint.campaigns.branches.solve import solve_branch, solve_start
+from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.solver import Progress
 
 _LOOKED_AHEAD = 32
@@ -38,12 +38,12 @@ class Part:
         own = f"{'start' if self.start is None else 'branch'} {self.number}"
         return f"value {self.value}: {own}" if self.value else own
 
-    def solved(self, spec: BranchPlan, progress: Progress | None = None) -> dict[str, Any]:
+    def solved(self, spec: BranchSpec, progress: Progress | None = None) -> dict[str, Any]:
         """What it comes to.
 
         Parameters
         ----------
-        spec : BranchPlan
+        spec : BranchSpec
             What is asked, at all values.
         progress : callable, optional
             Called with the share of a branch that is followed, and with one.
@@ -94,7 +94,7 @@ class Search:
 
     Parameters
     ----------
-    spec : BranchPlan
+    spec : BranchSpec
         What is asked, at all values.
     value : int
         Number of the value.
@@ -102,7 +102,7 @@ class Search:
         Number of branches that may be under way, be it that some of them wait for a worker.
     """
 
-    def __init__(self, spec: BranchPlan, value: int, ahead: int) -> None:
+    def __init__(self, spec: BranchSpec, value: int, ahead: int) -> None:
         self._spec, self._value, self._ahead = spec.at(value), value, ahead
         self._starts = [Part(value, i) for i in range(self._spec.size)]
         self._waiting = list[_Waiting]()

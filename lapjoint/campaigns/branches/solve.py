@@ -12,19 +12,18 @@ import numpy as np
 from lapjoint.answers.branches import Bifurcation as Row
 from lapjoint.answers.branches import BifurcationKind
 from lapjoint.answers.steady_state import SteadyState, impulses_per_period, periodic_outcome
-from lapjoint.campaigns.branch_plan import BranchPlan
-from lapjoint.campaigns.branches.plain import plain_curve, plain_start, start_of
-from lapjoint.campaigns.branches.spec import range_of
+from lapjoint.campaigns.branches.plain import plain_curve, plain_located, plain_start, start_of
+from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.point import Point, plain_section, point_of
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.curves.bifurcations import Bifurcation
-from lapjoint.orbits.curves.errors import stated
-from lapjoint.orbits.curves.point import CurvePoint
-from lapjoint.orbits.curves.resolution import ParameterRange
-from lapjoint.orbits.curves.starts import start_from, without_contact
-from lapjoint.orbits.curves.tracing import Found, Limits, Traced, trace
+from lapjoint.orbits.branches.bifurcations import Bifurcation
+from lapjoint.orbits.branches.errors import stated
+from lapjoint.orbits.branches.point import CurvePoint
+from lapjoint.orbits.branches.resolution import ParameterRange
+from lapjoint.orbits.branches.starts import start_from, without_contact
+from lapjoint.orbits.branches.tracing import Found, Limits, Traced, trace
 from lapjoint.orbits.steady_state import mirrors_itself
 from lapjoint.solver import Solver
 
@@ -33,12 +32,12 @@ _A_FEW = 3
 
 
 @in_one_thread
-def solve_start(spec: BranchPlan, number: int) -> dict[str, Any]:
+def solve_start(spec: BranchSpec, number: int) -> dict[str, Any]:
     """The motion that a start leads to and, at an end of the range, that without contact.
 
     Parameters
     ----------
-    spec : BranchPlan
+    spec : BranchSpec
         What is asked.
     number : int
         Number of the start: 0 and 1 are the ends of the range, others are random.
@@ -60,13 +59,13 @@ def solve_start(spec: BranchPlan, number: int) -> dict[str, Any]:
 
 @in_one_thread
 def solve_branch(
-    spec: BranchPlan, plain: Mapping[str, Any], progress: Callable[[float], None] | None = None
+    spec: BranchSpec, plain: Mapping[str, Any], progress: Callable[[float], None] | None = None
 ) -> dict[str, Any]:
     """The branch of a motion.
 
     Parameters
     ----------
-    spec : BranchPlan
+    spec : BranchSpec
         What is asked.
     plain : mapping
         The motion, as `lapjoint.campaigns.branches.plain.plain_start` gives it.
@@ -91,12 +90,12 @@ def solve_branch(
         return {"starts": [], "points": [], "message": str(error)}
 
 
-def follow_a_little(spec: BranchPlan, plain: Mapping[str, Any]) -> None:
+def follow_a_little(spec: BranchSpec, plain: Mapping[str, Any]) -> None:
     """Follow the branch of a motion for a few points, so that all that this takes is compiled and stored.
 
     Parameters
     ----------
-    spec : BranchPlan
+    spec : BranchSpec
         What is asked.
     plain : mapping
         The motion, as `lapjoint.campaigns.branches.plain.plain_start` gives it.
@@ -193,7 +192,8 @@ def _row(of: ParameterRange, one: Found, errors: bool) -> dict[str, Any]:
     except SolverError:
         impulses = []
     row = Row(kind, float(value), float(error), one.index, int(stop), one.after, impulses)
-    return vars(row) | {"motion": [point.value, plain_section(section), point.problem.half_periods]}
+    motion = [point.value, plain_section(section), point.problem.half_periods]
+    return vars(row) | {"motion": motion, "arcs": plain_located(of, one.what if known is None else known.what)}
 
 
 def _kind(one: Bifurcation) -> BifurcationKind:

@@ -3,233 +3,303 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lapjoint.answers.branches import Bifurcation, Branch, BranchPoint
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.collecting import seldom_collected
 from lapjoint.errors import InputError, SolverError
-from lapjoint.one_thread import in_one_thread
-from lapjoint.orbits.branches.bridging import followed
-from lapjoint.orbits.branches.continuation import follow
-from lapjoint.orbits.branches.corrector import Place, corrected
-from lapjoint.orbits.branches.family import Family
-from lapjoint.orbits.branches.found_again import smooth_finder
-from lapjoint.orbits.branches.listing import Listed
-from lapjoint.orbits.branches.locating import flip_of
-from lapjoint.orbits.branches.resolving import Resolved, resolved, unrefined
-from lapjoint.orbits.branches.run import Limits, Run, joined
-from lapjoint.orbits.branches.shooting import taken_over
-from lapjoint.orbits.branches.switching import back_to_where_it_springs, sprung_from, switched
-from lapjoint.orbits.steady_state import periodic_state
+from lapjoint.orbits.branches.bifurcations import Bifurcation, Stretch, within
+from lapjoint.orbits.branches.continuation import End, Step, at_value, follow
+from lapjoint.orbits.branches.errors import carried
+from lapjoint.orbits.branches.halves import half_of, meeting, springing
+from lapjoint.orbits.branches.point import SAME, CurvePoint
+from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
+from lapjoint.orbits.branches.sequence_changes import SequenceChange, nearest
+from lapjoint.orbits.branches.starts import Start
+from lapjoint.orbits.half_periods import HalfPeriods
 
-_FOLLOWED = 0.4
-"""Share of the work that is behind once a branch is followed, about, where errors are estimated."""
-_FINER = 2
-"""Most finer solvers that are asked for a motion of a branch that springs where one finds none."""
-_FARTHER, _AWAY = 30, 0.05
-"""Most points, and arc length, of a branch along which a motion is looked for that a coarser solver has, too."""
+_GONE_ROUND = 3
+"""Least number of steps after which a curve may close to a ring."""
 
 
 @dataclass(frozen=True)
-class Seed:
-    """A motion from which a branch is followed."""
+class Limits:
+    """How far a branch is followed."""
 
-    value: float
-    """The number, in its SI unit."""
-    point: SectionPoint
-    """Its section point."""
-    count: int
-    """Half periods after which it repeats."""
-    away_from: tuple[float, SectionPoint] | None = None
-    """The bifurcation from which its branch springs: the number, and the section point; None if none is known."""
-    level: int = 0
-    """`Family.level` of the solver that follows its branch: above 0 where only a finer one has that."""
+    max_points: float = np.inf
+    """Largest number of its points."""
+    progress: Callable[[float], None] | None = None
+    """Called with the share of the range, or of the points, that is behind."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A bifurcation, or a graze, of a curve."""
+
+    what: Bifurcation | SequenceChange
+    """What was located."""
+    index: int
+    """Number of points of the curve before it."""
+    after: str = ""
+    """What the curve does at a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``."""
+
+
+@dataclass
+class Way:
+    """A curve followed in one direction."""
+
+    points: list[CurvePoint]
+    """Its points in sequence, from the start."""
+    found: list[Found] = field(default_factory=list)
+    """Its bifurcations and grazes, in sequence."""
+    end: str = ""
+    """Why it ends."""
+    mother: Start | None = None
+    """The motion over half of the time where it ends as ``bifurcation``."""
+
+    def turned(self) -> Way:
+        """The same curve in the opposite direction.
+
+        Returns
+        -------
+        Way
+            Its grazes and bifurcations have the indices that belong to the opposite sequence.
+        """
+        count = len(self.points)
+        found = [replace(one, index=count - one.index) for one in reversed(self.found)]
+        return Way([point.turned() for point in reversed(self.points)], found, self.end, self.mother)
 
 
 @dataclass(frozen=True)
 class Traced:
     """A branch, and the motions that lead to other branches."""
 
-    branch: Branch
-    """The branch."""
-    seeds: tuple[Seed, ...]
-    """A motion of each branch that springs from it."""
-    bifurcations: tuple[Listed, ...]
-    """Its bifurcations, with the motions there."""
-    springs: tuple[tuple[float, SectionPoint], ...] = ()
-    """Bifurcations of other branches from which it springs, at either end: the number, and the section point."""
-    unsprung: tuple[Bifurcation, ...] = ()
-    """Its bifurcations from which another branch springs of which no motion was found."""
-    elsewhere: frozenset[int] = frozenset()
-    """Numbers of points up to which, from the one before, it is another branch, and no bifurcation was looked for."""
+    points: list[CurvePoint] = field(repr=False)
+    """Its points in sequence."""
+    found: list[Found]
+    """Its bifurcations and grazes, in sequence."""
+    ends: tuple[str, str]
+    """Why it ends at its first and its last point."""
+    starts: list[Start] = field(repr=False)
+    """A motion of each branch that springs from it, or that it springs from."""
+    springs: list[tuple[float, SectionPoint]] = field(repr=False)
+    """Where it springs from other branches, at either end: the parameter, and the motion."""
+    unsprung: list[Bifurcation] = field(repr=False)
+    """Its bifurcations from which a branch springs of which no motion was found."""
 
 
-@in_one_thread
-@seldom_collected
-def trace(
-    family: Family,
-    seed: Seed,
-    *,
-    most_multiple: int,
-    errors: bool = True,
-    limits: Limits | None = None,
-    elsewhere: Callable[[Run], frozenset[int]] | None = None,
-) -> Traced | None:
+def trace(of: ParameterRange, start: Start, most_multiple: int, limits: Limits | None = None) -> Traced | None:
     """The branch of a motion.
 
     Parameters
     ----------
-    family : Family
-        The period maps.
-    seed : Seed
+    of : ParameterRange
+        The range.
+    start : Start
         The motion.
     most_multiple : int
-        Largest period multiple of branches that are looked for where one springs from this.
-    errors : bool
-        Whether to estimate the errors of the bifurcations.
+        Largest period multiple of branches that spring from this one.
     limits : Limits, optional
         How far it is followed.
-    elsewhere : callable, optional
-        Called with the curve, where it is a branch that is known already, as `Run.elsewhere` has it.
 
     Returns
     -------
     Traced, or None
         None if Newton's method does not find the motion again.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
     """
-    limits, own = limits or Limits(), family.self_at(seed.level)
-    start = _start(own, seed)
-    if start is None:
+    limits = limits or Limits()
+    first = start.solved(of)
+    if first is None:
         return None
-    followed_at = _FOLLOWED if errors else 1.0
-    first = replace(limits, progress=_part_of(limits.progress, 0.0, followed_at))
-    ahead, back = _both_ways(own, start, seed, first)
-    run = joined(back, ahead)
-    if elsewhere is not None:
-        run = replace(run, elsewhere=elsewhere(run))
-    later = _part_of(limits.progress, followed_at, 1.0)
-    found = resolved(own, run, progress=later) if errors else unrefined(own, run)
-    points = tuple(_point(*one) for one in zip(found.families, found.places, strict=True))
-    seeds, unsprung = list[Seed](), list[Bifurcation]()
-    for one in found.bifurcations:
-        place = one.springing
-        if place is not None and place.count * 2 <= 2 * most_multiple:
-            new = _sprung(family, one, place, _FINER if errors else 0)
+    ahead = one_way(of, first, limits)
+    left = replace(limits, max_points=max(limits.max_points - len(ahead.points), 1))
+    back = Way([first.turned()], end="closed") if ahead.end == "closed" else one_way(of, first.turned(), left)
+    before = back.turned()
+    shift = len(before.points) - 1
+    found = [*before.found, *(replace(one, index=one.index + shift) for one in ahead.found)]
+    starts, unsprung = list[Start](), list[Bifurcation]()
+    for one in found:
+        what = one.what
+        if isinstance(what, Bifurcation) and what.kind == "flip" and what.point.problem.half_periods <= most_multiple:
+            new = springing(what.point)
             if new is None:
-                unsprung.append(one.bifurcation)
+                unsprung.append(what)
             else:
-                seeds.append(new)
-    branch = Branch(family.path, points, tuple(one.bifurcation for one in found.bifurcations), found.ends)
-    springs = [
-        seed.away_from or _spring(own, run.begin, run.places[0], found, 0),
-        _spring(own, run.end, run.places[-1], found, -1),
-    ]
-    known = tuple(one for one in springs if one is not None)
-    return Traced(branch, tuple(seeds), tuple(found.bifurcations), known, tuple(unsprung), found.elsewhere)
+                starts.append(Start.at(new, (what.point.value, what.point.section())))
+    springs = [] if start.away_from is None else [start.away_from]
+    for way in (back, ahead):
+        if way.mother is not None:
+            springs.append((way.points[-1].value, way.points[-1].section()))
+            starts.append(way.mother)
+    return Traced([*before.points, *ahead.points[1:]], found, (back.end, ahead.end), starts, springs, unsprung)
 
 
-def _spring(family: Family, end: str, place: Place, found: Resolved, at: int) -> tuple[float, SectionPoint] | None:
-    """The bifurcation from which a branch springs at an end: the solver's own, or a finer one's if only that has it."""
-    own = family if end == found.ends[at] else found.families[at]
-    near = place if own is family else found.places[at]
-    mother = sprung_from(own, near) if found.ends[at] == "bifurcation" else None
-    return None if mother is None else (mother.value, mother.point)
+def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
+    """Follow a curve in the direction of a point's tangent, until it ends.
 
+    Parameters
+    ----------
+    of : ParameterRange
+        The range.
+    start : CurvePoint
+        The first point.
+    limits : Limits
+        How far it is followed.
 
-def _sprung(family: Family, bifurcation: Listed, at: Place, finer: int) -> Seed | None:
-    """The seed of a branch that springs from a bifurcation; None if neither its solver nor so many finer ones have one.
-
-    One that is found the other way along the vector alone ends soon at a graze, and may be narrower than a solver's
-    error.  So the one of them follows it that has the bifurcation nearest to where it is stated, within its error.
+    Returns
+    -------
+    Way
+        The curve.
     """
-    own, number, selves = bifurcation.family, bifurcation.bifurcation, list[tuple[Family, Place]]()
-    for one, there in _with_finer(own, at, finer):
-        new = switched(one, there)
-        if new is not None and not new.repeats_in_half:
-            return _seed(family, one, there, new)
-        selves.append((one, there))
-    for one, there in sorted(selves, key=lambda pair: abs(pair[1].value - number.value)):
-        new = switched(one, there, sign=-1) if abs(there.value - number.value) <= number.error else None
-        if new is not None and not new.repeats_in_half:
-            return Seed(new.value, new.point, new.count, (there.value, there.point), one.level)
-    return None
+    way, change, steps, seen = Way([start]), list[SequenceChange](), 0, list[SequenceChange]()
+    for step in _through_zones(of, start):
+        if isinstance(step, End):
+            way.end = step.reason
+            if change:
+                way.found.append(Found(change.pop(), len(way.points), "ends" if way.end == "graze" else "lost"))
+            break
+        if isinstance(step, SequenceChange):
+            if change:
+                way.found.append(Found(change.pop(), len(way.points), "persists"))
+            if any(_is_same_change(step, other) for other in seen):
+                way.end = "lost"
+                break
+            seen.append(step)
+            mother = None if step.after is None else half_of(step.after, SAME)
+            if step.after is not None and mother is not None:
+                way.found.append(Found(step, len(way.points), "ends"))
+                way.points.append(step.after)
+                way.end, way.mother = "bifurcation", replace(Start.at(mother), direction=None)
+                break
+            if step.kind != "exchange":
+                change.append(step)
+            continue
+        met = meeting(step)
+        if met is not None:
+            step = Stretch(step.start, met.point, step.start.arclength(met.point))
+        here = [one for one in within(step) if met is None or not _is_near(one, met.point)]
+        if change:
+            turns = [one.point for one in here if one.kind == "fold"]
+            way.found.append(Found(change[0], len(way.points), _after(change.pop(), [*turns, step.end][0])))
+        way.found += [Found(one, len(way.points)) for one in here]
+        if met is not None:
+            way.points.append(met.point)
+            way.end, way.mother = "bifurcation", replace(Start.at(met.mother), direction=None)
+            break
+        if step.end.problem.sequence is step.start.problem.sequence and not _is_at_change(step.end):
+            way.points.append(step.end)
+        steps += 1
+        if steps > _GONE_ROUND and _closes(step, start):
+            way.end = "closed"
+            break
+        if len(way.points) >= limits.max_points:
+            way.end = "effort"
+            break
+        if limits.progress is not None:
+            limits.progress(_share(of, way, limits))
+    way.found.sort(key=lambda one: one.index)
+    way.found = [one for i, one in enumerate(way.found) if not _is_at_graze(one, way.found[max(i - 1, 0) : i + 2])]
+    return way
 
 
-def _with_finer(own: Family, place: Place, finer: int) -> Iterator[tuple[Family, Place]]:
-    """A solver and so many finer ones, each with where it has a bifurcation, as long as they find it."""
-    yield own, place
-    known, again = own.finer(place.value) if finer else None, None
-    if known is not None:
-        with suppress(SolverError, InputError):
-            again = smooth_finder(flip_of(place))(known[1], place)
-    if known is not None and again is not None:
-        yield from _with_finer(known[1], again.place, finer - 1)
+def _is_at_graze(one: Found, neighbours: list[Found]) -> bool:
+    """Whether a bifurcation is nearer to a graze than both sides of the graze are apart, by what passages lose."""
+    grazes = [other.what for other in neighbours if isinstance(other.what, SequenceChange)]
+    what = one.what
+    if not isinstance(what, Bifurcation):
+        return False
+    return any(abs(what.point.value - graze.value) <= graze.offset < np.inf for graze in grazes)
 
 
-def _seed(family: Family, own: Family, bifurcation: Place, new: Place) -> Seed:
-    """The seed of a branch that springs from a bifurcation, of which a motion is known by a solver that may be finer.
+def _is_same_change(one: SequenceChange, other: SequenceChange) -> bool:
+    """Whether a curve has come to a change of its contact sequence again, in either direction: it goes over itself."""
+    if one.after is None or other.after is None or one.stops != other.stops:
+        return False
+    tolerance = one.before.problem.resolution.options.newton_tolerance
+    events, others = (
+        {change.before.problem.events, change.after.problem.events} for change in (one, other) if change.after
+    )
+    return events == others and abs(one.value - other.value) <= tolerance * one.before.scale[-1]
 
-    Where a finer solver has the bifurcation a little elsewhere, a motion near it need not be one of this solver; then
-    it is one farther along the branch, which leads back to where this solver has the bifurcation.  If this solver has
-    none there either, the finer one follows the branch.
+
+def _is_at_change(point: CurvePoint) -> bool:
+    """Whether a point lies on a change of the contact sequence."""
+    return bool((point.shares[point.problem.free[1:]] == 0).any())
+
+
+def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
+    """Whether a bifurcation is where a branch meets another, which both have."""
+    return abs(one.point.value - point.value) <= SAME * point.problem.resolution.scale(point.value)
+
+
+def _after(change: SequenceChange, next_: CurvePoint) -> str:
+    """What a curve does at a graze: whether the parameter goes on in the direction in which it came."""
+    came, goes = float(change.before.tangent[-1]), next_.value - change.value
+    return "persists" if came * goes > 0 else "folds"
+
+
+def _through_zones(of: ParameterRange, start: CurvePoint) -> Iterator[Step]:
+    """Follow a curve; where it comes to another zone, it goes on with the resolution of that zone."""
+    here: CurvePoint | None = start
+    while here is not None:
+        steps, here = follow(here), None
+        for step in steps:
+            yield step
+            if isinstance(step, Stretch):
+                other = of.resolution(step.end.value)
+                if other is not step.end.problem.resolution:
+                    here = at_resolution(step.end, other)
+                    if here is None:
+                        yield End("lost")
+                        return
+                    break
+
+
+def at_resolution(point: CurvePoint, resolution: Resolution) -> CurvePoint | None:
+    """A motion by another resolution of its solver.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    resolution : Resolution
+        The other one.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes in the same direction; None if the other one does not have the motion.
     """
-    away_from = bifurcation.value, family.adopted(bifurcation.value, bifurcation.point)
-    near = new if own is family else taken_over(family, new)
-    if near is not None and not near.repeats_in_half:
-        return Seed(near.value, near.point, near.count, away_from)
-    with suppress(SolverError):
-        for there in follow(own, new, Limits(most=_FARTHER, length=_AWAY)).places[1:]:
-            found = taken_over(family, there)
-            if found is not None and not found.repeats_in_half:
-                return Seed(found.value, found.point, found.count)
-    return Seed(new.value, new.point, new.count, (bifurcation.value, bifurcation.point), own.level)
+    try:
+        guess = carried(point, resolution)
+        other = None if guess is None else nearest(*guess)
+    except (InputError, SolverError):
+        return None
+    if other is None:
+        return None
+    n, m = point.coordinates, other.coordinates
+    same = float(point.tangent[n:] @ other.tangent[m:])
+    return other if same >= 0 else other.turned()
 
 
-def _part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:
-    """What takes the share that is behind of a part of the work, from one share of the whole to another."""
-    return None if progress is None else lambda share: progress(first + (last - first) * share)
+def _closes(step: Stretch, start: CurvePoint) -> bool:
+    """Whether a step leads through the motion that a curve was started from, or its image some periods later."""
+    first, last = step.start.value - start.value, step.end.value - start.value
+    if step.end.problem.events != start.problem.events or first * last > 0:
+        return False
+    there = at_value(step.start, start.value, abs(step.length))
+    if there is None:
+        return False
+    half = HalfPeriods(start.problem.resolution.map(start.value))
+    mine = start.section()
+    try:
+        return any(half.apart(half.map.adopted(image), mine) <= SAME for image in there.sections())
+    except (InputError, SolverError):
+        return False
 
 
-def _start(family: Family, seed: Seed) -> Place | None:
-    """The place of a seed, in the range: the shortest way to the curve may lead out of it from an end.
-
-    None, too, where it leads to the branch from which that of the seed springs: then only a finer solver has that.
-    """
-    guess, found = family.adopted(seed.value, seed.point), None
-    inside = family.low < seed.value < family.high
-    if inside:
-        found = corrected(family, seed.value, guess, seed.count)
-    if not inside or (found is not None and not family.covers(found.value)):
-        found = corrected(family, seed.value, guess, seed.count, fixed=True)
-    return None if found is None or (seed.away_from is not None and found.repeats_in_half) else found
-
-
-def _both_ways(family: Family, start: Place, seed: Seed, limits: Limits) -> tuple[Run, Run]:
-    """The curve ahead of a place, and behind it: up and down the range, or away from a bifurcation and back to it."""
-    up = np.append(np.zeros(start.tangent.size - 1), 1.0)
-    if seed.away_from is not None:
-        value, point = seed.away_from
-        up = start.chord(family, replace(start.beginning_at(point), value=value))
-        limits = replace(limits, first=float(np.linalg.norm(up)))  # beside it lies the branch that it springs from
-    start, behind = start.along(up), start.along(-up)
-    ahead = followed(family, start, limits)
-    if seed.away_from is not None:
-        return ahead, back_to_where_it_springs(family, behind, limits.first)
-    if ahead.end == "closed":
-        return ahead, Run([behind], [], [], "closed")
-    left = replace(limits, most=max(limits.most - len(ahead.places), 1))
-    return ahead, followed(family, behind, left)
-
-
-def _point(family: Family, place: Place) -> BranchPoint:
-    solver = family.solver_at(place.value).name
-    return BranchPoint(place.value, periodic_state(place.half_periods.map, solver, place.orbit, None))
+def _share(of: ParameterRange, way: Way, limits: Limits) -> float:
+    """The share of the range, or of the points allowed, that is behind."""
+    covered = abs(way.points[-1].value - way.points[0].value) / (of.high - of.low)
+    return min(max(covered, len(way.points) / limits.max_points), 1.0)

@@ -11,7 +11,7 @@ import pytest
 from lapjoint import ModalDamping, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis
 from lapjoint.campaigns.basin_plan import BasinPlan
-from lapjoint.campaigns.branch_plan import BranchPlan
+from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.campaigns.grid import Grid
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
@@ -24,7 +24,7 @@ SWEEP = Plan(GRID)
 PLANS: dict[str, Any] = {
     "sweep": SWEEP,
     "basins": BasinPlan(JOINT, energy=20.0, starts=5),
-    "branches": BranchPlan(JOINT, FREQUENCY, 100.0, 200.0),
+    "branches": BranchSpec(JOINT, FREQUENCY, 100.0, 200.0),
     "statistics": Realisations(JOINT, 1.0),
 }
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from lapjoint.campaigns.branch_dataset import read_branches
+from lapjoint.campaigns.branches.table import KINDS, read_branches
 from lapjoint.cli.branch_printing import bifurcation_text, print_branches
 from lapjoint.cli.main import main
 
@@ -75,6 +75,8 @@ def test_a_branch_that_takes_too_much_effort_says_so_by_its_status() -> None:
     result = run("branch", "bar.toml", *OVER, "--from", "3e-4", "--to", "4e-4", "--max-points", "6", "--out", "b.nc")
     assert result.exit_code == 1, result.output
     assert "effort" in result.stdout
+    (left,) = [line for line in result.stdout.splitlines() if line.startswith("no branch covers ")]
+    assert left.endswith("(branch 0: effort; branch 1: effort)")
 
 
 @pytest.mark.usefixtures("here")
@@ -85,7 +87,7 @@ def test_branches_in_two_numbers_print_their_loci_and_plot_draws_them() -> None:
     lines = result.stdout.splitlines()
     assert lines[1] == "3 branches at 3 values of stops.*.gap; loci:"
     assert lines[2].startswith("  first grazing of tip, 3 of 3 values: 0.000317")
-    assert [line.split(",")[0] for line in lines[3:]] == ["  fold", "  fold"]
+    assert [line.split(",")[0] for line in lines[3:]].count("  fold") == 2
     assert run("plot", "loci.nc", "-o", "loci.svg").exit_code == 0
     drawn = Path("loci.svg").read_text()
     assert "gap (all stops) [m]" in drawn
@@ -108,8 +110,9 @@ def test_an_error_that_no_finer_solver_confirms_is_said_in_words(asked: bool) ->
     assert "inf" not in result.stdout
     assert result.stdout.count(" ± ") == 3 * asked
     found = read_branches("b.nc")
-    found.bifurcation_error[1] = np.inf
-    said = bifurcation_text(found, 1)
+    fold = int(np.flatnonzero(found.bifurcation_kind.values == KINDS.index("fold"))[0])
+    found.bifurcation_error[fold] = np.inf
+    said = bifurcation_text(found, fold)
     assert said.endswith("fold (not confirmed by the finer solver)" if asked else "fold")
     assert "±" not in said
 
@@ -121,8 +124,8 @@ def test_an_error_that_no_finer_solver_confirms_is_said_in_words(asked: bool) ->
 def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
     capsys: pytest.CaptureFixture[str], most: int, repeats: str
 ) -> None:
-    over = ("--from", "3e-4", "--to", "4e-4", "--max-period-multiple", most, "--out", "b.nc")
-    assert "no branch comes" not in run("branch", "bar.toml", *OVER, *map(str, over)).stdout
+    over = ("--from", "3e-4", "--to", "4e-4", "--max-period-multiple", str(most), "--out", "b.nc")
+    assert "no branch comes" not in run("branch", "bar.toml", *OVER, *over).stdout
     found = read_branches("b.nc")
     found.attrs["range"] = np.array([3e-4, 5e-4])
     print_branches(found)
@@ -133,11 +136,11 @@ def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
 @pytest.mark.usefixtures("here")
 def test_motions_that_the_effort_leaves_out_are_told_by_their_number_and_the_status() -> None:
     over = ("--over", "base_motion.angular_frequency", "--from", "5", "--to", "8", "--modes", "2", "--no-errors")
-    hard = ("--set", "stops.*.stiffness=500", "--set", "base_motion.amplitude=4e-4")
+    hard = ("--max-period-multiple", "2", "--set", "stops.*.stiffness=500", "--set", "base_motion.amplitude=4e-4")
     result = run("branch", "bar.toml", *hard, *over, "--effort", "1", "--out", "b.nc")
     assert result.exit_code == 1, result.output
     assert "effort = 1 is spent: the branches of " in result.stdout
-    assert result.stdout.rstrip().endswith(" were not followed")
+    assert " were not followed" in result.stdout
 
 
 @pytest.mark.usefixtures("here")

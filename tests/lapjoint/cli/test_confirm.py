@@ -1,4 +1,4 @@
-"""``lapjoint confirm``: what it prints and writes, that it resumes, what it refuses, and that it is not taken in."""
+"""``lapjoint confirm``: what it prints and writes, what it refuses, and that it is not taken in."""
 
 from __future__ import annotations
 
@@ -6,17 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from click.testing import CliRunner, Result
 
 import lapjoint
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns.branch_dataset import read_branches
-from lapjoint.campaigns.confirm_dataset import VERDICTS
-from lapjoint.campaigns.confirm_plan import confirm_plan
+from lapjoint.campaigns.branches.table import read_branches
+from lapjoint.campaigns.confirm.table import VERDICTS
 from lapjoint.campaigns.dataset import read_result
 from lapjoint.cli.main import main
-from lapjoint.errors import Interrupted
 from lapjoint.netcdf_files import write_netcdf
 
 ELEMENTS = ("--elements", "4")
@@ -71,49 +68,6 @@ def test_bifurcations_that_were_shifted_are_apart(branches: Path, tmp_path: Path
     assert result.stdout.count(": apart\n") == 3
 
 
-def test_interrupted_it_resumes_to_the_same_bytes(branches: Path, tmp_path: Path) -> None:
-    def stop(done: float, whole: float) -> None:
-        if done >= 1:
-            raise KeyboardInterrupt
-
-    options = {"elements": 4}
-    with pytest.raises(Interrupted, match=r"1 of 3 bifurcations are kept in .*; the same command resumes"):
-        lapjoint.confirm(branches, options=options, out=tmp_path / "a.nc", progress=stop)
-    said: list[float] = []
-    again = lapjoint.confirm(
-        branches, options=options, out=tmp_path / "a.nc", progress=lambda done, _: said.append(done)
-    )
-    assert said[0] == 1
-    whole = lapjoint.confirm(branches, options=options, workers=2, out=tmp_path / "b.nc")
-    xr.testing.assert_identical(again, whole)
-    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
-
-
-def test_a_share_is_drawn_at_random_and_by_its_seed(branches: Path) -> None:
-    options = {"elements": 4}
-    drawn = [lapjoint.confirm(branches, options=options, share=0.4, seed=seed) for seed in (0, 0, 1, 2, 3)]
-    numbers = [one.number.values.tolist() for one in drawn]
-    assert all(len(one) == 1 for one in numbers)
-    assert numbers[0] == numbers[1]
-    assert len({one[0] for one in numbers}) > 1
-
-
-def test_those_of_one_kind_and_branch_that_are_close_together_are_rivals(branches: Path) -> None:
-    """Of all in the file, also where only a share is looked for."""
-    found = read_branches(branches)
-    apart = confirm_plan(found, "fe", {})
-    folds = [row.number for row in apart.rows if row.kind == "fold"]
-    assert len(folds) == 2
-    assert not any(row.rivals for row in apart.rows)
-    found.bifurcation_value.values[folds[1]] = found.bifurcation_value.values[folds[0]] * (1 + 5e-4)
-    for share in (1.0, 0.4):
-        for row in confirm_plan(found, "fe", {}, share, seed=2).rows:
-            others = [apart.rows[i].motion for i in folds if row.kind == "fold" and i != row.number]
-            assert list(row.rivals) == others
-    found.bifurcation_branch.values[folds[1]] += 1
-    assert not any(row.rivals for row in confirm_plan(found, "fe", {}).rows)
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -139,7 +93,7 @@ def test_wrong_options_are_refused_in_a_line(
 
 def test_files_that_cannot_be_confirmed_are_refused_in_a_line(branches: Path, tmp_path: Path) -> None:
     found = read_branches(branches)
-    write_netcdf(found.drop_vars("bifurcation_motion"), tmp_path / "older.nc")
+    write_netcdf(found.drop_vars("bifurcation_arcs"), tmp_path / "older.nc")
     write_netcdf(found.assign_attrs(errors=0), tmp_path / "without.nc")
     write_netcdf(found.isel(bifurcation=slice(0, 0)), tmp_path / "none.nc")
     (tmp_path / "text.nc").write_text("no NetCDF")

@@ -9,17 +9,22 @@ import pytest
 import xarray as xr
 
 from lapjoint import Axis, BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns.branch_dataset import branch_dataset
-from lapjoint.campaigns.branch_plan import BranchPlan
-from lapjoint.campaigns.branch_search import Diagram
+from lapjoint.campaigns.branches.search import Diagram
+from lapjoint.campaigns.branches.spec import BranchSpec
+from lapjoint.campaigns.branches.table import branch_dataset
 from lapjoint.campaigns.point import Point
 from lapjoint.figures import plot_branches, plot_loci
 
 VALUES = (1.0, 2.0, 3.0, 2.5, 2.0, 3.0, 4.0)
 IMPULSES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 STABLE = (True, True, True, False, False, True, True)
-BARE: dict[str, Any] = {"error": 1e-9, "stop": 0, "after": "", "impulses": (), "motion": None}
+BARE: dict[str, Any] = {"error": 1e-9, "stop": 0, "after": "", "impulses": (), "arcs": None}
 """What a bifurcation has besides its kind, its value and its place."""
+
+
+def bifurcation(kind: str, value: float, index: int, **more: Any) -> dict[str, Any]:
+    """A bifurcation before a point."""
+    return BARE | {"kind": kind, "value": value, "index": index, "motion": [value, None, 2]} | more
 
 
 def cantilever() -> Problem:
@@ -38,7 +43,7 @@ def diagram(*folds: tuple[float, int]) -> Diagram:
         vars(Point("PERIODIC", 1, False, 0.0, 0.5 if stable else 1.5, 0.0, impulses=(impulse,)))
         for impulse, stable in zip(IMPULSES, STABLE, strict=True)
     ]
-    found = [BARE | {"kind": "fold", "value": value, "index": i, "stop": -1, "impulses": (0.2,)} for value, i in folds]
+    found = [bifurcation("fold", value, i, stop=-1, impulses=(0.2,)) for value, i in folds]
     branch = {"values": VALUES, "points": points, "bifurcations": found, "ends": ("boundary", "boundary")}
     return Diagram([branch])
 
@@ -46,17 +51,17 @@ def diagram(*folds: tuple[float, int]) -> Diagram:
 @pytest.fixture
 def dataset() -> xr.Dataset:
     """A branch with two folds, written by hand."""
-    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
+    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
     return branch_dataset(plan, [diagram((3.1, 3), (1.9, 5))])
 
 
 @pytest.fixture
 def in_two_numbers() -> xr.Dataset:
-    """The same at three gaps; at the last one fold is far away, and one is not resolved."""
+    """The same at three gaps; at the last one fold is far away, and there is a flip."""
     also = Axis("stops.*.gap", (2e-3, 1e-3, 3e-3))
-    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
+    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
     last = diagram((1.2, 3), (1.95, 5), (3.5, 6))
-    last.branches[0]["bifurcations"][2]["kind"] = "unresolved"
+    last.branches[0]["bifurcations"][2]["kind"] = "flip"
     return branch_dataset(plan, [diagram((3.2, 3), (1.9, 5)), diagram((3.1, 3), (1.8, 5)), last])
 
 
@@ -69,10 +74,10 @@ def test_stable_parts_are_solid_and_unstable_ones_dashed(dataset: xr.Dataset) ->
 def lines_of(*found: dict[str, Any], stable: tuple[bool, ...] = STABLE, ordinate: str = "impulse") -> list[Any]:
     """What is drawn of a branch with some bifurcations: corners, and whether they are joined by dashes."""
     one = diagram()
-    one.branches[0]["bifurcations"] = [BARE | each for each in found]
+    one.branches[0]["bifurcations"] = list(found)
     for point, holds in zip(one.branches[0]["points"], stable, strict=True):
         point["multiplier_real"] = 0.5 if holds else 1.5
-    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
+    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
     axes = plot_branches(branch_dataset(plan, [one]), ordinate=ordinate)
     lines = [line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) > 1]
     return [
@@ -82,8 +87,8 @@ def lines_of(*found: dict[str, Any], stable: tuple[bool, ...] = STABLE, ordinate
 
 def test_a_part_ends_at_its_bifurcation_at_the_impulse_there() -> None:
     first, second, third = lines_of(
-        {"kind": "fold", "value": 3.1, "index": 3, "impulses": (0.22,)},
-        {"kind": "fold", "value": 1.9, "index": 5, "impulses": (0.44,)},
+        bifurcation("fold", 3.1, 3, impulses=(0.22,)),
+        bifurcation("fold", 1.9, 5, impulses=(0.44,)),
     )
     assert first[0][-1] == second[0][0] == (3.1, 0.22)
     assert second[0][-1] == third[0][0] == (1.9, 0.44)
@@ -91,25 +96,21 @@ def test_a_part_ends_at_its_bifurcation_at_the_impulse_there() -> None:
 
 def test_where_the_impulse_is_not_known_a_part_ends_between_the_points_on_either_side() -> None:
     # As the square of the way from a fold, 0.1 and 0.6 of the number are 0.29 and 0.71 of the way; else as the way.
-    first, second, _ = lines_of(
-        {"kind": "fold", "value": 3.1, "index": 3}, {"kind": "unresolved", "value": 2.25, "index": 5}
-    )
+    first, second, _ = lines_of(bifurcation("fold", 3.1, 3), bifurcation("flip", 2.25, 5))
     share = np.sqrt(0.1) / (np.sqrt(0.1) + np.sqrt(0.6))
     assert first[0][-1] == second[0][0] == (3.1, pytest.approx(0.2 + 0.1 * share))
     assert second[0][-1] == (2.25, pytest.approx(0.425))
 
 
 def test_at_a_graze_stability_changes_at_its_point() -> None:
-    first, second = lines_of({"kind": "grazing", "value": 3.0, "index": 2}, stable=(True,) * 3 + (False,) * 4)
+    first, second = lines_of(bifurcation("grazing", 3.0, 2), stable=(True,) * 3 + (False,) * 4)
     assert [corner[0] for corner in first[0]] == [1.0, 2.0, 3.0]
     assert [corner[0] for corner in second[0]] == [3.0, 2.5, 2.0, 3.0, 4.0]
     assert (first[1], second[1]) == (False, True)
 
 
 def test_between_two_bifurcations_that_undo_each_other_a_part_is_dashed() -> None:
-    first, second, third = lines_of(
-        {"kind": "flip", "value": 1.25, "index": 1}, {"kind": "flip", "value": 1.5, "index": 1}, stable=(True,) * 7
-    )
+    first, second, third = lines_of(bifurcation("flip", 1.25, 1), bifurcation("flip", 1.5, 1), stable=(True,) * 7)
     assert [corner[0] for corner in second[0]] == [1.25, 1.5]
     assert (first[1], second[1], third[1]) == (False, True, False)
 
@@ -126,7 +127,7 @@ def test_the_legend_tells_stops_by_colour_and_unstable_motions_by_dashes() -> No
     other = joint.stops[0].model_copy(update={"side": "bottom", "name": "below"})
     for point in one.branches[0]["points"]:
         point["impulses"] = (*point["impulses"], -1.0)
-    plan = BranchPlan(joint.replace(stops=(*joint.stops, other)), "base_motion.angular_frequency", 1.0, 4.0)
+    plan = BranchSpec(joint.replace(stops=(*joint.stops, other)), "base_motion.angular_frequency", 1.0, 4.0)
     legend = plot_branches(branch_dataset(plan, [one])).get_legend()
     names = [text.get_text() for text in legend.get_texts()]
     dashed = dict(zip(names, [line.is_dashed() for line in legend.get_lines()], strict=True))
@@ -140,7 +141,7 @@ def test_of_twins_that_rounding_tells_apart_the_first_is_marked() -> None:
     twin = joint.stops[0].model_copy(update={"side": "bottom", "name": "below"})
     for some in (*one.branches[0]["points"], *one.branches[0]["bifurcations"]):
         some["impulses"] = (*some["impulses"], -some["impulses"][0] * (1 + 1e-12))
-    plan = BranchPlan(joint.replace(stops=(*joint.stops, twin)), "base_motion.angular_frequency", 1.0, 4.0)
+    plan = BranchSpec(joint.replace(stops=(*joint.stops, twin)), "base_motion.angular_frequency", 1.0, 4.0)
     (marked,) = [line for line in plot_branches(branch_dataset(plan, [one])).lines if line.get_label() == "fold"]
     assert marked.get_ydata().tolist() == [0.2]
 
@@ -159,7 +160,7 @@ def test_lines_join_bifurcations_where_one_goes_on(in_two_numbers: xr.Dataset) -
         [(3e-3, 1.2)],
         [(3e-3, 3.5)],
     ]
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["fold", "unresolved"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["fold", "flip"]
     assert axes.get_xlabel() == "gap (all stops) [m]"
 
 
@@ -170,7 +171,7 @@ def test_branches_of_one_problem_have_no_loci(dataset: xr.Dataset) -> None:
 
 def test_a_figure_without_loci_says_so() -> None:
     also = Axis("stops.*.gap", (2e-3, 1e-3))
-    plan = BranchPlan(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
+    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
     axes = plot_loci(branch_dataset(plan, [diagram(), diagram()]))
     assert [text.get_text() for text in axes.texts] == ["no bifurcation in this range"]
 

@@ -7,6 +7,7 @@ import pytest
 from lapjoint.campaigns.basin_table import wilson as counted
 from validation.cases import branch_births as births
 from validation.cases import branches as case
+from validation.cases.branch_ends import gaps_of
 from validation.verdict import Check, Verdict
 
 BIRTHS = [f"bar, {kind}: analytic, against closed form" for kind in ("symmetry breaking", "neimark-sacker")]
@@ -41,9 +42,12 @@ def test_a_symmetry_breaks_and_a_torus_is_born_where_the_closed_form_has_it() ->
     items = list(births.over_births(lambda _: None))
     assert [item.line for item in items if item.verdict is Verdict.DISAGREE] == []
     compared = [item.name for item in items if isinstance(item, Check)]
-    assert compared == [
-        f"bar, {kind}: analytic, against closed form" for kind in ("symmetry breaking", "neimark-sacker")
-    ]
+    assert compared == BIRTHS
+
+
+def test_what_no_branch_covers_is_found_between_branches_and_at_the_ends_of_the_range() -> None:
+    assert gaps_of([(4.0, 6.0), (1.0, 3.0), (2.0, 3.5)], 0.0, 6.0) == [(0.0, 1.0), (3.5, 4.0)]
+    assert gaps_of([(0.0, 2.0)], 0.0, 3.0) == [(2.0, 3.0)]
 
 
 def test_a_stop_that_is_a_thousandth_too_stiff_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

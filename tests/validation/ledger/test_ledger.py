@@ -12,7 +12,7 @@ import xarray as xr
 import analytic
 from lapjoint import Outcome, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
-from lapjoint.campaigns.branch_dataset import KINDS
+from lapjoint.campaigns.branches.table import KINDS
 from validation.cases import ledger, mode_map, sensitivity
 from validation.ledger.curves import Curve
 from validation.ledger.entry import Entry, claims, counted, ledger_table, said

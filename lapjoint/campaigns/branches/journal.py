@@ -1,0 +1,51 @@
+"""The journal of a search for branches: one line for each part of the work that is done."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+from lapjoint.campaigns.branches.spec import BranchSpec
+from lapjoint.campaigns.campaign import Campaign
+from lapjoint.campaigns.journal import Journal
+
+
+class BranchJournal(Journal):
+    """The locked journal beside the file of branches; `Journal` says how it is kept.
+
+    A part of the work has a name, ``start 3`` or ``branch 0``, and a result as plain values.
+    """
+
+    def __init__(self, spec: BranchSpec, out: str | Path, *, force: bool = False) -> None:
+        self.parts: dict[str, dict[str, Any]] = {}
+        # Branches have no cells: of a campaign, this journal asks for what it is, and not for what its cells are.
+        super().__init__(cast(Campaign, spec), out, force=force)
+
+    def keep(self, name: str, result: dict[str, Any]) -> None:
+        """Keep a part: it is on the disk when this returns.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+        result : dict
+            What it came to, as values that JSON can hold.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written; what the journal held before is still good.
+        """
+        self._keep({"part": name, "result": result})
+
+    def _holds_nothing(self) -> bool:
+        return not self.parts
+
+    def _done(self) -> str:
+        return f"{len(self.parts)} {'part of the work is' if len(self.parts) == 1 else 'parts of the work are'}"
+
+    def _nothing_done(self) -> str:
+        return "nothing was done"
+
+    def _take(self, line: dict[str, Any]) -> None:
+        self.parts[line["part"]] = line["result"]

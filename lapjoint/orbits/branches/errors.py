@@ -1,0 +1,254 @@
+"""Errors of bifurcations and grazes: each is located again at finer resolutions, from the arcs of the one before.
+
+The value stated is that of the finest resolution that was asked.  Its error is the bound by the last refinement, or
+what the order of convergence leaves of the bound before (see `lapjoint.orbits.refinement`), whichever is larger: two
+resolutions may agree by chance.  At a graze the distance between both sides is added.  Resolutions are asked until
+the error is at most `AIM`, at least two; it is infinite where one of them does not locate the same nearby.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+
+from lapjoint.answers.steady_state import SectionPoint
+from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.branches.bifurcations import Bifurcation, Kind, Stretch, beside, is_critical, located_in, test_of
+from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
+from lapjoint.orbits.branches.continuation import centred
+from lapjoint.orbits.branches.point import SAME, CurvePoint
+from lapjoint.orbits.branches.resolution import Resolution
+from lapjoint.orbits.branches.sequence_changes import SECANTS, SequenceChange, nearest, violated, with_ended_arc
+from lapjoint.orbits.refinement import ROUNDING, Refinement
+from lapjoint.problem import FloatArray
+
+AIM = 1e-5
+"""Error of a value over the scale of the parameter that is aimed at."""
+_MOST = 5
+"""Largest number of finer resolutions that are asked: the fifth has seven times the resolution."""
+_NEAR = 0.05
+"""Arclength between a bifurcation at two resolutions, at most: beyond it is another one's neighbourhood."""
+
+Located = Bifurcation | SequenceChange
+Carry = Callable[[CurvePoint], tuple[BoundaryProblem, FloatArray] | None]
+"""Takes a motion to another resolution: its equations there, and a guess of the unknowns."""
+
+
+@dataclass(frozen=True)
+class Stated:
+    """The value of a bifurcation or graze, with its error."""
+
+    value: float
+    """The parameter, in its SI unit."""
+    error: float
+    """Its error, in the same unit; infinite where none can be stated."""
+    what: Located = field(repr=False)
+    """What the finest resolution located."""
+
+
+def stated(what: Located) -> Stated:
+    """The value of a bifurcation or graze, with its error.
+
+    Parameters
+    ----------
+    what : Bifurcation or SequenceChange
+        What was located.
+
+    Returns
+    -------
+    Stated
+        With an infinite error where a finer resolution does not locate it, or there is no finer one.
+    """
+    value, error, bound = value_of(what), np.inf, np.inf
+    scale = resolution_of(what).scale(value)
+    for asked in range(1, _MOST + 1):
+        finer = resolution_of(what).finer
+        if finer is None:
+            break
+        found = again(what, partial(carried, resolution=finer[1]))
+        if found is None:
+            return Stated(value, np.inf, what)
+        left = bound / finer[0].ratio ** finer[0].order if asked > 1 else 0.0
+        bound = max(_bound(finer[0], value_of(found) - value), left)
+        what, value = found, value_of(found)
+        error = bound + _offset(what) + ROUNDING * scale
+        if asked > 1 and error <= AIM * scale:
+            break
+    return Stated(value, error, what)
+
+
+def value_of(what: Located) -> float:
+    """The parameter at a bifurcation or graze.
+
+    Parameters
+    ----------
+    what : Bifurcation or SequenceChange
+        What was located.
+
+    Returns
+    -------
+    float
+        In its SI unit; of a graze that on the side with fewer events.
+    """
+    return what.point.value if isinstance(what, Bifurcation) else what.value
+
+
+def resolution_of(what: Located) -> Resolution:
+    """The resolution at which a bifurcation or graze was located.
+
+    Parameters
+    ----------
+    what : Bifurcation or SequenceChange
+        What was located.
+
+    Returns
+    -------
+    Resolution
+        Of its motion.
+    """
+    return (what.point if isinstance(what, Bifurcation) else what.before).problem.resolution
+
+
+def again(what: Located, carry: Carry) -> Located | None:
+    """The same bifurcation or graze at another resolution, or by another solver.
+
+    Parameters
+    ----------
+    what : Bifurcation or SequenceChange
+        What was located.
+    carry : callable
+        Takes motions there.
+
+    Returns
+    -------
+    Bifurcation or SequenceChange, or None
+        None if it is not found nearby.  A graze is approached from the side with more events.
+    """
+    try:
+        return _bifurcation(what, carry) if isinstance(what, Bifurcation) else _graze(what, carry)
+    except (InputError, SolverError):
+        return None
+
+
+def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, FloatArray] | None:
+    """A motion taken to another resolution of its solver.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    resolution : Resolution
+        The other one.
+
+    Returns
+    -------
+    tuple of BoundaryProblem and FloatArray, or None
+        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another
+        contact state there.
+    """
+    section = point.problem.arcs(point.u).point(point.problem.sequence.first, point.u[: point.coordinates])
+    return with_section(point, resolution, resolution.map(point.value).adopted(section))
+
+
+def with_section(
+    point: CurvePoint, resolution: Resolution, section: SectionPoint
+) -> tuple[BoundaryProblem, FloatArray] | None:
+    """A motion at another resolution, whose section is known there.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    resolution : Resolution
+        The other one.
+    section : SectionPoint
+        The section there.
+
+    Returns
+    -------
+    tuple of BoundaryProblem and FloatArray, or None
+        As `carried`, the unknowns of shape ``(n + F + 1,)``: durations and parameter stay what they are.
+    """
+    if section.state != point.problem.sequence.first:
+        return None
+    coordinates = resolution.arcs(point.value).coordinates(section)
+    return replace(point.problem, resolution=resolution), np.concatenate([coordinates, point.u[point.coordinates :]])
+
+
+def _bound(refinement: Refinement, apart: float) -> float:
+    """The error of a value that a finer resolution has elsewhere."""
+    return float(refinement.bounds(np.array([apart]), abs(apart))[0])
+
+
+def _offset(what: Located) -> float:
+    """Distance of both sides of a graze; 0 for what has no sides."""
+    return 0.0 if isinstance(what, Bifurcation) else what.offset
+
+
+def _bifurcation(what: Bifurcation, carry: Carry) -> Bifurcation | None:
+    """The zero of the test function along the other curve, nearest to where the motion is taken to."""
+    guess = carry(what.point)
+    near = None if guess is None else nearest(*guess)
+    if guess is None or near is None:
+        return None
+    point = _by_secants(near, what.kind) or _by_bracket(near, what.kind)
+    if point is None or _far(point, guess[1]) or violated(point) or not is_critical(what.kind, point):
+        return None
+    return Bifurcation(what.kind, point)
+
+
+def _by_secants(near: CurvePoint, kind: Kind) -> CurvePoint | None:
+    """The zero of a test function to which secants lead from a point of its curve."""
+    test, tolerance = test_of(kind), near.problem.resolution.options.newton_tolerance
+    here, before, at = test(near), 0.0, SAME
+    for _ in range(SECANTS):
+        point = beside(near, at)
+        there = here if point is None else test(point)
+        if point is None or there == here:
+            return None
+        step = -there * (at - before) / (there - here)
+        if abs(step) <= tolerance:
+            return point
+        here, before, at = there, at, at + step
+        if abs(at) > _NEAR:
+            return None
+    return None
+
+
+def _by_bracket(near: CurvePoint, kind: Kind) -> CurvePoint | None:
+    """The zero of a test function between the first two arclengths from a point, in tenfold steps, that have it."""
+    test = test_of(kind)
+    for way in (1.0, -1.0):
+        before, at, here = 0.0, way * SAME, test(near)
+        while abs(at) <= _NEAR:
+            point = beside(near, at)
+            if point is None:
+                break
+            if test(point) * here < 0:
+                found = located_in(Stretch(near, point, at), kind, before, at)
+                if found is not None and is_critical(kind, found[1]):
+                    return found[1]
+                break
+            before, at = at, 10 * at
+    return None
+
+
+def _graze(what: SequenceChange, carry: Carry) -> SequenceChange | None:
+    """The motion with an arc of no duration, and from it the one without that arc."""
+    more = what.more
+    guess = None if more is None else carry(centred(more))
+    found = None if guess is None else with_ended_arc(*guess)
+    if guess is None or found is None or _far(found.before, guess[1]):
+        return None
+    return None if found.after is not None and violated(found.after) else found
+
+
+def _far(point: CurvePoint, guess: FloatArray) -> bool:
+    """Whether a point is not where it was looked for."""
+    return float(np.linalg.norm((point.u - guess) / point.scale)) > _NEAR
+
+
+__all__ = ["AIM", "Located", "Stated", "again", "carried", "resolution_of", "stated", "value_of", "with_section"]

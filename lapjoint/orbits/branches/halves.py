@@ -1,0 +1,224 @@
+"""Motions that repeat in half of their time, and those that spring from them: flips and broken symmetries.
+
+A motion of twice as many half periods springs where a multiplier passes -1.  The motion differs from the one that it
+springs from by the multiplier's vector in its first half, and by the opposite in its second.  Where the branch of the
+new motion meets that of the old one again, this difference passes zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.branches.bifurcations import Stretch, beside, flip_test, located_in
+from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
+from lapjoint.orbits.branches.point import SAME, CurvePoint, scale_of, solved
+from lapjoint.orbits.branches.sequence_changes import nearest, violated
+from lapjoint.problem import FloatArray
+from lapjoint.problem.symmetry import mirror_twins
+
+_AWAY = tuple(10.0**-power for power in range(2, 7))
+"""Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn: the first is
+found unless the branch is narrower, or grazes a stop before that.  Each is tried to either side: motions on both are
+images of each other, but for what passages lose."""
+
+
+def springing(point: CurvePoint) -> CurvePoint | None:
+    """A motion of the branch that springs from a motion with a multiplier of -1.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion at the bifurcation.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent leads away from the bifurcation; None if Newton's method finds none whose contacts are the same.
+    """
+    problem, u, way = _doubled(point)
+    scale = scale_of(problem, u)
+    away = way / scale
+    away /= np.linalg.norm(away)
+    for length, row in product(_AWAY, (away, -away)):
+        new = solved(problem, u + length * scale * row, scale, row)
+        missed = None if new is None else half_difference(new)
+        if missed is not None and float(np.linalg.norm(missed)) <= SAME * length / _AWAY[0]:
+            continue  # the motion that it springs from, twice
+        if new is not None and not violated(new):
+            return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
+    return None
+
+
+def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
+    """The same motion twice, and the direction in which one of twice the length differs from it."""
+    problem, n, M = point.problem, point.coordinates, point.problem.events
+    twins = mirror_twins(problem.arcs(point.u).problem) if problem.half_periods % 2 else None
+    stops = problem.sequence.stops
+    image = tuple(twins[k] for k in stops) if twins is not None else stops
+    shares = point.shares
+    J = point.linearisation.jacobian
+    vector, moved = np.linalg.svd(point.linearisation.monodromy + np.eye(n))[2][-1], np.zeros(M + 1)
+    if M:
+        moved[problem.free] = -np.linalg.solve(J[n:, n:-1], J[n:, :n] @ vector)
+        moved[-1] = -moved.sum()
+    twice = [
+        np.array([*one[:-1], one[-1] + sign * one[0], *(sign * one[1:])]) / 2
+        for one, sign in ((shares, 1), (moved, -1))
+    ]
+    doubled = replace(
+        problem,
+        sequence=ContactSequence(problem.sequence.first, (*stops, *image)),
+        half_periods=2 * problem.half_periods,
+        tied=problem.tied | {k + M for k in problem.tied},
+    )
+    return doubled, doubled.packed(point.u[:n], twice[0], point.value), doubled.packed(vector, twice[1], 0.0)
+
+
+def half_difference(point: CurvePoint) -> FloatArray | None:
+    """By how much a motion misses to repeat in half of its time, in scaled coordinates of the section.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+
+    Returns
+    -------
+    FloatArray, shape (n,), or None
+        None if the contact sequences of both halves differ, or half the time is no period of the problem.
+    """
+    problem, M = point.problem, point.problem.events
+    half, odd = problem.half_periods // 2, problem.half_periods % 2
+    twins = mirror_twins(problem.arcs(point.u).problem) if half % 2 else None
+    if odd or M % 2 or (half % 2 and twins is None):
+        return None
+    stops, states = problem.sequence.stops, problem.sequence.states
+    image = tuple(twins[k] for k in stops[: M // 2]) if twins is not None else stops[: M // 2]
+    expected = {twins[k] for k in states[0].closed} if twins is not None else set(states[0].closed)
+    if stops[M // 2 :] != image or set(states[M // 2].closed) != expected:
+        return None
+    arcs, chain = problem.arcs(point.u), point.linearisation.chain
+    time, began = problem.time(point.u) + problem.length(point.u) / 2, float(chain.times[M // 2])
+    there = arcs.later(states[M // 2], chain.starts[M // 2], began, time - began)
+    n = point.coordinates
+    return np.asarray(((-there if twins is not None else there) - point.u[:n]) / point.scale[:n])
+
+
+def halves_exchange(here: CurvePoint, new: CurvePoint) -> bool:
+    """Whether the difference of both halves passes zero between two motions of a curve.
+
+    Parameters
+    ----------
+    here, new : CurvePoint
+        The motions.
+
+    Returns
+    -------
+    bool
+        Whether their curve meets that of motions which repeat in half of the time.
+    """
+    first, last = half_difference(here), half_difference(new)
+    return first is not None and last is not None and float(first @ last) < 0
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Where a branch meets that of motions which repeat in half of the time."""
+
+    point: CurvePoint
+    """The motion, as one of the branch that ends there."""
+    mother: CurvePoint
+    """The same motion, as one that repeats in half of the time: its multiplier -1 makes the branch spring."""
+
+
+def meeting(stretch: Stretch) -> Meeting | None:
+    """Where a motion comes to repeat in half of its time: in a step, or beyond one that ends near such motions.
+
+    There the equations of the branch are singular, and those of the other branch, which flips there, are not.  What
+    passages from one contact state to the next lose of a motion joins both branches beside that point, so that a curve
+    in small steps never comes there: so the point is looked for once the halves differ by as little as they do where a
+    branch that springs is looked for.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The step.
+
+    Returns
+    -------
+    Meeting, or None
+        None if it does not.
+    """
+    first, last = half_difference(stretch.start), half_difference(stretch.end)
+    if first is None or last is None or float(first @ last) >= float(first @ first):
+        return None
+    if float(first @ last) > 0 and float(np.linalg.norm(last)) > _AWAY[0]:
+        return None
+    share = float(first @ first) / float(first @ (first - last))
+    across = (stretch.end.u - stretch.start.u) / stretch.start.scale
+    guess = stretch.start.u + share * across * stretch.start.scale
+    resolution = stretch.start.problem.resolution
+    if not resolution.low <= guess[-1] <= resolution.high:
+        return None
+    near = nearest(*_halved(stretch.start.problem, guess))
+    mother = None if near is None else _flip_beside(near, max(float(np.linalg.norm(across)), _AWAY[0]))
+    if mother is None or violated(mother):
+        return None
+    problem, u, way = _doubled(mother)
+    scale = scale_of(problem, u)
+    tangent = way / scale
+    tangent /= np.linalg.norm(tangent)
+    return Meeting(CurvePoint(problem, u, scale, tangent, problem.linearised(u), stretch.start.orientation), mother)
+
+
+def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
+    """A motion that repeats in half of its time, or one beside it at a graze, as one of that time.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion.
+    same : float
+        Distance of both halves over the size of the motion up to which they are one.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Beside the graze, where that leaves room; None if the halves of the motion differ.
+    """
+    missed = half_difference(point)
+    if missed is None or float(np.linalg.norm(missed)) > same:
+        return None
+    half = nearest(*_halved(point.problem, point.u))
+    if half is None or not violated(half):
+        return half
+    on_either_side = (beside(half, way) for length in _AWAY[1:] for way in (length, -length))
+    return next((one for one in on_either_side if one is not None and not violated(one)), half)
+
+
+def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
+    """A motion that repeats in half of its time, over that time."""
+    M, n = problem.events, problem.coordinates(u)
+    durations = problem.durations(u) / problem.length(u)
+    sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
+    tied = frozenset(k for k in problem.tied if k < M // 2)
+    halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2, tied=tied)
+    return halved, halved.packed(u[:n], 2 * durations[: M // 2], u[-1])
+
+
+def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
+    """The nearest flip of a curve on either side of a point, at most some arclength away."""
+    length = _AWAY[-1]
+    while length <= most:
+        ends = [beside(point, way) for way in (-length, length)]
+        if ends[0] is None or ends[1] is None:
+            return None
+        if flip_test(ends[0]) * flip_test(ends[1]) < 0:
+            found = located_in(Stretch(point, ends[1], length), "flip", -length, length)
+            return None if found is None else found[1]
+        length *= 4
+    return None

@@ -1,0 +1,393 @@
+"""A point of a curve: one periodic motion with its contact sequence, where it comes near its stops, and its section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.steady_state import ComplexArray, SectionPoint
+from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.branches.boundary_problem import BoundaryProblem, Linearisation
+from lapjoint.orbits.branches.newton import Solution, solve
+from lapjoint.orbits.compiled_extrema import gap_extrema
+from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
+from lapjoint.orbits.watch import stops_of
+from lapjoint.problem import FloatArray
+from lapjoint.problem.symmetry import mirror_twins
+
+SAME = 1e-6
+"""Arclength that is told from rounding, and on which a curve does not turn; distance of two motions over their size, or
+of two events over the length of the motion, up to which they are one: motions are solved to 1e-9."""
+_ROUNDED = 1e-9
+"""Half periods up to which a time counts as a multiple of half a period."""
+
+
+@dataclass(frozen=True)
+class GapExtrema:
+    """The extrema of gap functions at which an open stop comes nearest, or a closed one is nearest to opening."""
+
+    arc: IndexArray
+    """The arc of each, shape ``(m,)``."""
+    stop: IndexArray
+    """The stop of each, shape ``(m,)``."""
+    time: FloatArray
+    """When, s from the section, shape ``(m,)``."""
+    violation: FloatArray
+    """Distance beyond the stop, over its gap or, without one, over the motion there; above zero where the contact
+    sequence lacks two events, shape ``(m,)``."""
+    lost: float
+    """The largest displacement of a stop, compared likewise, that a passage between contact states loses."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """A solution of a boundary value problem, and the tangent of its curve."""
+
+    problem: BoundaryProblem
+    """The equations."""
+    u: FloatArray = field(repr=False)
+    """The unknowns, shape ``(n + F + 1,)``."""
+    scale: FloatArray = field(repr=False)
+    """Size of each unknown: of coordinates that of the motion, of durations their mean, and that of the parameter."""
+    tangent: FloatArray = field(repr=False)
+    """Unit tangent in scaled unknowns, in either direction along the curve."""
+    linearisation: Linearisation = field(repr=False)
+    """Equations and derivative."""
+    orientation: int
+    """As `Solution.orientation`, for this tangent."""
+
+    @staticmethod
+    def of(problem: BoundaryProblem, solution: Solution, scale: FloatArray) -> CurvePoint:
+        """A solution as a point, with the scale that belongs to it.
+
+        Parameters
+        ----------
+        problem : BoundaryProblem
+            The equations.
+        solution : Solution
+            One of their solutions.
+        scale : FloatArray, shape (n + F + 1,)
+            The scale by which it was found.
+
+        Returns
+        -------
+        CurvePoint
+            The point.
+        """
+        own = scale_of(problem, solution.u)
+        tangent = solution.tangent * scale / own
+        tangent /= np.linalg.norm(tangent)
+        return CurvePoint(problem, solution.u, own, tangent, solution.linearisation, solution.orientation)
+
+    @property
+    def value(self) -> float:
+        """The parameter, in its SI unit."""
+        return float(self.u[-1])
+
+    @property
+    def coordinates(self) -> int:
+        """Number ``n`` of coordinates of the section."""
+        return self.problem.coordinates(self.u)
+
+    @cached_property
+    def durations(self) -> FloatArray:
+        """Durations of all arcs, s, shape ``(M + 1,)``."""
+        return self.problem.durations(self.u)
+
+    @property
+    def shares(self) -> FloatArray:
+        """Durations of all arcs over the length of the motion, shape ``(M + 1,)``."""
+        return self.durations / self.problem.length(self.u)
+
+    @property
+    def tolerance(self) -> float:
+        """Violation up to which an extremum touches its stop and no more: what passages lose of the motion there."""
+        return max(self.problem.resolution.options.grazing_tolerance, self.extrema.lost)
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """Eigenvalues of the derivative over the motion's half periods, shape ``(n,)``."""
+        return self.linearisation.multipliers
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether all of them lie within the unit circle."""
+        return bool(np.abs(self.multipliers).max(initial=0.0) < 1)
+
+    @cached_property
+    def twins(self) -> tuple[int, ...] | None:
+        """The twin of each stop, if the motion repeats after an odd number of half periods, mirrored."""
+        return mirror_twins(self.problem.arcs(self.u).problem) if self.problem.half_periods % 2 else None
+
+    @cached_property
+    def extrema(self) -> GapExtrema:
+        """Where open stops are nearest, and closed ones nearest to opening."""
+        arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
+        structure = arcs.problem.structure
+        if not structure.stops:
+            none = np.zeros(0, dtype=np.intp)
+            return GapExtrema(none, none, np.zeros(0), np.zeros(0), 0.0)
+        motion, stops = arcs.motion(self.problem.sequence, chain, self.durations), stops_of(structure.stops)
+        stop, time, value, highest = gap_extrema(motion, stops)
+        began = motion.start[motion.duration > 0]
+        arc = np.flatnonzero(motion.duration > 0)[np.searchsorted(began, time, side="right") - 1]
+        is_open = motion.orientation[arc, stop] > 0
+        sizes = self._sizes(stops.gap)
+        keep: npt.NDArray[np.bool_] = (highest == is_open) & ~self._switches(motion, arc, stop, time)
+        levels = self._levels(motion, stops)
+        value = value - levels[arc, stop]
+        violation = np.where(is_open, value, -value) / sizes[stop]
+        lost = float((np.abs(levels) / sizes).max(initial=0.0))
+        return GapExtrema(arc[keep], stop[keep], time[keep], violation[keep], lost)
+
+    def _switches(self, motion: Motion, arc: IndexArray, stop: IndexArray, time: FloatArray) -> npt.NDArray[np.bool_]:
+        """Whether extrema, ``m`` of them, lie where their own stop switches, at the start of an arc."""
+        found = np.zeros(arc.size, dtype=bool)
+        for i in np.flatnonzero((arc > 0) & (time == motion.start[arc])):
+            before = int(np.flatnonzero(motion.duration[: arc[i]] > 0)[-1])
+            found[i] = stop[i] in self.problem.sequence.stops[before : arc[i]]
+        return found
+
+    def _levels(self, motion: Motion, stops: Stops) -> FloatArray:
+        """Value at which each stop switches in each arc, m, shape ``(M + 1, P)``.
+
+        A stop that has just switched returns to where it began; that is 0 but for what a passage loses of the motion.
+        """
+        levels, switched = np.zeros(motion.orientation.shape), np.array(self.problem.sequence.stops, dtype=np.intp)
+        if switched.size:
+            after = [self.problem.group(i)[-1] + 1 for i in range(switched.size)]
+            arcs, place = np.array(after), stops.place[switched]
+            waves = (motion.weights[arcs, place] * motion.amplitudes[arcs]).real.sum(axis=1)
+            z = waves + motion.polynomial[arcs, place, 0]
+            levels[arcs, switched] = stops.sign[switched] * z - stops.gap[switched]
+        return levels
+
+    def _sizes(self, gaps: FloatArray) -> FloatArray:
+        """What distances from stops are compared with: their gaps, or the largest of them, or a size of the motion."""
+        largest = float(gaps.max(initial=0.0))
+        return np.where(gaps > 0, gaps, largest if largest > 0 else float(np.abs(self.scale[: self.coordinates]).max()))
+
+    def leaving(self, arc: int, stop: int) -> tuple[float, float]:
+        """Rate and second derivative of a gap function where an arc begins, as the contact state of the arc has them.
+
+        Parameters
+        ----------
+        arc : int
+            The arc.
+        stop : int
+            The stop.
+
+        Returns
+        -------
+        tuple of float and float
+            m/s and m/s2.
+        """
+        arcs = self.problem.arcs(self.u)
+        motion, stops = arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations), arcs.problem.stops
+        place, rates = stops_of(stops).place[stop], motion.rates[arc]
+        waves, (_, one, two) = motion.weights[arc, place] * motion.amplitudes[arc], motion.polynomial[arc, place]
+        rate, second = (float((waves * power).real.sum()) for power in (rates, rates**2))
+        return stops[stop].sign * (rate + one), stops[stop].sign * (second + 2 * two)
+
+    def predicted(self, length: float) -> FloatArray:
+        """Unknowns along the tangent.
+
+        Parameters
+        ----------
+        length : float
+            Arclength from here, of either sign.
+
+        Returns
+        -------
+        FloatArray, shape (n + F + 1,)
+            The unknowns.
+        """
+        return self.u + length * self.scale * self.tangent
+
+    def arclength(self, other: CurvePoint) -> float:
+        """How far another point of the curve lies along this one's tangent.
+
+        Parameters
+        ----------
+        other : CurvePoint
+            The other point, of the same equations.
+
+        Returns
+        -------
+        float
+            Arclength, of either sign.
+        """
+        return float(self.tangent @ ((other.u - self.u) / self.scale))
+
+    def turned(self) -> CurvePoint:
+        """The same point with the opposite tangent.
+
+        Returns
+        -------
+        CurvePoint
+            The point.
+        """
+        return replace(self, tangent=-self.tangent, orientation=-self.orientation)
+
+    def sections(self) -> list[SectionPoint]:
+        """The motion at multiples of the excitation period, or of half periods of a problem that is its mirror image.
+
+        Returns
+        -------
+        list of SectionPoint
+            Those within the motion's length: of the motion or, if it is not symmetric, of its mirror image, too.
+        """
+        arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
+        twins, half = mirror_twins(arcs.problem), arcs.period / 2
+        first, found = int(np.ceil(chain.times[0] / half - _ROUNDED)), list[SectionPoint]()
+        for k in range(first, first + self.problem.half_periods):
+            if k % 2 and twins is None:
+                continue
+            i = max(int(np.searchsorted(chain.times, k * half, side="right")) - 1, 0)
+            state, began = self.problem.sequence.states[i], float(chain.times[i])
+            there = arcs.later(state, chain.starts[i], began, k * half - began)
+            if k % 2 and twins is not None:
+                state, there = ContactState(tuple(twins[stop] for stop in state.closed)), -there
+            found.append(arcs.point(state, there))
+        return found
+
+    def section(self) -> SectionPoint:
+        """The motion, or the mirror image that it is of itself, at a multiple of the excitation period.
+
+        Returns
+        -------
+        SectionPoint
+            Where the solver's march of the same motion may begin.
+        """
+        arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
+        k = int(np.ceil(2 * chain.times[0] / arcs.period - _ROUNDED))
+        mirrors = mirror_twins(arcs.problem) is not None
+        if self.problem.half_periods % 2:
+            return self.sections()[0]  # each half period of such a motion is the mirror image of the one before
+        return self.sections()[1 if mirrors and k % 2 else 0]
+
+
+def solved(
+    problem: BoundaryProblem, guess: FloatArray, scale: FloatArray, row: FloatArray, exact: bool = False
+) -> CurvePoint | None:
+    """The point of a curve to which Newton's method leads from a guess.
+
+    Parameters
+    ----------
+    problem, guess, scale, row, exact : BoundaryProblem, FloatArray of shape (n + F + 1,) and bool
+        As `lapjoint.orbits.branches.newton.solve` takes them.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards the border row; None if Newton's method finds none.
+    """
+    found = solve(problem, guess, scale, row, exact)
+    return None if found is None else CurvePoint.of(problem, found, scale)
+
+
+def holding(
+    problem: BoundaryProblem, guess: FloatArray, unknown: int, scale: FloatArray | None = None
+) -> CurvePoint | None:
+    """The point of a curve near a guess at which one of the unknowns is that of the guess.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+    unknown : int
+        Index of the unknown.
+    scale : FloatArray, shape (n + F + 1,), optional
+        Size of each unknown; by default as the guess has it.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards a larger value of the unknown; None if Newton's method finds none.
+    """
+    row = np.zeros(guess.size)
+    row[unknown] = 1.0
+    return solved(problem, guess, scale_of(problem, guess) if scale is None else scale, row)
+
+
+def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
+    """Size of each unknown.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    u : FloatArray, shape (n + F + 1,)
+        The unknowns.
+
+    Returns
+    -------
+    FloatArray, shape (n + F + 1,)
+        In the unit of each.
+    """
+    n = problem.coordinates(u)
+    units = problem.arcs(u).unit_norms(problem.sequence.first)
+    size = float(np.linalg.norm(u[:n] * units))
+    durations = np.full(problem.free.size, 1 / (problem.events + 1))  # those of arcs that are all alike
+    return np.concatenate([max(size, np.finfo(float).tiny) / units, durations, [problem.resolution.scale(u[-1])]])
+
+
+def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
+    """The same motion with the section in the middle of its longest arc.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The motion, with two events or more.
+
+    Returns
+    -------
+    BoundaryProblem
+        Its equations.
+    FloatArray, shape (n' + F + 1,)
+        The unknowns.
+    FloatArray, shape (n' + F + 1,)
+        A small way along the curve, in the direction of the point's tangent.
+    """
+    durations = point.durations
+    lengths = np.append(durations[1:-1], durations[0] + durations[-1])
+    arc = (int(np.argmax(lengths)) + 1) % lengths.size
+    shift = 0.5 * (durations[arc] if arc else durations[0] - durations[-1])
+    problem, u = _at_section(point.problem, point.u, arc, shift)
+    ahead = point.predicted(SAME)
+    periods = (_began(point.problem, point.u, arc) + shift) / point.problem.arcs(point.u).period
+    later = periods * point.problem.arcs(ahead).period - _began(point.problem, ahead, arc)  # at the same phase
+    return problem, u, _at_section(point.problem, ahead, arc, later)[1] - u
+
+
+def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
+    """Time at which an arc begins."""
+    return problem.time(u) + float(problem.durations(u)[:arc].sum())
+
+
+def _at_section(problem: BoundaryProblem, u: FloatArray, arc: int, shift: float) -> tuple[BoundaryProblem, FloatArray]:
+    """The same motion with the section some time after the start of an arc, 0 to M - 1, or before the first one."""
+    arcs, chain, sequence = problem.arcs(u), problem.chain(u), problem.sequence
+    durations, stops, mirrored = problem.durations(u), sequence.stops, problem.half_periods % 2
+    twins = mirror_twins(arcs.problem) if mirrored else None
+    if arc == 0 and shift < 0:  # in the last arc: free motion is not followed back in time, where fast modes grow
+        start = arcs.later(sequence.states[-1], chain.starts[-1], float(chain.times[-1]), float(durations[-1]) + shift)
+        start = -start if mirrored else start
+    else:
+        start = arcs.later(sequence.states[arc], chain.starts[arc], float(chain.times[arc]), shift)
+    image = [twins[k] for k in stops[:arc]] if twins is not None else list(stops[:arc])
+    if arc:
+        lengths = [durations[arc] - shift, *durations[arc + 1 : -1], durations[-1] + durations[0], *durations[1:arc]]
+    else:
+        lengths = [durations[0] - shift, *durations[1:-1]]
+    order = ContactSequence(sequence.states[arc], (*stops[arc:], *image))
+    tied = frozenset((i - arc) % len(stops) for i in problem.tied)
+    phase = ((float(chain.times[arc]) + shift) / arcs.period) % 1.0
+    moved = replace(problem, sequence=order, phase=phase, tied=tied)
+    return moved, moved.packed(start, np.array(lengths) / problem.length(u), u[-1])

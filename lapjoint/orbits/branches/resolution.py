@@ -1,0 +1,319 @@
+"""One solver at one resolution over a range of a parameter, and a range cut into zones of one resolution each."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Iterable
+from itertools import pairwise
+from typing import Protocol, cast, runtime_checkable
+
+import numpy as np
+
+from lapjoint.errors import InputError
+from lapjoint.orbits.arcs import Arcs, HasArcs
+from lapjoint.orbits.branches.options import ContinuationOptions
+from lapjoint.orbits.half_periods import gives
+from lapjoint.orbits.parameters import Retunes
+from lapjoint.orbits.period_map import PeriodMap
+from lapjoint.orbits.refinement import Refinement
+from lapjoint.problem import Problem
+from lapjoint.problem.symmetry import mirror_twins
+
+_KEPT = 32
+"""Number of period maps that are kept: Newton's method and differences return to the same parameters."""
+_LOOKED_AT = 9
+"""Number of problems, evenly over a zone, of which the hardest decides the resolution there."""
+_ZONE = 8.0
+"""Ratio of the ends of a zone, about: where the resolution changes, the curve jumps by its errors, so that a few zones
+are better than many."""
+
+
+@runtime_checkable
+class HasPeriodMap(Protocol):
+    """A solver that gives its period map."""
+
+    @property
+    def name(self) -> str:
+        """Name and options in a line."""
+
+    def period_map(self, problem: Problem) -> PeriodMap:
+        """The motion of a problem from section point to section point.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved; its excitation has a period.
+
+        Returns
+        -------
+        PeriodMap
+            The period map.
+
+        Raises
+        ------
+        InputError
+            If the excitation has no period.
+        """
+
+
+@runtime_checkable
+class Resolves(Protocol):
+    """A solver that chooses its resolution by the problem, and can be held to one resolution for several problems."""
+
+    def resolving(self, problems: Iterable[Problem]) -> HasPeriodMap:
+        """The solver with the resolution that the hardest of some problems needs.
+
+        Parameters
+        ----------
+        problems : iterable of Problem
+            The problems, at least one.
+
+        Returns
+        -------
+        HasPeriodMap
+            A solver whose resolution does not depend on the problem.
+        """
+
+
+@runtime_checkable
+class Refines(Protocol):
+    """A solver that gives a finer solver, by which its errors are estimated."""
+
+    def finer(self, problem: Problem) -> tuple[Refinement, HasPeriodMap] | None:
+        """A finer solver, and what is known of the refinement.
+
+        Parameters
+        ----------
+        problem : Problem
+            What is solved.
+
+        Returns
+        -------
+        tuple of Refinement and HasPeriodMap, or None
+            None if there is none.
+        """
+
+
+class Resolution:
+    """One solver at one resolution, for a problem of which one parameter varies.
+
+    Parameters
+    ----------
+    solver : HasPeriodMap
+        The solver; its resolution does not depend on the problem.
+    problem_at : callable
+        Takes a value of the parameter, and returns the problem with that value.
+    path : str
+        Path of the parameter, as `lapjoint.Axis` takes it.
+    low, high : float
+        The range of the parameter, in its SI unit.
+    options : ContinuationOptions
+        The numerical options.
+    """
+
+    def __init__(
+        self,
+        solver: HasPeriodMap,
+        problem_at: Callable[[float], Problem],
+        path: str,
+        low: float,
+        high: float,
+        options: ContinuationOptions,
+    ) -> None:
+        self.solver, self.problem_at, self.path = solver, problem_at, path
+        self.low, self.high, self.options = low, high, options
+        self._maps: OrderedDict[float, PeriodMap] = OrderedDict()
+        self._first: PeriodMap | None = None
+        self._finer: tuple[Refinement, Resolution] | None = None
+
+    def map(self, value: float) -> PeriodMap:
+        """The period map at a value of the parameter.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        PeriodMap
+            The map.
+
+        Raises
+        ------
+        InputError
+            If there is no such problem.
+        """
+        if value in self._maps:
+            self._maps.move_to_end(value)
+            return self._maps[value]
+        made = None
+        if self._first is not None and gives(self._first, Retunes) and self.low <= value <= self.high:
+            made = cast(Retunes, self._first).retuned(self.path, value, lambda: self.problem_at(value))
+        if made is None:
+            made = self.solver.period_map(self.problem_at(value))
+            self._first = self._first or made
+        self._maps[value] = made
+        if len(self._maps) > _KEPT:
+            self._maps.popitem(last=False)
+        return made
+
+    def arcs(self, value: float) -> Arcs:
+        """The arcs at a value of the parameter.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        Arcs
+            Of the problem with that value.
+
+        Raises
+        ------
+        InputError
+            If there is no such problem.
+        """
+        return cast(HasArcs, self.map(value)).arcs
+
+    def scale(self, value: float) -> float:
+        """What a change of the parameter is compared with: its size, or the whole range where that includes zero.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        float
+            In the same unit, above zero.
+        """
+        return abs(value) if self.low > 0 or self.high < 0 else self.high - self.low
+
+    def difference_step(self, value: float) -> float:
+        """Step of a difference by the parameter, which does not lead out of the range.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        float
+            In the same unit, of either sign.
+        """
+        step = self.options.difference_step * self.scale(value)
+        return step if value + step <= self.high else -step
+
+    @property
+    def finer(self) -> tuple[Refinement, Resolution] | None:
+        """What is known of the refinement, and the next finer resolution; None if the solver has no finer one."""
+        if self._finer is None and isinstance(self.solver, Refines):
+            found = self.solver.finer(self.problem_at(self.high))
+            if found is not None:
+                finer = Resolution(found[1], self.problem_at, self.path, self.low, self.high, self.options)
+                self._finer = found[0], finer
+        return self._finer
+
+
+class ParameterRange:
+    """A range of a parameter, cut into zones of one resolution each.
+
+    Parameters
+    ----------
+    solver : HasPeriodMap
+        The solver.
+    problem_at : callable
+        Takes a value of the parameter, and returns the problem with that value.
+    path : str
+        Path of the parameter, as `lapjoint.Axis` takes it.
+    low, high : float
+        The range, in the SI unit of the parameter; `low` < `high`.
+    options : ContinuationOptions, optional
+        The numerical options.
+
+    Raises
+    ------
+    InputError
+        If the solver has no period map or no arcs, or there is no valid problem at an end of the range.
+    """
+
+    def __init__(
+        self,
+        solver: object,
+        problem_at: Callable[[float], Problem],
+        path: str,
+        low: float,
+        high: float,
+        options: ContinuationOptions | None = None,
+    ) -> None:
+        if not isinstance(solver, HasPeriodMap):
+            raise InputError(f"solver = {getattr(solver, 'name', solver)}: gives no period map, and so no branches")
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise InputError(f"{path}: from {low:g} to {high:g} is no range; both must be finite, and ascend")
+        if not isinstance(solver.period_map(problem_at(low)), HasArcs):
+            raise InputError(
+                f"solver = {solver.name}: has steady states and sweeps, but no branches, for its period map has no arcs"
+            )
+        self.path, self.low, self.high, self.options = path, float(low), float(high), options or ContinuationOptions()
+        self.zones = [
+            (end, Resolution(own, problem_at, path, self.low, self.high, self.options))
+            for end, own in zones_of(solver, problem_at, self.low, self.high)
+        ]
+        """The upper end of each zone, ascending, and the resolution there, which may be used over the whole range."""
+        ends = (problem_at(self.low), problem_at(self.high))
+        self.least = 1 if all(mirror_twins(problem) is not None for problem in ends) else 2
+        """Half periods of the shortest motions: 1 if the problems at both ends are their own mirror images, else 2."""
+
+    def resolution(self, value: float) -> Resolution:
+        """The resolution of the zone that holds a value of the parameter.
+
+        Parameters
+        ----------
+        value : float
+            In its SI unit.
+
+        Returns
+        -------
+        Resolution
+            That of the nearest zone, for a value out of range.
+        """
+        return next((one for end, one in self.zones if value <= end), self.zones[-1][1])
+
+
+def zones_of(
+    solver: HasPeriodMap, problem_at: Callable[[float], Problem], low: float, high: float
+) -> list[tuple[float, HasPeriodMap]]:
+    """A range of a parameter, cut into zones of one resolution each.
+
+    Parameters
+    ----------
+    solver : HasPeriodMap
+        The solver.
+    problem_at : callable
+        Takes a value of the parameter, and returns the problem with that value.
+    low, high : float
+        The range, in the SI unit of the parameter; `low` < `high`.
+
+    Returns
+    -------
+    list of tuple of float and HasPeriodMap
+        The upper end of each zone, ascending, and the solver that resolves all problems in the zone; neighbours of one
+        resolution are one zone.
+    """
+    if not isinstance(solver, Resolves):
+        return [(high, solver)]
+    count = max(1, round(math.log(high / low, _ZONE))) if low > 0 else 1
+    edges = [low, *(np.geomspace(low, high, count + 1)[1:-1].tolist() if count > 1 else []), high]
+    found = list[tuple[float, HasPeriodMap]]()
+    for first, last in pairwise(edges):
+        own = solver.resolving([problem_at(float(value)) for value in np.linspace(first, last, _LOOKED_AT)])
+        if found and found[-1][1] == own:
+            own = found.pop()[1]
+        found.append((last, own))
+    return found

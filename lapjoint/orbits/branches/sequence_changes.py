@@ -1,0 +1,481 @@
+"""Changes of the contact sequence along a curve: contacts that are born, end, split or merge, and events out of order.
+
+An arc whose duration passes zero ends: between events of one stop the stop's contact (or flight) vanishes with both
+events, between events of two stops the events change their order.  An extremum that passes its stop in an open arc
+gives birth to a contact, and in a closed arc it splits the contact by a flight.  The curves on both sides of a change
+meet where the arc's duration and the extremum are zero.  A solver whose passages lose part of the motion has the
+meeting point a little elsewhere on either side; the distance is an error of truncation, see `SequenceChange.offset`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import toms748
+
+from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.branches.bifurcations import beside, nearest_of
+from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
+from lapjoint.orbits.branches.point import SAME, CurvePoint, holding, scale_of, solved
+from lapjoint.problem import FloatArray
+
+ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
+"""A contact begins or ends at a graze, a contact splits into two or two merge, or two events change their order."""
+SECANTS = 12
+"""Largest number of secant steps to a zero that lies near, of which two to five are needed."""
+_CLEARLY = 1e-7
+"""Value of a monitor that is above zero and not rounded: Newton's method leaves 1e-9 of arclength, along which an
+extremum rises by up to a hundred times as much."""
+_MOST_AT_ONCE = 6
+"""Largest number of changes that come at once: a motion of four periods has as many parts alike, or fewer."""
+_ACROSS = 0.5
+"""Share of a step, beyond its ends, within which a change that lies in the step may be located."""
+
+
+class Monitor(NamedTuple):
+    """A function along a curve that is above zero where the contact sequence does not fit any more."""
+
+    kind: Literal["duration", "extremum"]
+    """A duration below zero, or an extremum beyond its stop."""
+    arc: int
+    """The arc whose duration this is, or that holds the extremum."""
+    stop: int
+    """The stop of the extremum; -1 for a duration."""
+    time: float
+    """Time of the extremum over the length of the motion, from the section; 0 for a duration."""
+    value: float
+    """The function: minus a duration over the length of the motion, or `GapExtrema.violation`."""
+
+    def is_of(self, other: Monitor) -> bool:
+        """Whether another monitor is that of the same arc and stop.
+
+        Parameters
+        ----------
+        other : Monitor
+            The other monitor.
+
+        Returns
+        -------
+        bool
+            Whether it is, be it at another point of the curve.
+        """
+        return (self.kind, self.arc, self.stop) == (other.kind, other.arc, other.stop)
+
+
+@dataclass(frozen=True)
+class SequenceChange:
+    """A change of the contact sequence, located on both sides."""
+
+    kind: ChangeKind
+    """What happens."""
+    stops: tuple[int, ...]
+    """The stop, or the two stops that change their order."""
+    before: CurvePoint
+    """The point with the sequence before, its tangent towards the change."""
+    after: CurvePoint | None
+    """The point with the sequence after, its tangent away from the change; None where there is none."""
+    reverses: int | None = None
+    """The new arc, if forces jump with the contact state so that a short arc would be on the wrong side of its stop."""
+
+    @property
+    def value(self) -> float:
+        """The parameter at the change, from the side with fewer events: the smooth side of a graze."""
+        if self.after is not None and self.after.problem.events < self.before.problem.events:
+            return self.after.value
+        return self.before.value
+
+    @property
+    def more(self) -> CurvePoint | None:
+        """The motion with more events, of which an arc has no duration; None where it is not known."""
+        return self.after if self.kind in ("birth", "split") else self.before
+
+    @property
+    def offset(self) -> float:
+        """Distance of the parameter on both sides, in its unit; infinite where one side is not known."""
+        return np.inf if self.after is None else abs(self.after.value - self.before.value)
+
+
+def violated(point: CurvePoint) -> list[Monitor]:
+    """The monitors of a point that are above zero.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The point.
+
+    Returns
+    -------
+    list of Monitor
+        Empty if the motion has the contact sequence that it was solved with.
+    """
+    shares = point.shares
+    found = [
+        Monitor("duration", i, -1, 0.0, float(-shares[i])) for i in point.problem.free[1:].tolist() if shares[i] < 0
+    ]
+    its, length = point.extrema, point.problem.length(point.u)
+    for i in np.flatnonzero(its.violation > point.tolerance):
+        found.append(
+            Monitor("extremum", int(its.arc[i]), int(its.stop[i]), float(its.time[i]) / length, float(its.violation[i]))
+        )
+    return found
+
+
+def same_monitor(point: CurvePoint, monitor: Monitor) -> Monitor | None:
+    """A monitor as another point of the same curve has it: of several extrema of an arc the one farthest beyond.
+
+    Parameters
+    ----------
+    point : CurvePoint
+        The other point, with the same contact sequence.
+    monitor : Monitor
+        The monitor.
+
+    Returns
+    -------
+    Monitor, or None
+        With its value there; None if the motion there has no such extremum.
+    """
+    if monitor.kind == "duration":
+        return monitor._replace(value=float(-point.shares[monitor.arc]))
+    its = point.extrema
+    mine = np.flatnonzero((its.stop == monitor.stop) & (its.arc == monitor.arc))
+    if not mine.size:
+        return None
+    best = int(mine[np.argmax(its.violation[mine])])
+    time = float(its.time[best]) / point.problem.length(point.u)
+    return monitor._replace(time=time, value=float(its.violation[best]))
+
+
+def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Monitor, CurvePoint] | None:
+    """The first monitor that passes zero in a step of a curve, and the point where it does.
+
+    Parameters
+    ----------
+    start, end : CurvePoint
+        The ends of the step, with one contact sequence; the second violates some monitor.
+    length : float
+        Arclength of the step.
+
+    Returns
+    -------
+    tuple of Monitor and CurvePoint, or None
+        None if the point is not found.
+    """
+    there, upper, seen = violated(end), length, 0
+    best: tuple[Monitor, CurvePoint] | None = None
+    while there:
+        # Where an arc has ended, the arcs beside it overlap, and have an extremum beyond the stop, too.
+        ended = [one for one in there if one.kind == "duration"]
+        monitor = min(ended or there, key=lambda one: _estimate(start, one, upper))
+        located = _located(start, monitor, upper)
+        if located is None:
+            return None
+        best, seen = located, seen + 1
+        upper = start.arclength(located[1])
+        there = [one for one in violated(located[1]) if not located[0].is_of(one)]
+        if seen > end.problem.events + len(end.extrema.stop):
+            return None
+    return best
+
+
+def _estimate(start: CurvePoint, monitor: Monitor, length: float) -> float:
+    """Where a monitor passes zero if it is linear in the step."""
+    before = same_monitor(start, monitor)
+    if before is None or before.value >= 0:
+        return 0.5 * length
+    return length * before.value / (before.value - monitor.value)
+
+
+def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monitor, CurvePoint] | None:
+    """A monitor at its zero, and the point there."""
+    if monitor.kind == "duration":
+        at, unknown = _estimate(start, monitor, length), start.problem.position(start.u, monitor.arc)
+        guess = start.predicted(at)
+        guess[unknown] = 0.0
+        point = holding(start.problem, guess, unknown, start.scale)
+        if point is None or abs(start.arclength(point) - at) > (1 + _ACROSS) * length:
+            return None
+        return monitor._replace(value=0.0), point if point.tangent @ start.tangent > 0 else point.turned()
+    before = same_monitor(start, monitor)
+    if before is None or before.value < 0:
+        return zero_along(start, monitor, 0.0, length)
+    for back in (0.1, 1.0, 10.0):  # it has been beyond its stop by less than the tolerance
+        located = zero_along(start, before, -back * length, 0.0)
+        if located is not None:
+            return located
+    return before, start
+
+
+def at_once(change: SequenceChange) -> Iterator[SequenceChange]:
+    """The changes that come at once with another one: those whose monitors are above zero where that one leads to.
+
+    Halves of a motion that nearly repeats change one just after the other, and what passages lose may swap them.
+
+    Parameters
+    ----------
+    change : SequenceChange
+        The first change.
+
+    Yields
+    ------
+    SequenceChange
+        Each begins where the one before leads to.
+    """
+    for _ in range(_MOST_AT_ONCE):
+        here = change.after
+        there = [] if here is None else [one for one in violated(here) if one.value > _CLEARLY]
+        if here is None or not there:
+            return
+        monitor = min(there, key=lambda one: one.kind == "extremum")
+        point: CurvePoint | None = here
+        if monitor.kind == "duration":
+            guess = here.u.copy()
+            guess[here.problem.position(guess, monitor.arc)] = 0.0
+            point = on_duration(here.problem, guess, monitor.arc)
+        if point is None:
+            return
+        change = crossed(monitor, point)
+        yield change
+
+
+def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -> tuple[Monitor, CurvePoint] | None:
+    """Where an extremum is zero on a part of a curve.
+
+    Parameters
+    ----------
+    start : CurvePoint
+        A point of the curve.
+    monitor : Monitor
+        The extremum, as one end of the part has it.
+    first, last : float
+        The part, as arclengths from the point; the extremum has different signs at its ends.
+
+    Returns
+    -------
+    tuple of Monitor and CurvePoint, or None
+        None if Newton's method loses the curve, or the signs do not differ.
+    """
+    known: dict[float, tuple[Monitor, CurvePoint]] = {}
+    points = dict[float, CurvePoint]()
+
+    def value(s: float) -> float:
+        point = start if s == 0 else beside(start, s, nearest_of(points, s), exact=False)
+        if point is None:
+            raise _LostError
+        points[s] = point
+        its = same_monitor(point, monitor)
+        if its is None:  # it arises farther on, below zero
+            return -1.0
+        known[s] = its, point
+        return its.value
+
+    try:
+        at = toms748(value, first, last, xtol=1e-13, rtol=1e-11)
+        if at not in known:
+            value(at)
+    except (_LostError, ValueError):
+        return None
+    if at not in known or abs(known[at][0].value) > known[at][1].tolerance:
+        return None  # it appears beyond its stop
+    its, point = known[at]
+    if point.tangent @ start.tangent < 0:
+        point = point.turned()
+    return its, point
+
+
+class _LostError(Exception):
+    """Newton's method lost the curve."""
+
+
+def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """The change of the contact sequence where a monitor is zero.
+
+    Parameters
+    ----------
+    monitor : Monitor
+        The monitor.
+    before : CurvePoint
+        The point where it is zero, its tangent towards the change.
+
+    Returns
+    -------
+    SequenceChange
+        With the point on the other side, if there is one.
+    """
+    if monitor.kind == "extremum":
+        return _with_new_events(monitor, before)
+    stops, i = before.problem.sequence.stops, monitor.arc
+    if stops[i - 1] != stops[i]:
+        return _exchanged(monitor, before)
+    return _without_events(monitor, before)
+
+
+def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """Two events are born at an extremum, or two groups of tied events where several stops have it at the same time."""
+    problem, i, n = before.problem, monitor.arc, before.coordinates
+    sequence, shares, stops = problem.sequence, before.shares.tolist(), _touching(before, monitor)
+    began, more = sum(shares[:i]), len(stops) - 1
+    shares[i : i + 1] = [monitor.time - began, *[0.0] * (2 * more + 1), shares[i] - (monitor.time - began)]
+    order = (*sequence.stops[:i], *stops, *reversed(stops), *sequence.stops[i:])
+    tied = {k if k < i else k + 2 * len(stops) for k in problem.tied}
+    tied |= {*range(i + 1, i + 1 + more), *range(i + 2 + more, i + 2 + 2 * more)}
+    new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=frozenset(tied))
+    after = on_duration(new, new.packed(before.u[:n], shares, before.value), i + 1 + more)
+    kind: ChangeKind = "split" if monitor.stop in sequence.states[i] else "birth"
+    arc, side = i + 1 + more, -1 if kind == "split" else 1
+    reverses = arc if after is not None and side * after.leaving(arc, monitor.stop)[1] > 0 else None
+    return SequenceChange(kind, (monitor.stop,), before, after, reverses)
+
+
+def _touching(point: CurvePoint, monitor: Monitor) -> list[int]:
+    """The stops whose extrema are zero where that of a monitor is: the monitor's own, and those that mirror it."""
+    its = point.extrema
+    alike = (its.arc == monitor.arc) & (np.abs(its.time / point.problem.length(point.u) - monitor.time) < SAME)
+    beside = alike & (np.abs(its.violation - monitor.value) <= 10 * point.tolerance)
+    return [monitor.stop, *(int(stop) for stop in its.stop[beside] if stop != monitor.stop)]
+
+
+def _exchanged(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """Two events of different stops, or two groups of tied events, change their order."""
+    problem, i = before.problem, monitor.arc
+    first, last, stops = problem.group(i - 1), problem.group(i), list(problem.sequence.stops)
+    stops[first[0] : last[-1] + 1] = [*(stops[k] for k in last), *(stops[k] for k in first)]
+    arc = first[0] + len(last)
+    tied = problem.tied - {*first, *last} | set(range(first[0] + 1, last[-1] + 1)) - {arc}
+    sequence = ContactSequence(problem.sequence.first, tuple(stops))
+    new = replace(problem, sequence=sequence, tied=frozenset(tied))
+    shares = before.shares.copy()
+    shares[first[0] + 1 : last[-1] + 1] = 0.0
+    after = on_duration(new, new.packed(before.u[: before.coordinates], shares, before.value), arc)
+    return SequenceChange("exchange", (problem.sequence.stops[i - 1], problem.sequence.stops[i]), before, after)
+
+
+def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
+    """The point of a curve at which an arc has no duration.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+    arc : int
+        The arc.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards a longer arc; None if Newton's method finds none.
+    """
+    at = problem.position(guess, arc)
+    point = holding(problem, guess, at)
+    return point if point is None or point.tangent[at] > 0 else point.turned()
+
+
+def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChange | None:
+    """The change where the shortest arc between two events of one stop has no duration.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations, with such an arc.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+
+    Returns
+    -------
+    SequenceChange, or None
+        It comes from the side with more events; None if Newton's method finds none.
+    """
+    durations, returning = np.abs(problem.durations(guess)), problem.sequence.returning
+    arc = min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(durations[i]))
+    point = on_duration(problem, guess, arc)
+    return None if point is None else crossed(Monitor("duration", arc, -1, 0.0, 0.0), point)
+
+
+def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
+    """Two events of one stop vanish with the arc between them."""
+    problem, i, n = before.problem, monitor.arc, before.coordinates
+    sequence, shares, first, last = problem.sequence, before.shares.tolist(), problem.group(i - 1), problem.group(i)
+    stop, time, gone = sequence.stops[i], sum(shares[:i]), range(first[0], last[-1] + 1)
+    kind: ChangeKind = "end" if stop in sequence.states[i] else "merge"
+    if {sequence.stops[k] for k in first} != {sequence.stops[k] for k in last}:
+        return SequenceChange(kind, (stop,), before, None)
+    shares[gone[0] : gone[-1] + 2] = [sum(shares[gone[0] : gone[-1] + 2])]
+    order = (*sequence.stops[: gone[0]], *sequence.stops[gone[-1] + 1 :])
+    tied = frozenset(k if k < gone[0] else k - len(gone) for k in problem.tied if k not in gone)
+    new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
+    monitor = Monitor("extremum", gone[0], stop, time, 0.0)
+    guess = new.packed(before.u[:n], shares, before.value)
+    return SequenceChange(kind, (stop,), before, at_graze(new, guess, monitor))
+
+
+def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
+    """The point of a curve near a guess at which an extremum is zero.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+    monitor : Monitor
+        The extremum.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent goes towards where the extremum is below zero; None if no zero is found.
+    """
+    near = nearest(problem, guess)
+    its = None if near is None else same_monitor(near, monitor)
+    if near is None or its is None:
+        return None
+    here, at, other = near, 0.0, SAME
+    rate, widest = 0.0, 0.0  # of nearly equal values rounding decides which is the larger
+    for _ in range(SECANTS):
+        point = beside(near, other, exact=False)
+        there = None if point is None else same_monitor(point, monitor)
+        if point is None or (there is not None and there.value == its.value):
+            return None
+        if there is None:  # the extremum vanishes in this direction, at the start of its arc
+            rate = -np.copysign(1.0, other)
+            break
+        slope = (there.value - its.value) / (other - at)
+        if abs(other - at) > widest:
+            rate, widest = slope, abs(other - at)
+        if abs(there.value) < abs(its.value):
+            here, at, its = point, other, there
+        other = at - its.value / slope
+        if abs(its.value) <= problem.resolution.options.grazing_tolerance or other == at:
+            break
+    if abs(its.value) > max(here.tolerance, abs(rate) * problem.resolution.options.newton_tolerance):
+        return None
+    return here if rate < 0 else here.turned()
+
+
+def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
+    """The point of a curve nearest to a guess of which no direction is known.
+
+    Parameters
+    ----------
+    problem : BoundaryProblem
+        The equations.
+    guess : FloatArray, shape (n + F + 1,)
+        The unknowns to begin with.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent has either direction; None if Newton's method finds no point.
+    """
+    scale = scale_of(problem, guess)
+    J = problem.linearised(guess).jacobian * scale
+    sizes = np.abs(J).max(axis=1)
+    if not np.isfinite(sizes).all():  # fast modes grow without bound in an arc of negative duration
+        return None
+    row = np.linalg.svd(J / np.where(sizes > 0, sizes, 1.0)[:, None])[2][-1]
+    return solved(problem, guess, scale, row)

@@ -1,0 +1,53 @@
+"""A cantilever with one stop, which it first touches within a range of the amplitude: a graze and two folds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
+from lapjoint.campaigns.branches.running import branch
+from lapjoint.campaigns.branches.solve import solve_branch, solve_start
+from lapjoint.campaigns.branches.spec import BranchSpec
+
+LOW, HIGH = 3e-4, 4e-4  # m
+
+
+@pytest.fixture(scope="session")
+def problem() -> Problem:
+    """The cantilever, viscously damped, at the low end of the range."""
+    return Problem(
+        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
+        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
+        damping=ViscousDamping(coefficient=0.8),
+        base_motion=BaseMotion(amplitude=LOW, angular_frequency=5.0),
+    )
+
+
+@pytest.fixture(scope="session")
+def asked() -> dict[str, Any]:
+    """What is asked of its branches."""
+    amplitude = "base_motion.amplitude"
+    return {"path": amplitude, "first": LOW, "last": HIGH, "options": {"n_modes": 2}, "errors": False}
+
+
+@pytest.fixture(scope="session")
+def found(problem: Problem, asked: dict[str, Any]) -> xr.Dataset:
+    """The branches, found by one process."""
+    return branch(problem, **asked)
+
+
+@pytest.fixture(scope="session")
+def spec(problem: Problem, asked: dict[str, Any]) -> BranchSpec:
+    """The same as what branches depend on."""
+    return BranchSpec(problem, **asked)
+
+
+@pytest.fixture(scope="session")
+def plain(spec: BranchSpec) -> dict[str, Any]:
+    """The branch of the motion without contact at the low end."""
+    return solve_branch(spec, solve_start(spec, 0)["starts"][0])
