@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,12 +22,10 @@ from analytic.march import (
 )
 from analytic.march.arcs import JointArcs
 from analytic.march.carried import size_of
-from analytic.march.change import Change
 from analytic.march.compiled import Log, new_log
 from analytic.march.field import history_of
-from analytic.march.gap_view import outline_of, with_deviations
+from analytic.march.gap_view import outline_of
 from analytic.march.initial_state import resumed, started, translated
-from analytic.march.linearised import Carried, carried_along
 from analytic.march.loads import Harmonics
 from analytic.march.march import joined, recorded
 from analytic.march.static_shapes import free_energy, static_shapes
@@ -37,9 +35,8 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
-from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, ExcitationChange, change_with
+from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, change_with
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
-from lapjoint.orbits.segments import MadeSegments, Segments
 from lapjoint.problem import BaseMotion, FloatArray, Problem
 from lapjoint.problem.forces import inertial_load
 from lapjoint.problem.symmetry import mirror_twins
@@ -215,23 +212,11 @@ class PeriodMap:
         if end.state != start.state:
             matrix = _passed_on(self.joint.passage(end.state, start.state).S, matrix)
         known = Derivative(matrix)
-        return Linearised(_section_point(end), lambda: known, lambda: gap_view(march(self.joint, begin, 0.0, duration)))
 
-    def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
-        """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
-        known, duration = self.joint.change_by(field), half_periods * self.period / 2
-        if known is None:
-            return None
-        motion = march(self.joint, _coordinates(start), 0.0, duration)
-        along = _Along(motion, start.state, known, duration)
-        return Linearised(
-            _section_point(motion.end),
-            along.derivative,
-            along.segments,
-            lambda: along.outline,
-            along.segments_of,
-            lambda i: along.each[i],
-        )
+        def motion() -> March:
+            return march(self.joint, begin, 0.0, duration)
+
+        return Linearised(_section_point(end), lambda: known, lambda: gap_view(motion()), lambda: outline_of(motion()))
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
@@ -273,67 +258,6 @@ class PeriodMap:
                 progress(float(i + 1), float(len(pieces)))
         motion = _as_one(motions, self.period)
         return history_of(self.name, motion.joint, motion.log)
-
-
-@dataclass(frozen=True)
-class _Along:
-    """What a march says of its neighbours, and of its change with a number; found once, where it is asked for."""
-
-    motion: March
-    state: ContactState
-    """That of its start."""
-    known: ExcitationChange
-    duration: float
-    """s."""
-    last: list[Carried] = field(default_factory=list)
-    """Deviations along it as they have been carried last, if they have."""
-
-    @cached_property
-    def outline(self) -> Segments:
-        """The march from switch to switch without deviations."""
-        return outline_of(self.motion)
-
-    def carried(self, kept: slice) -> Carried:
-        """All deviations along it, kept at the start of some segments that follow each other."""
-        self.last[:] = [carried_along(self.motion, *self._number, kept=kept)]
-        return self.last[0]
-
-    @property
-    def _number(self) -> tuple[Change, float]:
-        """How the tables change with the number, and the duration, s over its unit."""
-        return Change(self.known.frequency, self.known.sizes), -self.known.frequency * self.duration
-
-    def segments(self) -> Segments:
-        """The march from switch to switch."""
-        return with_deviations(self.outline, self.carried(slice(None)))
-
-    @cached_property
-    def each(self) -> MadeSegments:
-        """The same, of which each segment is made alone, by all deviations carried once more."""
-        one = self.outline
-        return MadeSegments(one.start, one.end, lambda i: with_deviations(one, self.carried(slice(i, i + 1)))[0])
-
-    def segments_of(self, deviation: FloatArray) -> Segments:
-        """The same with one deviation, kg^1/2 m and kg^1/2 m/s, shape ``(2 N,)``."""
-        return with_deviations(self.outline, carried_along(self.motion, *self._number, deviation[:, None]))
-
-    def derivative(self) -> Derivative:
-        """The derivative of its end, in the modes of its start."""
-        known = self.last[0] if self.last else self.carried(slice(0))
-        matrix, factors, end = known.end, known.factors, self.motion.end.state
-        if end != self.state:
-            passage = self.motion.joint.passage(end, self.state)
-            matrix = _passed_on(passage.S, matrix)
-            matrix[:, -1] += self._left_out_change(passage.residual[1:])
-            factors = None if factors is None else (_passed_on(passage.S, factors[0]), factors[1])
-        return Derivative(matrix[:, :-1], matrix[:, -1].copy(), factors)
-
-    def _left_out_change(self, residual: FloatArray) -> FloatArray:
-        """Change of what is carried over between the modes of two states at a multiple of the period, ``(2 N,)``."""
-        known, harmonics = self.known, self.motion.joint.harmonics
-        theta, omega = harmonics.theta(0.0), harmonics.omega
-        moving = (known.sizes + known.frequency) * omega * np.cos(theta)
-        return np.concatenate([(known.sizes * np.sin(theta)) @ residual, moving @ residual])
 
 
 def _passed_on(S: FloatArray, deviations: FloatArray) -> FloatArray:

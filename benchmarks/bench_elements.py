@@ -14,8 +14,6 @@ from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.period_map import Linearised
 
-FREQUENCY = "base_motion.angular_frequency"
-
 
 def settled(elements: int) -> tuple[PeriodMap, SectionPoint]:
     """A period with some twenty switches, lightly damped."""
@@ -25,7 +23,7 @@ def settled(elements: int) -> tuple[PeriodMap, SectionPoint]:
 
 @in_one_thread
 def linearised(map_: Any, point: SectionPoint) -> Linearised:
-    found: Linearised = map_.linearised_by(FREQUENCY, point, 2)
+    found: Linearised = map_.linearised(point, 2)
     return found
 
 

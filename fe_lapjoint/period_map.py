@@ -7,7 +7,7 @@ Deviations are (q, q') in the modes of the joint without contact, whose mass is 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -28,7 +28,7 @@ from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
 from lapjoint.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
-from lapjoint.orbits.parameters import ExcitationChange, excitation_change
+from lapjoint.orbits.parameters import excitation_change
 from lapjoint.orbits.period_map import (
     LEAST_GROWTH,
     Derivative,
@@ -38,7 +38,6 @@ from lapjoint.orbits.period_map import (
     period_pieces,
     rescaled,
 )
-from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -220,39 +219,23 @@ class PeriodMap:
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
         """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
-        return self._linearised(start, half_periods, None)
-
-    def linearised_by(self, field: str, start: SectionPoint, half_periods: int) -> Linearised | None:
-        """The same with the change by a number. See `lapjoint.orbits.parameters.FieldDerivatives`."""
-        change = excitation_change(self.problem, field)
-        return None if change is None else self._linearised(start, half_periods, change)
-
-    def _linearised(self, start: SectionPoint, half_periods: int, change: ExcitationChange | None) -> Linearised:
         model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
         n, S, back = y.size // 2, model.transfer(FREE, start.state), model.transfer(motion.state, FREE)
-        into = np.zeros((2 * n, 2 * n + int(change is not None)))
-        into[:n, :n] = into[n:, n : 2 * n] = S
-
-        whole = Carried(model, motion, into, change)
+        into = np.zeros((2 * n, 2 * n))
+        into[:n, :n] = into[n:, n:] = S
+        whole = Carried(model, motion, into)
 
         def derivative() -> Derivative:
             columns, rest = whole.combinations
             columns = np.concatenate([back @ columns[:n], back @ columns[n:]])
-            by_number = None if change is None else columns[:, -1].copy()
-            own = columns[:, : columns.shape[1] - int(change is not None)]
-            return Derivative(own, by_number) if rest is None else Derivative(own @ rest, by_number, (own, rest))
-
-        def alone(deviation: FloatArray) -> Sequence[Segment]:
-            columns = into[:, : deviation.size] @ deviation[:, None]
-            return Carried(model, motion, np.concatenate([columns, into[:, deviation.size :]], axis=1), change).segments
+            return Derivative(columns) if rest is None else Derivative(columns @ rest, (columns, rest))
 
         return Linearised(
             section_point(self.model, motion.state, motion.y),
             derivative,
             lambda: whole.segments,
             lambda: Carried(model, motion, into[:, :0]).segments,
-            alone,
         )
 
     @in_one_thread

@@ -228,7 +228,7 @@ def _chain(
     set_phases(tables, time, theta)
     changes = changes_of_answers(tables, change, slots[: own * arcs])
     if own:
-        add_forced_change(tables, change, changes, slots[0], 0.0, theta, -1.0, here[:, :1])
+        add_forced_change(tables, change, changes, slots[0], theta, -1.0, here[:, 0])
     for i in range(arcs):
         slot, d, size = slots[i], durations[i], tables.modes[slots[i]]
         times[i] = time
@@ -283,7 +283,7 @@ def _chain(
             for c in range(n, end_by.shape[1]):
                 end_by[j, c] += rates[j]
         if own:
-            add_forced_change(tables, change, changes, last, 0.0, after, 1.0, end_by[:, :1])
+            add_forced_change(tables, change, changes, last, after, 1.0, end_by[:, 0])
 
 
 @njit_inner()
@@ -419,13 +419,13 @@ def _add_passage_change(
     """Add to the first w after a stop has switched S df_old + db - df_new."""
     new, row = tables.next_slot[old, k], tables.passage[old, k]
     n_old, n_new = tables.modes[old], tables.modes[new]
-    S, onto, before = tables.carry[row], tables.carry_residual[row], zeros((2 * n_old, 1))
-    add_forced_change(tables, change, changes, old, 0.0, theta, 1.0, before)
-    add_forced_change(tables, change, changes, new, 0.0, theta, -1.0, here[:, :1])
+    S, onto, before = tables.carry[row], tables.carry_residual[row], zeros(2 * n_old)
+    add_forced_change(tables, change, changes, old, theta, 1.0, before)
+    add_forced_change(tables, change, changes, new, theta, -1.0, here[:, 0])
     for j in range(n_new):
         for i in range(n_old):
-            here[j, 0] += S[j, i] * before[i, 0]
-            here[n_new + j, 0] += S[j, i] * before[n_old + i, 0]
+            here[j, 0] += S[j, i] * before[i]
+            here[n_new + j, 0] += S[j, i] * before[n_old + i]
         for h in range(theta.size):
             here[j, 0] += onto[1 + h, j] * change.size[h] * theta[h].imag
             here[n_new + j, 0] += onto[1 + h, j] * tables.omega[h] * (change.omega + change.size[h]) * theta[h].real

@@ -111,7 +111,7 @@ def advance_periods(
     """
     carried, depth = now.shape[1] > 0, bool(np.bool_(False))
     q_old, v_old = motion.q.copy(), motion.v.copy()
-    switching, own = new_switching(level, motion.q.size), zeros(0)
+    switching = new_switching(level, motion.q.size)
     while motion.counts[PERIODS] < count:
         slot, stop, t = motion.counts[SLOT], motion.counts[PENDING], motion.time[0]
         if carried:
@@ -123,10 +123,10 @@ def advance_periods(
             n, m = tables.modes[slot], now.shape[1]
             then = zeros((2 * tables.modes[motion.counts[SLOT]], m))
             rate, q, v = motion.time[1], motion.q, motion.v
-            saltation(tables, slot, stop, work.theta, rate, q_old, v_old, q, v, n, m, now, then, switching)
+            saltation(tables, slot, stop, work.theta, rate, q_old, v_old, q, v, n, now, then, switching)
             now = then
         if carried:
-            set_levels(tables, motion.counts[SLOT], stop >= 0, work.theta, motion.q, motion.v, now, own, switching)
+            set_levels(tables, motion.counts[SLOT], stop >= 0, work.theta, motion.q, motion.v, now, switching)
         if not leave(tables, None, None, motion, work, period, 0.0, depth):
             return STUCK, now
         if carried:

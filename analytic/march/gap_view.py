@@ -3,8 +3,7 @@ r"""The displacement at the stops along a recorded motion, and along its neighbo
 What `lapjoint.orbits.segments.Segment` asks for: the free terms of the state come first, their weights real and in
 kg^-1/2, then the harmonics with lambda = i Omega.  Deviations (dq, dv) from the start of the whole motion have the free
 terms alone; what undamped rigid-body modes add to them is the drift.  The times at which segments begin and end move
-too; that is in the deviations, by the saltation matrices of `analytic.march.tangent`.  A number p of the problem moves
-the free terms and the harmonics, see `analytic.march.change`.
+too; that is in the deviations, by the saltation matrices of `analytic.march.tangent`.
 """
 
 from __future__ import annotations
@@ -13,17 +12,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.march.change import Change, changes_of_answers, forced_change
 from analytic.march.compiled import Log
-from analytic.march.linearised import Carried, carried_along
+from analytic.march.linearised import carried_along
 from analytic.march.march import March
 from analytic.march.oscillator import OSCILLATING, SPLIT
-from analytic.march.tables import Tables
+from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import drift_at_stops, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled_arrays import complex_zeros, put, zeros
 from lapjoint.compiling import njit_called, njit_inner
-from lapjoint.orbits.segments import SegmentChange, Segments
+from lapjoint.orbits.segments import Segments
 from lapjoint.problem import FloatArray
 
 
@@ -40,7 +38,11 @@ def gap_view(motion: March) -> Segments:
     Segments
         In the order of time.
     """
-    return with_deviations(outline_of(motion), carried_along(motion))
+    outline, starts = outline_of(motion), carried_along(motion)
+    (M, T, _), stops, n = outline.deviations.shape, outline.closed.shape[1], starts.shape[2]
+    A, drift = np.empty((M, T, n), dtype=complex), np.zeros((M, stops, 2, n))
+    _deviations(motion.joint.tables, motion.log.slot, starts, A, drift)
+    return replace(outline, deviations=A, drift=drift)
 
 
 def outline_of(motion: March) -> Segments:
@@ -75,39 +77,6 @@ def outline_of(motion: March) -> Segments:
         deviations=np.zeros((M, T, 0), dtype=complex),
         drift=np.zeros((M, stops, 2, 0)),
         switched=log.stop,
-    )
-
-
-def with_deviations(outline: Segments, carried: Carried) -> Segments:
-    """A motion with the deviations that have been carried along it.
-
-    Parameters
-    ----------
-    outline : Segments
-        `outline_of` the motion.
-    carried : Carried
-        The motion, and its deviations.
-
-    Returns
-    -------
-    Segments
-        In the order of time; but for deviations the arrays of the outline.  Of those segments alone of which the
-        deviations have been kept.
-    """
-    log, tables, change = carried.motion.log, carried.motion.joint.tables, carried.change
-    (M, _, count), first = carried.starts.shape, carried.first
-    if M < len(outline):
-        outline = outline.part(first, first + M)
-    (_, stops, K), T = outline.weights.shape, outline.deviations.shape[1]
-    waves, secular = np.zeros((2, M, stops, K), dtype=complex)
-    A, drift = np.empty((M, T, count), dtype=complex), np.zeros((M, stops, 2, count))
-    _deviations(tables, change, log, first, carried.starts, A, drift, waves, secular)
-    if change is None:
-        return replace(outline, deviations=A, drift=drift)
-    n, slope = count - 1, np.zeros((M, stops, 3))
-    slope[:, :, :2] = drift[:, :, :, n]
-    return replace(
-        outline, deviations=A[:, :, :n], drift=drift[:, :, :, :n], change=SegmentChange(waves, secular, slope)
     )
 
 
@@ -156,72 +125,24 @@ def _outline(
 
 
 @njit_called()
-def _deviations(
-    tables: Tables,
-    change: Change | None,
-    log: Log,
-    first: int,
-    starts: FloatArray,
-    A: ComplexArray,
-    drift: FloatArray,
-    waves: ComplexArray,
-    secular: ComplexArray,
-) -> None:
-    """Write what deviations do in ``M`` segments that follow each other.
+def _deviations(tables: Tables, slots: IntArray, starts: FloatArray, A: ComplexArray, drift: FloatArray) -> None:
+    """Write what deviations do in ``M`` segments.
 
     Parameters
     ----------
-    tables, change, log : Tables, Change or None, Log
-        The states of the joint, how its harmonics change with a number, and the motion.
-    first : int
-        Index of the first of these.
-    starts : FloatArray, shape (M, 2 N, m)
-        `Carried.starts`.
-    A : ComplexArray, shape (M, T, m)
+    tables : Tables
+        The states of the joint.
+    slots : IntArray, shape (M,)
+        The state of each segment.
+    starts : FloatArray, shape (M, 2 N, n)
+        `carried_along`.
+    A : ComplexArray, shape (M, T, n)
         Takes what the deviations do to the free terms, and zeros for terms that a state does not have.
-    drift : FloatArray, shape (M, P, 2, m)
+    drift : FloatArray, shape (M, P, 2, n)
         Takes what the deviations do to the rigid-body modes.
-    waves, secular : ComplexArray, shape (M, P, T + H)
-        Take what the number does to the same terms at the stops, if there is one; see `SegmentChange`.
     """
-    theta, changes = complex_zeros(tables.omega.size), complex_zeros((0, 0, 0))
-    if change is not None:
-        changes = changes_of_answers(tables, change, log.slot)
-    for i in range(starts.shape[0]):
-        slot, start = log.slot[first + i], log.start[first + i]
-        _deviation_terms(tables, slot, starts[i], A[i], drift[i])
-        if change is not None:
-            set_phases(tables, start, theta)
-            _changed_terms(tables, change, changes, slot, start, theta, A[i], waves[i], secular[i])
-
-
-@njit_inner()
-def _changed_terms(
-    tables: Tables,
-    change: Change,
-    changes: ComplexArray,
-    slot: int,
-    start: float,
-    theta: ComplexArray,
-    A: ComplexArray,
-    waves: ComplexArray,
-    secular: ComplexArray,
-) -> None:
-    """What a number does to the terms at the stops, ``(P, K)``, in a segment that starts at a time.
-
-    Its part in the free terms is in the last column of `A`, ``(T, m)``; `theta`, ``(H,)``, are the phases at the
-    start, and `changes`, ``(S, H, N)``, `changes_of_answers`.
-    """
-    free, last = tables.terms[slot], A.shape[1] - 1
-    for k in range(tables.sign.size):
-        u = tables.position[k]
-        for t in range(free):
-            waves[k, t] = tables.weight[slot, u, t] * A[t, last]
-        for h in range(theta.size):
-            rise = change.omega * tables.omega[h] * tables.forced[slot, u, h] * theta[h]
-            slope = forced_change(tables, change, changes, slot, u, h) * theta[h]
-            waves[k, free + h] = complex(slope.imag, -slope.real) + start * rise
-            secular[k, free + h] = rise
+    for i in range(slots.size):
+        _deviation_terms(tables, slots[i], starts[i], A[i], drift[i])
 
 
 @njit_inner()

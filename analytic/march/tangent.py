@@ -116,23 +116,12 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray)
 
 
 @njit_inner(inline="always")
-def write_rates(
+def _write_rates(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, rates: FloatArray
 ) -> None:
-    """Write how fast a motion goes on in one state.
+    """Write how fast a motion goes on in one state, d(q, v)/dt, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit, now.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s.
-    rates : FloatArray, shape (2 N,)
-        Takes d(q, v)/dt, kg^1/2 m/s and kg^1/2 m/s2.
+    `theta`, ``(H,)``, holds exp(i theta_h) then.
     """
     n = tables.modes[slot]
     extra = n
@@ -161,8 +150,6 @@ class Switching(NamedTuple):
     """Rates of the motion just before a switch, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``."""
     after: FloatArray
     """The same just after it."""
-    jump: FloatArray
-    """What a switch later by a second changes, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``."""
 
 
 @njit_inner()
@@ -181,7 +168,7 @@ def new_switching(level: FloatArray, modes: int) -> Switching:
     Switching
         Besides `level`, filled with zeros.
     """
-    return Switching(zeros(level.shape[1]), level, zeros(2 * modes), zeros(2 * modes), zeros(2 * modes))
+    return Switching(zeros(level.shape[1]), level, zeros(2 * modes), zeros(2 * modes))
 
 
 @njit_inner()
@@ -196,7 +183,6 @@ def saltation(
     q_new: FloatArray,
     v_new: FloatArray,
     live: int,
-    whole: int,
     now: FloatArray,
     then: FloatArray,
     work: Switching,
@@ -215,30 +201,30 @@ def saltation(
         With which h', m/s.
     q_old, v_old, q_new, v_new : ndarray, shape (N,)
         The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
-    live, whole : int
-        Number of modes, the slowest ones, of which the deviations in columns before `whole` are not zero.
+    live : int
+        Number of modes, the slowest ones, of which the deviations are not zero.
     now : ndarray, shape (2 N_old, m)
         Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
     then : ndarray, shape (2 N_new, m)
         Takes the deviations just after it.
     work : Switching
-        Its `delay` and `jump` take how much later each deviation switches, and what a second of that changes; its
-        `level` is read, and to be written anew by `set_levels`.
+        Its `delay` takes how much later each deviation switches; its `level` is read, and to be written anew by
+        `set_levels`.
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
     row = tables.passage[old, k]
     onto, mode = tables.carry_residual[row], tables.weight[old, tables.position[k]]
-    delay, before, after, jump = work.delay, work.before, work.after, work.jump
-    write_rates(tables, old, theta, q_old, v_old, before)
-    write_rates(tables, new, theta, q_new, v_new, after)
+    delay, before, after = work.delay, work.before, work.after
+    _write_rates(tables, old, theta, q_old, v_old, before)
+    _write_rates(tables, new, theta, q_new, v_new, after)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
     S = tables.carry[row][:n_new]
     for c in range(m):
         delay[c] = work.level[k, c] / rate
-    for i in range(n_old):
+    for i in range(live):
         weight = late * mode[i]
-        for c in range(0 if i < live else whole, m):
+        for c in range(m):
             delay[c] += weight * now[i, c]
     part = S
     if live < S.shape[1]:  # a matrix product takes rows that follow each other in memory
@@ -248,11 +234,6 @@ def saltation(
                 part[j, i] = S[j, i]
     _project(part, now[:live], then[:n_new])
     _project(part, now[n_old : n_old + live], then[n_new : 2 * n_new])
-    for j in range(n_new):
-        for i in range(live, n_old):
-            for c in range(whole, m):
-                then[j, c] += S[j, i] * now[i, c]
-                then[n_new + j, c] += S[j, i] * now[n_old + i, c]
     # Seen at one time, deviations that switch later have gone on with the old rates, and not with the new ones.
     for j in range(n_new):
         x, y = -after[j], -after[n_new + j]
@@ -262,7 +243,6 @@ def saltation(
         for h in range(theta.size):
             x += onto[1 + h, j] * tables.omega[h] * theta[h].real
             y -= onto[1 + h, j] * tables.omega[h] ** 2 * theta[h].imag
-        jump[j], jump[n_new + j] = x, y
         for c in range(m):
             then[j, c] += x * delay[c]
             then[n_new + j, c] += y * delay[c]
@@ -277,7 +257,6 @@ def set_levels(
     q: FloatArray,
     v: FloatArray,
     now: FloatArray,
-    own: FloatArray,
     work: Switching,
 ) -> None:
     """Write at which levels deviations switch next, at the beginning of a state.
@@ -296,8 +275,6 @@ def set_levels(
         The motion then, kg^1/2 m and kg^1/2 m/s.
     now : FloatArray, shape (2 N, m)
         Deviations (dq, dv) then, kg^1/2 m and kg^1/2 m/s, as columns.
-    own : FloatArray, shape (P,) or (0,)
-        What the gap functions change besides with the last of these, m over the unit of a number; empty for nothing.
     work : Switching
         Its `level` is written; its `delay` says by how much later each began the state, if that was with a switch.
     """
@@ -316,8 +293,6 @@ def set_levels(
             weight = orientation * mode[i]
             for c in range(m):
                 level[k, c] += weight * now[i, c]
-        if own.size > 0:
-            level[k, m - 1] += own[k]
 
 
 @njit_inner()
@@ -331,34 +306,15 @@ def _gap_function(
         z += tables.weight[slot, u, i] * q[i]
         z1 += tables.weight[slot, u, i] * v[i]
     for h in range(theta.size):
-        wave = beyond_modes(tables, slot, u, h) * theta[h]
+        wave: complex = tables.forced[slot, u, h]
+        for i in range(tables.modes[slot]):
+            wave -= tables.weight[slot, u, i] * tables.harmonic[slot, h, i]
+        wave *= theta[h]
         z += wave.imag
         z1 += tables.omega[h] * wave.real
     if tables.closed[slot, k]:
         return tables.gap[k] - tables.sign[k] * z, -tables.sign[k] * z1
     return tables.sign[k] * z - tables.gap[k], tables.sign[k] * z1
-
-
-@njit_inner()
-def beyond_modes(tables: Tables, slot: int, u: int, h: int) -> complex:
-    """Complex amplitude of the displacement at a position of stops, by a harmonic, that is no mode's.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot, u, h : int
-        The state, the position, and the harmonic.
-
-    Returns
-    -------
-    complex
-        m.
-    """
-    own: complex = tables.forced[slot, u, h]
-    for i in range(tables.modes[slot]):
-        own -= tables.weight[slot, u, i] * tables.harmonic[slot, h, i]
-    return own
 
 
 @njit_inner()

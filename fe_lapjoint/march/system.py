@@ -126,31 +126,8 @@ class System:
     @cached_property
     def amplitudes(self) -> ComplexArray:
         """Complex amplitudes P of the forced motion Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
-        return np.asarray(self.harmonic / self._dynamic_stiffness)
-
-    @cached_property
-    def _dynamic_stiffness(self) -> ComplexArray:
-        """omega^2 - w^2 + 2 i a w of each mode at each load's frequency w, 1/s2, shape ``(n, H)``."""
         a, w, omega = self.damping_rate[:, None], self.driven, self.omega[:, None]
-        return np.asarray(omega**2 - w**2 + 2j * a * w)
-
-    def amplitude_change(self, frequency: float, sizes: FloatArray) -> ComplexArray:
-        """How the forced motion's amplitudes change with a number.
-
-        Parameters
-        ----------
-        frequency : float
-            Derivative of the logarithm of all loads' angular frequencies by the number.
-        sizes : FloatArray, shape (H,)
-            The same of the size of each load.
-
-        Returns
-        -------
-        ComplexArray, shape (n, H)
-            Derivative of `amplitudes` by the number.
-        """
-        turned = self.driven * frequency * (2 * self.driven - 2j * self.damping_rate[:, None])
-        return np.asarray(self.amplitudes * (sizes + turned / self._dynamic_stiffness))
+        return np.asarray(self.harmonic / (omega**2 - w**2 + 2j * a * w))
 
     @cached_property
     def _distinct(self) -> tuple[FloatArray, IndexArray]:

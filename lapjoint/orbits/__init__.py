@@ -4,8 +4,8 @@
 give; `half_periods` is the map over half periods.  `search` marches, and asks the others: `newton` for orbits,
 `least_period` for their least period, `approach` and `watch` (inner loops in `compiled_intervals` and `compiled_watch`)
 whether the march is bound for one, `unstable` how it leaves an unstable one, `wandering` and `exponent` what a march
-shows that does not repeat.  `steady_state` makes an answer of what was found; `parameters` has derivatives by numbers
-of the problem.
+shows that does not repeat.  `steady_state` makes an answer of what was found; `parameters` has the numbers of the
+excitation; `arcs` is what a solver gives to continue motions with a given contact sequence.
 """
 
 from lapjoint.orbits.period_map import Followed, Follows, Linearised, Passage, PeriodMap, Tangent

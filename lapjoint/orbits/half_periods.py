@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import cast
 
@@ -11,12 +10,9 @@ import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.orbits.finite_differences import FiniteDifferences
-from lapjoint.orbits.parameters import FieldDerivatives, Retunes
 from lapjoint.orbits.period_map import Linearised, PeriodMap, Tangent, UnitNorms
-from lapjoint.orbits.segments import Segment
 from lapjoint.orbits.watch import SegmentWatch, Watch
-from lapjoint.problem import FloatArray, Problem
-from lapjoint.problem.structure import Structure
+from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _TINY = float(np.finfo(float).tiny)
@@ -53,61 +49,17 @@ class Return:
     """The march before it is mirrored."""
     count: int
     """Number of half periods."""
-    start: SectionPoint
-    """Where the march began."""
-    field: str | None = None
-    """Path of the number of the problem by which the derivative was asked for, too."""
 
     @cached_property
     def matrix(self) -> FloatArray:
         """Derivative of the end by the start, in the coordinates that belong to the start, shape ``(n, n)``."""
         return -self.linearised.matrix if self.count % 2 else self.linearised.matrix
 
-    def carried(self, deviations: FloatArray) -> FloatArray:
-        """Deviations from the start as they are at the end: the product with `matrix`.
-
-        Parameters
-        ----------
-        deviations : FloatArray, shape (n,) or (n, m)
-            One, or several as columns.
-
-        Returns
-        -------
-        FloatArray, shape (n,) or (n, m)
-            By the factors of the matrix, where these are known: that is far less work where they are of few columns.
-        """
-        matrix, _, factors = self.linearised.known
-        own = matrix @ deviations if factors is None else factors[0] @ (factors[1] @ deviations)
-        return -own if self.count % 2 else own
-
     @property
     def multipliers(self) -> ComplexArray:
         """Eigenvalues of `matrix`, shape ``(n,)``; of a pair the one with the positive imaginary part comes first."""
         own = self.linearised.multipliers
         return -own.conj() if self.count % 2 else own
-
-    @property
-    def by_number(self) -> FloatArray | None:
-        """Derivative of the end by the number that was asked for, see `Linearised.by_number`; None if not known."""
-        known = self.linearised.by_number
-        return -known if self.count % 2 and known is not None else known
-
-    def without_segments(self) -> Return:
-        """The same, of which the march from switch to switch is made again if it is asked for.
-
-        Returns
-        -------
-        Return
-            It takes far less memory.
-        """
-        half_periods, start, count, field = self.half_periods, self.start, self.count, self.field
-
-        def again() -> Sequence[Segment]:
-            return half_periods.linearised(start, count, field).linearised.segments
-
-        known = self.linearised.known
-        light = replace(self.linearised, derivative=lambda: known, trace=again, outline=None, alone=None, single=None)
-        return replace(self, linearised=light)
 
     @cached_property
     def watch(self) -> Watch:
@@ -121,31 +73,6 @@ class HalfPeriods:
     """The map of one problem over any number of half periods."""
 
     map: PeriodMap
-
-    def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> HalfPeriods | None:
-        """The same with another excitation.
-
-        Parameters
-        ----------
-        field, value, problem : str, float and callable
-            As `lapjoint.orbits.parameters.Retunes` has them.
-
-        Returns
-        -------
-        HalfPeriods, or None
-            None if the map does not know it.
-        """
-        known = cast(Retunes, self.map).retuned(field, value, problem) if gives(self.map, Retunes) else None
-        if known is None:
-            return None
-        other = HalfPeriods(known)
-        other.__dict__["structure"], other.__dict__["twins"] = self.structure, self.twins
-        return other
-
-    @cached_property
-    def structure(self) -> Structure:
-        """The problem without its excitation."""
-        return self.map.problem.structure
 
     @cached_property
     def twins(self) -> tuple[int, ...] | None:
@@ -225,12 +152,7 @@ class HalfPeriods:
         end = self.map.march(point, count).end
         return self.map.mirrored(end) if count % 2 else end
 
-    @cached_property
-    def _fields(self) -> FieldDerivatives | None:
-        """The map, if it knows derivatives by numbers of its problem."""
-        return cast(FieldDerivatives, self.map) if gives(self.map, FieldDerivatives) else None
-
-    def linearised(self, point: SectionPoint, count: int, field: str | None = None) -> Return:
+    def linearised(self, point: SectionPoint, count: int) -> Return:
         """March over some half periods, with the derivative.
 
         Parameters
@@ -239,17 +161,14 @@ class HalfPeriods:
             Where the march begins.
         count : int
             Number of half periods; a multiple of `least`.
-        field : str, optional
-            Path of a number of the problem, by which the derivative is wanted, too, if the map knows it.
 
         Returns
         -------
         Return
             The end of the march and its derivative, mirrored if `count` is odd.
         """
-        by_field = None if field is None or self._fields is None else self._fields.linearised_by(field, point, count)
-        found = by_field or self.tangent.linearised(point, count)
-        return Return(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count, point, field)
+        found = self.tangent.linearised(point, count)
+        return Return(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
         """Size of a deviation over that of a section point.

@@ -65,22 +65,6 @@ class Orbit:
         return values[np.argsort(-np.abs(values), kind="stable")]
 
     @cached_property
-    def moduli(self) -> FloatArray:
-        """Moduli of `values`, shape ``(n,)``."""
-        return np.abs(self.values)
-
-    @cached_property
-    def real(self) -> FloatArray:
-        """Those of `values` that are real."""
-        values = self.values
-        return values.real[np.abs(values.imag) <= REAL * self.moduli]
-
-    @cached_property
-    def near_minus_one(self) -> float:
-        """`of_det_one_plus` of all multipliers over `half_periods`."""
-        return of_det_one_plus(self.values, self.moduli)
-
-    @cached_property
     def spectrum(self) -> tuple[ComplexArray, ComplexArray]:
         """Multipliers over `half_periods`, largest modulus first, ``(n,)``, and their vectors as columns ``(n, n)``."""
         values, vectors = np.linalg.eig(self.last.matrix)
@@ -134,24 +118,6 @@ class Orbit:
         """
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
-
-
-def of_det_one_plus(values: ComplexArray, moduli: FloatArray) -> float:
-    """The size of det(1 + M), over that of multipliers which are far outside the unit circle.
-
-    Parameters
-    ----------
-    values : ComplexArray, shape (n,)
-        Multipliers.
-    moduli : FloatArray, shape (n,)
-        Their moduli.
-
-    Returns
-    -------
-    float
-        Without unit.
-    """
-    return float(np.prod(np.abs(values + 1) / np.maximum(moduli, 1)))
 
 
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:

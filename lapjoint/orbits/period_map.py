@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -259,9 +259,6 @@ class Derivative(NamedTuple):
 
     matrix: FloatArray
     """By the start, shape ``(n, n)``."""
-    by_number: FloatArray | None = None
-    """By a number of the problem, while the start stays where it is, over the number's unit, shape ``(n,)``; None if it
-    was not asked for."""
     factors: tuple[FloatArray, FloatArray] | None = None
     """Two matrices of which `matrix` is the product, of shapes ``(n, r)`` and ``(r, n)`` with few r; None if r is n."""
 
@@ -277,11 +274,7 @@ class Linearised:
     trace: Callable[[], Sequence[Segment]] = field(repr=False)
     """Gives the march from switch to switch, without gaps in time; called only where it is asked for."""
     outline: Callable[[], Sequence[Segment]] | None = field(default=None, repr=False)
-    """Gives the same as `trace` without deviations, for e of no coordinates, where that is less work."""
-    alone: Callable[[FloatArray], Sequence[Segment]] | None = field(default=None, repr=False)
-    """Gives the same for multiples of one deviation, whose one coordinate is e, where that is less work."""
-    single: Callable[[int], Segment] | None = field(default=None, repr=False)
-    """Gives one of the segments of `trace` by its index, where that is less work."""
+    """Gives the same without deviations, for e of no coordinates, where that is less work."""
 
     @cached_property
     def known(self) -> Derivative:
@@ -294,17 +287,12 @@ class Linearised:
         return self.known.matrix
 
     @property
-    def by_number(self) -> FloatArray | None:
-        """See `Derivative.by_number`."""
-        return self.known.by_number
-
-    @property
     def multipliers(self) -> ComplexArray:
         """Eigenvalues of `matrix`, shape ``(n,)``: those of its factors the other way round, and 0.
 
         Of a pair the one with the positive imaginary part comes first.
         """
-        matrix, _, factors = self.known
+        matrix, factors = self.known
         if factors is None:
             return np.linalg.eigvals(matrix).astype(complex)
         own = np.linalg.eigvals(factors[1] @ factors[0])
@@ -315,48 +303,10 @@ class Linearised:
         """The march from switch to switch, without gaps in time."""
         return self.trace()
 
-    def segment(self, i: int) -> Segment:
-        """One segment of the march from switch to switch.
-
-        Parameters
-        ----------
-        i : int
-            Its index.
-
-        Returns
-        -------
-        Segment
-            That of `segments`.
-        """
-        return self.segments[i] if self.single is None or "segments" in self.__dict__ else self.single(i)
-
-    @cached_property
-    def arrays(self) -> Segments:
-        """The same in arrays, if there are stops."""
-        return Segments.of(self.segments)
-
-    def with_one(self, deviation: FloatArray) -> Segments:
-        """The same in arrays, if there are stops, for multiples of one deviation alone.
-
-        Parameters
-        ----------
-        deviation : FloatArray, shape (n,)
-            In the coordinates that belong to the start.
-
-        Returns
-        -------
-        Segments
-            Deviations have one coordinate.
-        """
-        if self.alone is not None:
-            return Segments.of(self.alone(deviation))
-        whole, column = self.arrays, deviation[:, None]
-        return replace(whole, deviations=whole.deviations @ column, drift=whole.drift @ column)
-
     @cached_property
     def motion(self) -> Segments:
         """The same in arrays, if there are stops, for those who ask for the orbit's own motion alone."""
-        return self.arrays if self.outline is None else Segments.of(self.outline())
+        return Segments.of(self.segments if self.outline is None else self.outline())
 
 
 @runtime_checkable

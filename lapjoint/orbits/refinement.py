@@ -17,7 +17,6 @@ less by one for each derivative by x, and by two for each by t, down to `LEAST_O
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,19 +64,3 @@ class Refinement:
         """
         order = max(self.order - dx - 2 * dt, LEAST_ORDER)
         return np.asarray(SAFETY * (np.abs(differences) + largest / math.expm1(order * math.log(self.ratio))))
-
-
-def one_after_other(steps: Sequence[Refinement]) -> Refinement:
-    """Several refinements, each of the finer self of the one before, as one.
-
-    Parameters
-    ----------
-    steps : sequence of Refinement
-        One or more.
-
-    Returns
-    -------
-    Refinement
-        What is known of the finest solver.
-    """
-    return Refinement(steps[-1].name, math.prod(one.ratio for one in steps), min(one.order for one in steps))

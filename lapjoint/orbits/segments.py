@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple, overload
 
 import numpy as np
@@ -11,22 +11,6 @@ import numpy.typing as npt
 
 from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.problem import FloatArray
-
-
-class SegmentChange(NamedTuple):
-    """How an orbit moves between two switches with a number of its problem, while its start stays where it is.
-
-    At the positions of the P stops and at one time, with the K terms of the `Segment`,
-
-        dz_s(t)/dp = Re sum_k (waves[s, k] + secular[s, k] tau) exp(rates[k] tau) + sum_p polynomial[s, p] tau^p
-    """
-
-    waves: ComplexArray
-    """m over the number's unit, shape ``(P, K)``."""
-    secular: ComplexArray
-    """m/s over the number's unit, shape ``(P, K)``."""
-    polynomial: FloatArray
-    """m, m/s and m/s2 over the number's unit, shape ``(P, 3)``."""
 
 
 class Segment(NamedTuple):
@@ -60,68 +44,10 @@ class Segment(NamedTuple):
     """Rows that give a deviation's polynomial at each stop from e, m and m/s, shape ``(P, 2, n)``."""
     switched: int
     """The stop that switches at the end; -1 if none does."""
-    change: SegmentChange | None = None
-    """How it moves with a number of the problem; None if that was not asked for."""
-
-
-class Timed(Sequence[Segment]):
-    """The ``S`` segments of an orbit, which know when each is."""
-
-    start: FloatArray
-    """`Segment.start` of each, s, shape ``(S,)``."""
-    end: FloatArray
-    """`Segment.end` of each, s, shape ``(S,)``."""
-
-    def __len__(self) -> int:
-        return self.start.size
-
-    @overload
-    def __getitem__(self, i: int) -> Segment: ...
-    @overload
-    def __getitem__(self, i: slice) -> tuple[Segment, ...]: ...
-    def __getitem__(self, i: int | slice) -> Segment | tuple[Segment, ...]:
-        if isinstance(i, slice):
-            return tuple(self[k] for k in range(*i.indices(len(self))))
-        return self._one(range(len(self))[i])
-
-    def _one(self, i: int) -> Segment:
-        """The segment with an index, which is not negative."""
-        raise NotImplementedError
-
-    def at(self, t: float) -> Segment:
-        """The segment at a time.
-
-        Parameters
-        ----------
-        t : float
-            s from the start of the orbit.
-
-        Returns
-        -------
-        Segment
-            The earlier one where two meet, and the last one if there is none.
-        """
-        return self[self.index_at(t)]
-
-    def index_at(self, t: float) -> int:
-        """The index of that segment.
-
-        Parameters
-        ----------
-        t : float
-            s from the start of the orbit.
-
-        Returns
-        -------
-        int
-            As `at` has it.
-        """
-        i = int(np.searchsorted(self.end, t))
-        return i if i < len(self) and self.start[i] <= t else len(self) - 1
 
 
 @dataclass(frozen=True, eq=False)
-class Segments(Timed):
+class Segments(Sequence[Segment]):
     """The ``S`` segments of an orbit, all their parts in arrays; each `Segment` is made when it is asked for.
 
     A segment with fewer terms than another has terms of no size instead, after its own.
@@ -149,8 +75,6 @@ class Segments(Timed):
     """`Segment.drift` of each, m and m/s, shape ``(S, P, 2, n)``."""
     switched: npt.NDArray[np.intp]
     """`Segment.switched` of each, shape ``(S,)``."""
-    change: SegmentChange | None = None
-    """`Segment.change` of all, its arrays of the shapes ``(S, P, K)`` and ``(S, P, 3)``; None if not asked for."""
 
     @staticmethod
     def of(segments: Sequence[Segment]) -> Segments:
@@ -170,11 +94,6 @@ class Segments(Timed):
             return segments
         terms = np.array([(one.rates.size, one.deviations.shape[0]) for one in segments])
         K, own = terms.max(axis=0).tolist()
-        changes = [one.change for one in segments if one.change is not None]
-        change = None
-        if changes:
-            waves, secular = (_padded([getattr(one, name) for one in changes], K) for name in ("waves", "secular"))
-            change = SegmentChange(waves, secular, np.array([one.polynomial for one in changes]))
         return Segments(
             start=np.array([one.start for one in segments]),
             end=np.array([one.end for one in segments]),
@@ -187,28 +106,23 @@ class Segments(Timed):
             deviations=_padded([one.deviations.T for one in segments], own).transpose(0, 2, 1),
             drift=np.array([one.drift for one in segments]),
             switched=np.array([one.switched for one in segments], dtype=np.intp),
-            change=change,
         )
 
-    def part(self, first: int, last: int) -> Segments:
-        """Some segments that follow each other, without their change with a number.
+    def __len__(self) -> int:
+        return self.start.size
 
-        Parameters
-        ----------
-        first, last : int
-            Index of the first one, and of the one after the last.
-
-        Returns
-        -------
-        Segments
-            Its arrays are views of these.
-        """
-        own = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "change"}
-        return Segments(**{name: values[first:last] for name, values in own.items()})
+    @overload
+    def __getitem__(self, i: int) -> Segment: ...
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Segment, ...]: ...
+    def __getitem__(self, i: int | slice) -> Segment | tuple[Segment, ...]:
+        if isinstance(i, slice):
+            return tuple(self[k] for k in range(*i.indices(len(self))))
+        return self._one(range(len(self))[i])
 
     def _one(self, i: int) -> Segment:
+        """The segment with an index, which is not negative."""
         K, own = self.terms[i].tolist()
-        change = self.change
         return Segment(
             start=float(self.start[i]),
             end=float(self.end[i]),
@@ -220,28 +134,7 @@ class Segments(Timed):
             deviations=self.deviations[i, :own],
             drift=self.drift[i],
             switched=int(self.switched[i]),
-            change=None
-            if change is None
-            else SegmentChange(change.waves[i, :, :K], change.secular[i, :, :K], change.polynomial[i]),
         )
-
-
-@dataclass(frozen=True, eq=False)
-class MadeSegments(Timed):
-    """The ``S`` segments of an orbit, each of which is made when it is first asked for."""
-
-    start: FloatArray
-    """`Segment.start` of each, s, shape ``(S,)``."""
-    end: FloatArray
-    """`Segment.end` of each, s, shape ``(S,)``."""
-    make: Callable[[int], Segment]
-    """Makes one by its index."""
-    _made: dict[int, Segment] = field(default_factory=dict, repr=False)
-
-    def _one(self, i: int) -> Segment:
-        if i not in self._made:
-            self._made[i] = self.make(i)
-        return self._made[i]
 
 
 def _padded(parts: list[ComplexArray], size: int) -> ComplexArray:

@@ -13,6 +13,7 @@ from analytic.march import Joint
 from analytic.period_map import PeriodMap
 from lapjoint import BaseMotion, InputError, NoDamping, Problem, SineLoad, paper_joint
 from lapjoint.campaigns import Axis, Grid
+from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.resolution import ParameterRange
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY
 
@@ -40,11 +41,11 @@ def assert_the_same(one: PeriodMap, anew: PeriodMap, field: str) -> None:
         assert passages[0].end.state == passages[1].end.state
         assert np.array_equal(passages[0].end.coordinates, passages[1].end.coordinates)
         assert np.array_equal(passages[0].impulses, passages[1].impulses)
-        mine, its = (it.linearised_by(field, point, 3) for it in (one, anew))
-        assert mine is not None
-        assert its is not None
-        assert np.array_equal(mine.matrix, its.matrix)
-        assert np.array_equal(mine.known.by_number, its.known.by_number)
+        assert np.array_equal(one.linearised(point, 3).matrix, anew.linearised(point, 3).matrix)
+        sequence, start = ContactSequence(point.state), anew.arcs.coordinates(point)
+        mine, its = (it.arcs.chain(sequence, start, 0.0, np.array([it.period]), number=field) for it in (one, anew))
+        assert its.by_number is not None
+        assert np.array_equal(mine.by_number, its.by_number)
 
 
 @pytest.mark.parametrize("field", [FREQUENCY, AMPLITUDE])

@@ -14,16 +14,16 @@ import pytest
 
 import analytic
 from analytic import ensemble
-from analytic.march import growth, linearised, march_linearised, periods
+from analytic.march import gap_view, growth, linearised, march, march_linearised, periods
 from analytic.march.compiled import SWITCHES, Motion
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import next_switches, settle_status
 from analytic.period_map import PeriodMap
-from lapjoint import FREE, ModalDamping, Problem, paper_joint
+from lapjoint import FREE, ModalDamping, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.one_thread import in_one_thread
-from lapjoint.problem import FloatArray, HarmonicsBaseMotion
+from lapjoint.problem import FloatArray
 from tests.helpers.population import harmonic_joint, joint, stiffened_joint
 
 STEP = 1e-6
@@ -77,41 +77,6 @@ def test_marches_from_starts_beside_end_as_the_derivative_says(kind: str) -> Non
     assert with_contacts >= 20  # half of the motions
 
 
-def at_frequency(problem: Problem, omega: float) -> Problem:
-    """The same problem at another angular frequency of its base."""
-    base = problem.base_motion
-    assert base is not None
-    loads = tuple(load.model_copy(update={"angular_frequency": omega}) for load in problem.point_loads)
-    return problem.replace(base_motion=base.model_copy(update={"angular_frequency": omega}), point_loads=loads)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_marches_at_frequencies_beside_end_as_the_derivative_says(kind: str) -> None:
-    told = 0
-    for seed in range(40):
-        period_map, point = drawn(kind, seed)
-        problem = period_map.problem
-        if isinstance(problem.base_motion, HarmonicsBaseMotion) and problem.point_loads:
-            continue  # two numbers make one frequency there
-        found = period_map.linearised_by("base_motion.angular_frequency", point, 2)
-        assert found is not None
-        assert found.by_number is not None
-        omega, solver = (
-            problem.require_excitation_frequency("test"),
-            analytic.Solver(n_modes=period_map.joint.counts[0]),
-        )
-        here, ends = period_map.march(point, 2).end, []
-        step = STEP * omega
-        for there in (omega + step, omega - step):
-            beside = solver.period_map(at_frequency(problem, there))
-            ends.append(beside.march(beside.adopted(point), 2).end)
-        ahead, back = one_sided(period_map, point, [here, *ends])
-        off = is_off(period_map, ahead, back, found.by_number * step)
-        assert off is None or off <= LEFT, (seed, off)
-        told += off is not None
-    assert told
-
-
 def test_a_march_that_has_to_learn_its_switches_carries_the_same_deviations() -> None:
     """It comes back from compiled code at each switch that it does not know yet, and goes on from there."""
     begin, learned = Coordinates(FREE, np.zeros(9), np.zeros(9)), np.zeros(2, dtype=int)
@@ -140,19 +105,16 @@ def of_many_switches() -> tuple[PeriodMap, SectionPoint]:
 
 @in_one_thread
 def test_deviations_carried_in_pieces_are_those_carried_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    found, whole = [], 0
+    found = []
     period_map, point = of_many_switches()
+    begin = Coordinates(point.state, *point.coordinates)
+    motion = march(period_map.joint, begin, 0.0, LONG / 2 * period_map.period)
     for at_once in (1_000_000, 3):
         monkeypatch.setattr(linearised, "WITH_ALL_AT_ONCE", at_once)
-        known = period_map.linearised_by("base_motion.angular_frequency", point, LONG)
-        assert known is not None
-        assert known.known.factors is not None
-        whole = known.arrays.start.size
-        found.append((known.matrix, known.by_number, known.arrays.deviations, known.arrays.drift))
-    assert whole > 20
-    for pieces in found[1:]:
-        for one, other in zip(pieces, found[0], strict=True):
-            assert one == pytest.approx(other, rel=1e-12, abs=1e-12 * np.abs(other).max())
+        found.append(gap_view(motion))
+    assert len(found[0]) > 20
+    for one, other in zip(*((it.deviations, it.drift) for it in found), strict=True):
+        assert one == pytest.approx(other, rel=1e-12, abs=1e-12 * np.abs(other).max())
 
 
 def test_long_marches_come_back_from_compiled_code_before_long(monkeypatch: pytest.MonkeyPatch) -> None:
