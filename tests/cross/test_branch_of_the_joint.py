@@ -52,7 +52,7 @@ def check(found: Traced, points: int) -> None:
     Where the branch is unstable, or another motion stands beside it, a march from rest ends elsewhere: there the steady
     state is sought from the branch's own section point, and only stable points are drawn.
     """
-    stable = [point for point in found.points if point.is_stable]
+    stable = [point for point in found.points if np.abs(point.multipliers).max() < 1]
     drawn = np.random.default_rng(13).choice(len(stable), size=min(points, len(stable)), replace=False)
     solver = analytic.Solver()
     for i in drawn.tolist():

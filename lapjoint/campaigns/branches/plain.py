@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import islice
 from typing import Any, get_args
 
@@ -15,7 +15,7 @@ from lapjoint.orbits.branches.bifurcations import Bifurcation, Kind
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.errors import Located, resolution_of
 from lapjoint.orbits.branches.point import CurvePoint
-from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
+from lapjoint.orbits.branches.resolution import ParameterRange
 from lapjoint.orbits.branches.sequence_changes import nearest, with_ended_arc
 from lapjoint.orbits.branches.starts import Start
 from lapjoint.problem import FloatArray
@@ -160,7 +160,7 @@ def plain_located(of: ParameterRange, what: Located) -> dict[str, Any] | None:
     zone, finer = next(
         (i, k)
         for i, (_, coarsest) in enumerate(of.zones)
-        for k, one in enumerate(_made_finer(coarsest))
+        for k, one in enumerate(coarsest.and_finer())
         if one is resolution_of(what)
     )
     return {"kind": what.kind, "zone": zone, "finer": finer, **plain_start(Start.at(point))}
@@ -182,7 +182,7 @@ def located_of(of: ParameterRange, plain: Mapping[str, Any]) -> Located | None:
         A graze comes from the side with a contact more; None if Newton's method does not find the motion again.
     """
     start = start_of(plain)
-    resolution = next(islice(_made_finer(of.zones[plain["zone"]][1]), plain["finer"], None), None)
+    resolution = next(islice(of.zones[plain["zone"]][1].and_finer(), plain["finer"], None), None)
     if resolution is None:
         return None
     problem = BoundaryProblem(resolution, start.sequence, start.half_periods, start.phase, start.tied)
@@ -190,11 +190,3 @@ def located_of(of: ParameterRange, plain: Mapping[str, Any]) -> Located | None:
         return with_ended_arc(problem, start.unknowns)
     point = nearest(problem, start.unknowns)
     return None if point is None else Bifurcation(plain["kind"], point)
-
-
-def _made_finer(resolution: Resolution) -> Iterator[Resolution]:
-    """A resolution, and finer and finer ones that are made of it."""
-    yield resolution
-    while resolution.finer is not None:
-        resolution = resolution.finer[1]
-        yield resolution

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from lapjoint.answers.branches import Bifurcation as Row
 from lapjoint.answers.branches import BifurcationKind
 from lapjoint.answers.steady_state import SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.campaigns.branches.plain import plain_curve, plain_located, plain_start, start_of
@@ -179,21 +178,27 @@ def _row(of: ParameterRange, one: Found, errors: bool) -> dict[str, Any]:
     what, stop = one.what, -1
     if isinstance(what, Bifurcation):
         kind, point = _kind(what), what.point
-    else:  # the motion with fewer contacts: from its side a graze is smooth
-        kind, after = "grazing", what.after
-        is_simpler = after is not None and after.problem.events < what.before.problem.events
-        point = after if after is not None and is_simpler else what.before
+    else:
+        kind, point = "grazing", what.fewer
         stop = what.stops[0] if point.twins is None else min(what.stops[0], point.twins[what.stops[0]])
-    known = stated(one.what) if errors else None
+    known = stated(what) if errors else None
     value, error = (point.value, math.inf) if known is None else (known.value, known.error)
     period_map, section, multiple = point.problem.resolution.map(point.value), point.section(), _multiple(point)
     try:
         impulses = (period_map.march(section, 2 * multiple).impulses / multiple).tolist()
     except SolverError:
         impulses = []
-    row = Row(kind, float(value), float(error), one.index, int(stop), one.after, impulses)
-    motion = [point.value, plain_section(section), point.problem.half_periods]
-    return vars(row) | {"motion": motion, "arcs": plain_located(of, one.what if known is None else known.what)}
+    return {
+        "kind": kind,
+        "value": float(value),
+        "error": float(error),
+        "index": one.index,
+        "stop": int(stop),
+        "after": one.after,
+        "impulses": impulses,
+        "motion": [point.value, plain_section(section), point.problem.half_periods],
+        "arcs": plain_located(of, what if known is None else known.what),
+    }
 
 
 def _kind(one: Bifurcation) -> BifurcationKind:

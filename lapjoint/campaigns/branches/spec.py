@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from lapjoint.orbits.branches.resolution import ParameterRange
 
 MAX_POINTS = 5000
-"""Default of the largest number of points of a branch: the paper's joint from 1 to 5000 rad/s has some 1200."""
+"""Default of the largest number of points of a branch: twice what the paper's joint needs from 1 to 5000 rad/s."""
 MOST_POINTS = 1_000_000
 """Largest number of points of a branch that may be asked for."""
 EFFORT = 100_000
 """Default of the number of points of all branches together, each counted by its period multiple, from which on no
-further branch is followed: some forty minutes of work in one process.  The paper's joint with a damping ratio of 0.02
-takes 40 000 from 100 rad/s on, with four periods."""
+further branch is followed: a quarter to half an hour of work in one process.  The paper's joint with a damping ratio of
+0.02 needs some 60 000 from 100 rad/s on, with four periods."""
 MOST_MULTIPLE = 64
 """Largest period multiple of branches."""
 _PARTS = 3

@@ -209,7 +209,7 @@ def _met(
     """
     if int((np.abs(start[1].multipliers) > _FAINT).sum()) < 2:
         return None
-    mu, vectors = np.linalg.eig(start[1].linearisation.monodromy)
+    mu, vectors = start[1].linearisation.modes
     outside, match = int((np.abs(mu) > 1).sum()), partial(_matched, mu.size, vectors)
     there = match(end[1])
     if there is None:
@@ -242,7 +242,7 @@ def _met(
 
 def _matched(size: int, vectors: ComplexArray, point: CurvePoint) -> ComplexArray | None:
     """The multipliers of a point in the sequence of another one's, by their vectors; None if there is no other one."""
-    mu, own = np.linalg.eig(point.linearisation.monodromy)
+    mu, own = point.linearisation.modes
     if mu.size != size:
         return None
     try:

@@ -134,6 +134,24 @@ class BoundaryProblem:
         """
         return self.resolution.arcs(float(u[-1]))
 
+    def shares(self, u: FloatArray) -> FloatArray:
+        """Durations of all arcs over the length of the motion.
+
+        Parameters
+        ----------
+        u : FloatArray, shape (n + F + 1,)
+            The unknowns.
+
+        Returns
+        -------
+        FloatArray, shape (M + 1,)
+            Without unit; their sum is 1.
+        """
+        shares = np.zeros(self.events + 1)
+        shares[self.free] = u[self.coordinates(u) : -1]
+        shares[-1] = 1.0 - shares.sum()
+        return shares
+
     def durations(self, u: FloatArray) -> FloatArray:
         """Durations of all arcs.
 
@@ -147,7 +165,7 @@ class BoundaryProblem:
         FloatArray, shape (M + 1,)
             s.
         """
-        return self._durations(u, self.arcs(u))
+        return self.length(u) * self.shares(u)
 
     def length(self, u: FloatArray) -> float:
         """Length L of the motion, s.
@@ -195,7 +213,7 @@ class BoundaryProblem:
             The arcs.
         """
         arcs, x, number = self.arcs(u), u[: self.coordinates(u)], self.resolution.path
-        times = self.phase * arcs.period, self._durations(u, arcs)
+        times = self.phase * arcs.period, self._length(arcs) * self.shares(u)
         return arcs.chain(self.sequence, x, *times, derivatives, number if derivatives else None)
 
     def residual(self, u: FloatArray, chain: Chain | None = None) -> FloatArray:
@@ -250,12 +268,6 @@ class BoundaryProblem:
     def _length(self, arcs: Arcs) -> float:
         return self.half_periods * arcs.period / 2
 
-    def _durations(self, u: FloatArray, arcs: Arcs) -> FloatArray:
-        shares = np.zeros(self.events + 1)
-        shares[self.free] = u[self.coordinates(u) : -1]
-        shares[-1] = 1.0 - shares.sum()
-        return self._length(arcs) * shares
-
     @property
     def _sign(self) -> float:
         return -1.0 if self.half_periods % 2 else 1.0
@@ -279,6 +291,12 @@ class Linearisation:
         J = self.jacobian[:, :-1]
         A, B, C, D = J[:n, :n] + np.eye(n), J[:n, n:], J[n:, :n], J[n:, n:]
         return A if not D.size else A - B @ np.linalg.solve(D, C)
+
+    @cached_property
+    def modes(self) -> tuple[ComplexArray, ComplexArray]:
+        """Eigenvalues and eigenvectors of the monodromy matrix, shapes ``(n,)`` and ``(n, n)``."""
+        values, vectors = np.linalg.eig(self.monodromy)
+        return values.astype(complex), vectors.astype(complex)
 
     @cached_property
     def multipliers(self) -> ComplexArray:

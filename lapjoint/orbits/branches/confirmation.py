@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from typing import Literal
 
 import numpy as np
@@ -53,17 +54,15 @@ def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
         By the first of its resolutions, each finer than the one before, from which an error can be stated.  What is
         apart counts only if the first solver locates the same from there.
     """
-    resolution, best = other.resolution(one.value), Confirmation("not found", None)
-    for _ in range(_TRIED):
+    best = Confirmation("not found", None)
+    for resolution in islice(other.resolution(one.value).and_finer(), _TRIED):
         found = located(one.what, resolution)
         if found is not None:
             verdict = _verdict(one, found)
             if verdict != "apart" or _leads_back(one, found):
                 best = Confirmation(verdict, found)
-        finer = resolution.finer
-        if finer is None or best.verdict in ("agrees", "apart") or (found is not None and not np.isfinite(one.error)):
+        if best.verdict in ("agrees", "apart") or (found is not None and not np.isfinite(one.error)):
             break
-        resolution = finer[1]
     return best
 
 

@@ -25,8 +25,6 @@ class End:
     reason: str
     """``boundary`` at an end of the range, ``graze`` where no motion of the joint lies beyond a change of the contact
     sequence, ``contacts`` where contacts accumulate, ``lost`` where no step leads on."""
-    change: SequenceChange | None = None
-    """The change at which it ends."""
 
 
 Step = Stretch | SequenceChange | End
@@ -56,7 +54,7 @@ def follow(start: CurvePoint) -> Iterator[Step]:
         if there and last is not None:  # what has just changed leaves zero first
             step *= 0.5
             if step <= options.smallest_step:
-                yield End("graze", last)
+                yield End("graze")
                 return
             continue
         length = here.arclength(new)
@@ -71,7 +69,7 @@ def follow(start: CurvePoint) -> Iterator[Step]:
             if last.reverses is not None:
                 beyond = _beyond(last, last.reverses)
                 if beyond is None:
-                    yield End("graze", last)
+                    yield End("graze")
                     return
                 here, step, last = beyond, options.first_step, None
                 continue
@@ -81,7 +79,7 @@ def follow(start: CurvePoint) -> Iterator[Step]:
             if last.after is None:
                 break
             if last.after.problem.events > options.max_contacts:
-                yield End("contacts", last)
+                yield End("contacts")
                 return
             here, step = centred(last.after), max(0.5 * step, options.first_step)
             continue
@@ -92,7 +90,7 @@ def follow(start: CurvePoint) -> Iterator[Step]:
         growth = options.turning / max(_angle(here, new), 0.5 * options.turning)
         step, last = min(step * max(growth, 0.5), options.largest_step), None
         here = centred(new)
-    yield End("lost", last)
+    yield End("lost")
 
 
 def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
@@ -112,7 +110,7 @@ def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
     CurvePoint, or None
         None if there is none within the largest step of the curve.
     """
-    here, stop, side = change.after, change.stops[0], -1 if change.kind == "split" else 1
+    here, stop = change.after, change.stops[0]
     assert here is not None
     options, gone = here.problem.resolution.options, 0.0
     step = options.first_step
@@ -124,7 +122,7 @@ def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
         beyond = violated(new)
         if at_boundary or any((one.kind, one.stop) != ("extremum", stop) for one in beyond):
             return None
-        if not beyond and side * new.leaving(arc, stop)[0] > 0:
+        if not beyond and new.entering(arc, stop)[0] > 0:
             return centred(new)
         here, gone, step = new, gone + step, 2 * step
     return None

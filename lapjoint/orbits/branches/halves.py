@@ -203,11 +203,10 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
     """A motion that repeats in half of its time, over that time."""
     M, n = problem.events, problem.coordinates(u)
-    durations = problem.durations(u) / problem.length(u)
     sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
     tied = frozenset(k for k in problem.tied if k < M // 2)
     halved = replace(problem, sequence=sequence, half_periods=problem.half_periods // 2, tied=tied)
-    return halved, halved.packed(u[:n], 2 * durations[: M // 2], u[-1])
+    return halved, halved.packed(u[:n], 2 * problem.shares(u)[: M // 2], u[-1])
 
 
 def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:

@@ -98,10 +98,10 @@ class CurvePoint:
         """Durations of all arcs, s, shape ``(M + 1,)``."""
         return self.problem.durations(self.u)
 
-    @property
+    @cached_property
     def shares(self) -> FloatArray:
-        """Durations of all arcs over the length of the motion, shape ``(M + 1,)``."""
-        return self.durations / self.problem.length(self.u)
+        """Durations of all arcs over the length of the motion, shape ``(M + 1,)``; not to be written to."""
+        return self.problem.shares(self.u)
 
     @property
     def tolerance(self) -> float:
@@ -112,11 +112,6 @@ class CurvePoint:
     def multipliers(self) -> ComplexArray:
         """Eigenvalues of the derivative over the motion's half periods, shape ``(n,)``."""
         return self.linearisation.multipliers
-
-    @property
-    def is_stable(self) -> bool:
-        """Whether all of them lie within the unit circle."""
-        return bool(np.abs(self.multipliers).max(initial=0.0) < 1)
 
     @cached_property
     def twins(self) -> tuple[int, ...] | None:
@@ -171,8 +166,8 @@ class CurvePoint:
         largest = float(gaps.max(initial=0.0))
         return np.where(gaps > 0, gaps, largest if largest > 0 else float(np.abs(self.scale[: self.coordinates]).max()))
 
-    def leaving(self, arc: int, stop: int) -> tuple[float, float]:
-        """Rate and second derivative of a gap function where an arc begins, as the contact state of the arc has them.
+    def entering(self, arc: int, stop: int) -> tuple[float, float]:
+        """How a stop comes to the side of the gap on which an arc has it, where the arc begins.
 
         Parameters
         ----------
@@ -184,14 +179,16 @@ class CurvePoint:
         Returns
         -------
         tuple of float and float
-            m/s and m/s2.
+            First and second derivative, m/s and m/s2, of the gap function of a stop that is closed, and of its
+            opposite for one that is open, as the contact state of the arc has them.
         """
         arcs = self.problem.arcs(self.u)
         motion, stops = arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations), arcs.problem.stops
         place, rates = stops_of(stops).place[stop], motion.rates[arc]
         waves, (_, one, two) = motion.weights[arc, place] * motion.amplitudes[arc], motion.polynomial[arc, place]
         rate, second = (float((waves * power).real.sum()) for power in (rates, rates**2))
-        return stops[stop].sign * (rate + one), stops[stop].sign * (second + 2 * two)
+        sign = -motion.orientation[arc, stop] * stops[stop].sign
+        return float(sign * (rate + one)), float(sign * (second + 2 * two))
 
     def predicted(self, length: float) -> FloatArray:
         """Unknowns along the tangent.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from typing import Protocol, cast, runtime_checkable
 
@@ -219,6 +219,20 @@ class Resolution:
                 finer = Resolution(found[1], self.problem_at, self.path, self.low, self.high, self.options)
                 self._finer = found[0], finer
         return self._finer
+
+    def and_finer(self) -> Iterator[Resolution]:
+        """This resolution, and finer and finer ones.
+
+        Yields
+        ------
+        Resolution
+            Each is made when it is asked for.
+        """
+        here = self
+        yield here
+        while here.finer is not None:
+            here = here.finer[1]
+            yield here
 
 
 class ParameterRange:

@@ -82,10 +82,15 @@ class SequenceChange:
 
     @property
     def value(self) -> float:
-        """The parameter at the change, from the side with fewer events: the smooth side of a graze."""
+        """The parameter at the change, from the side with fewer events."""
+        return self.fewer.value
+
+    @property
+    def fewer(self) -> CurvePoint:
+        """The motion with fewer events, as far as it is known: from its side a graze is smooth."""
         if self.after is not None and self.after.problem.events < self.before.problem.events:
-            return self.after.value
-        return self.before.value
+            return self.after
+        return self.before
 
     @property
     def more(self) -> CurvePoint | None:
@@ -323,10 +328,10 @@ def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     tied = {k if k < i else k + 2 * len(stops) for k in problem.tied}
     tied |= {*range(i + 1, i + 1 + more), *range(i + 2 + more, i + 2 + 2 * more)}
     new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=frozenset(tied))
-    after = on_duration(new, new.packed(before.u[:n], shares, before.value), i + 1 + more)
+    arc = i + 1 + more
+    after = on_duration(new, new.packed(before.u[:n], shares, before.value), arc)
     kind: ChangeKind = "split" if monitor.stop in sequence.states[i] else "birth"
-    arc, side = i + 1 + more, -1 if kind == "split" else 1
-    reverses = arc if after is not None and side * after.leaving(arc, monitor.stop)[1] > 0 else None
+    reverses = arc if after is not None and after.entering(arc, monitor.stop)[1] > 0 else None
     return SequenceChange(kind, (monitor.stop,), before, after, reverses)
 
 
@@ -390,8 +395,8 @@ def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChang
     SequenceChange, or None
         It comes from the side with more events; None if Newton's method finds none.
     """
-    durations, returning = np.abs(problem.durations(guess)), problem.sequence.returning
-    arc = min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(durations[i]))
+    shares, returning = np.abs(problem.shares(guess)), problem.sequence.returning
+    arc = min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(shares[i]))
     point = on_duration(problem, guess, arc)
     return None if point is None else crossed(Monitor("duration", arc, -1, 0.0, 0.0), point)
 

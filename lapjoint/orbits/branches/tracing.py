@@ -199,11 +199,11 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         if limits.progress is not None:
             limits.progress(_share(of, way, limits))
     way.found.sort(key=lambda one: one.index)
-    way.found = [one for i, one in enumerate(way.found) if not _is_at_graze(one, way.found[max(i - 1, 0) : i + 2])]
+    way.found = [one for i, one in enumerate(way.found) if not _is_truncation(one, way.found[max(i - 1, 0) : i + 2])]
     return way
 
 
-def _is_at_graze(one: Found, neighbours: list[Found]) -> bool:
+def _is_truncation(one: Found, neighbours: list[Found]) -> bool:
     """Whether a bifurcation is nearer to a graze than both sides of the graze are apart, by what passages lose."""
     grazes = [other.what for other in neighbours if isinstance(other.what, SequenceChange)]
     what = one.what

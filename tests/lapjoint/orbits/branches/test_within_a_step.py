@@ -11,6 +11,7 @@ import pytest
 
 from lapjoint.orbits.branches import bifurcations
 from lapjoint.orbits.branches.bifurcations import Kind, Stretch, within
+from lapjoint.orbits.branches.boundary_problem import Linearisation
 from lapjoint.problem import FloatArray
 
 Course = Callable[[float], FloatArray]
@@ -27,11 +28,15 @@ PROBLEM = SimpleNamespace(
 def point(course: Course, at: float) -> Any:
     """A point of a curve along which the parameter grows, and of which only the multipliers are asked."""
     monodromy = course(at)
+    n = len(monodromy)
+    jacobian = np.column_stack([monodromy - np.eye(n), np.zeros(n)])
+    chain: Any = SimpleNamespace(end=np.zeros(n))
+    linearisation = Linearisation(np.zeros(n), jacobian, chain)
     return SimpleNamespace(
         at=at,
         course=course,
-        multipliers=np.linalg.eigvals(monodromy).astype(complex),
-        linearisation=SimpleNamespace(monodromy=monodromy),
+        multipliers=linearisation.multipliers,
+        linearisation=linearisation,
         tangent=np.ones(1),
         shares=np.ones(1),
         problem=PROBLEM,
