@@ -20,10 +20,11 @@ from lapjoint.orbits.branches.sequence_changes import nearest, violated
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
-_AWAY = tuple(10.0**-power for power in range(2, 7))
-"""Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn: the first is
-found unless the branch is narrower, or grazes a stop before that.  Each is tried to either side: motions on both are
-images of each other, but for what passages lose."""
+_AWAY = tuple(1e-2 * 0.5**k for k in range(14))
+"""Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn, each half of
+the one before.  The first leads to one unless the branch is narrower, or grazes a stop before that; beside a graze,
+rounding decides whether Newton's method comes to one that is much nearer.  Each is tried to either side: motions on
+both are images of each other, but for what passages lose."""
 
 
 def springing(point: CurvePoint) -> CurvePoint | None:
