@@ -33,7 +33,7 @@ from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, change_with
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces

@@ -14,7 +14,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
-from lapjoint.one_thread import each_in_one_thread, in_one_thread
+from lapjoint.machine.one_thread import each_in_one_thread, in_one_thread
 from lapjoint.problem import Problem
 from lapjoint.solver import MODES, Progress
 

@@ -10,7 +10,7 @@ import pytest
 import fe_lapjoint
 from lapjoint import paper_joint
 from lapjoint.answers import SectionPoint
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.period_map import Linearised
 

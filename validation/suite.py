@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lapjoint.errors import InputError
-from lapjoint.output_files import unwritable
-from lapjoint.plain_text import escaped
+from lapjoint.files.plain_text import escaped
+from lapjoint.files.writing import unwritable
 from validation.case import CaseResult, Level, Say
 from validation.verdict import Verdict
 

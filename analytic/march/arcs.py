@@ -35,9 +35,9 @@ from analytic.march.terms import drift_at_stops, set_phases, start_terms, state_
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.compiled_arrays import complex_zeros, put, zeros
-from lapjoint.compiling import njit_called, njit_inner
-from lapjoint.one_thread import in_one_thread
+from lapjoint.compiled.arrays import complex_zeros, put, zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.problem import FloatArray, Problem

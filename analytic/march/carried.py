@@ -23,8 +23,8 @@ from analytic.march.compiled import (
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
-from lapjoint.compiled_arrays import put, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import put, zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.orbits.period_map import LEAST_GROWTH
 from lapjoint.problem import FloatArray
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 from analytic.march.oscillator import SPLIT
 from analytic.march.tables import IntArray, Tables
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import bool_zeros, complex_zeros
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.arrays import bool_zeros, complex_zeros
+from lapjoint.compiled.by_reference import by_reference
+from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 

@@ -20,9 +20,9 @@ from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.terms import set_phases, start_terms, state_from_terms, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import put
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import put
+from lapjoint.compiled.by_reference import by_reference
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 DONE, MISSING_SWITCH, LOG_FULL, TOO_MANY, STUCK = 0, 1, 2, 3, 4

@@ -8,8 +8,8 @@ from analytic.march.compiled import Log
 from analytic.march.joint import Joint
 from analytic.march.tables import BoolArray, IntArray
 from lapjoint.answers import Contact
-from lapjoint.compiled_arrays import bool_zeros, int_zeros, zeros
-from lapjoint.compiling import njit_called
+from lapjoint.compiled.arrays import bool_zeros, int_zeros, zeros
+from lapjoint.compiled.compiling import njit_called
 from lapjoint.problem import FloatArray
 
 

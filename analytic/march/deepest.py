@@ -21,8 +21,8 @@ from analytic.march.step_bound import first_root_of_bound
 from analytic.march.tables import Tables
 from analytic.march.terms import turn_exactly
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import zeros
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.arrays import zeros
+from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 _SHARP = 1e-12  # of the deepest penetration so far, without unit: by so little a maximum may be missed

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple, SupportsIndex
 
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _SHORT = 2.0  # of drag times time, without unit: up to it the fading powers are summed as series

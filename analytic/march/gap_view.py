@@ -19,8 +19,8 @@ from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import drift_at_stops, set_phases, start_terms
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros, put, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import complex_zeros, put, zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.orbits.segments import Segments
 from lapjoint.problem import FloatArray
 

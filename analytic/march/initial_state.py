@@ -19,7 +19,7 @@ from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.compiling import njit_called
+from lapjoint.compiled.compiling import njit_called
 from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, FloatArray, Problem
 

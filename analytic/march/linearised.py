@@ -9,9 +9,9 @@ from analytic.march.march import WITH_ALL_AT_ONCE, March
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from analytic.march.terms import set_phases
-from lapjoint.compiled_arrays import complex_zeros, put, zeros
-from lapjoint.compiling import njit_called, njit_inner
-from lapjoint.memory import require
+from lapjoint.compiled.arrays import complex_zeros, put, zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
+from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 
 _FEWER, _WORTH_IT = 0.75, 4

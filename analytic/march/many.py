@@ -6,8 +6,8 @@ from analytic.march.carried import advance_periods
 from analytic.march.compiled import DONE, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.segment import NO_SWITCH
 from analytic.march.tables import IntArray, Tables
-from lapjoint.compiled_arrays import int_zeros, put, zeros
-from lapjoint.compiling import njit_called
+from lapjoint.compiled.arrays import int_zeros, put, zeros
+from lapjoint.compiled.compiling import njit_called
 from lapjoint.problem import FloatArray
 
 

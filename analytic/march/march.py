@@ -29,8 +29,8 @@ from analytic.march.joint import Joint
 from analytic.march.ramps import RampState
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.kept import bytes_in
-from lapjoint.memory import require
+from lapjoint.machine.memory import require
+from lapjoint.machine.result_cache import bytes_in
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
@@ -153,7 +153,7 @@ def recorded(before: float, log: Log, times: float = 1) -> float:
     Raises
     ------
     SolverError
-        If that is too much; see `lapjoint.memory`.
+        If that is too much; see `lapjoint.machine.memory`.
     """
     size = before + times * (bytes_in(log) + _PART)
     what = f"the segments of a motion, of {log.q.shape[1]} modes each,"

@@ -13,8 +13,8 @@ import math
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import Tables
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import complex_zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _SHORT = 1.0

@@ -34,7 +34,7 @@ from analytic.modes.beam_functions import gram, integral
 from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
 from analytic.modes.static_residual import Residual, residual
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.kept import kept
+from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray, Problem, StepLoad
 from lapjoint.problem.structure import Structure
 
@@ -154,7 +154,7 @@ def _family(structure: Structure, steps: tuple[tuple[float, float], ...], places
     return Family(still, places)
 
 
-@kept(_STATES)
+@cached(_STATES)
 def modal_state(family: Family, state: ContactState, count: int) -> ModalState:
     """A contact state in modal form, for unit loads.
 
@@ -175,7 +175,7 @@ def modal_state(family: Family, state: ContactState, count: int) -> ModalState:
     return _modal_state(family, state, pool_size(count)).head(count)
 
 
-@kept(_STATES)
+@cached(_STATES)
 def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
     """A contact state with a number of modes that `pool_size` gives."""
     problem = family.problem
@@ -196,7 +196,7 @@ def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
     )
 
 
-@kept(_PASSAGES)
+@cached(_PASSAGES)
 def passage(family: Family, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
     """The map from one state to another, for unit loads (43).
 
@@ -224,7 +224,7 @@ def passage(family: Family, old: ContactState, n_old: int, new: ContactState, n_
     return Passage(S, products.residual[:, :n_new] - weights @ S.T)
 
 
-@kept(_PASSAGES)
+@cached(_PASSAGES)
 def _products(family: Family, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
     """Inner products of the modes of `new` with the modes and with the foundation shapes of `old`."""
     before, m = _modal_state(family, old, n_old), family.problem.beam.m

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 
 OSCILLATING, SPLIT, DRIFTING = 0, 1, 2

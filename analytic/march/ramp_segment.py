@@ -18,8 +18,8 @@ from analytic.march.segment import NO_SWITCH, add_areas, bound_tails, search
 from analytic.march.tables import BoolArray, IntArray, Tables
 from analytic.march.terms import set_phases, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import complex_zeros, put, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import complex_zeros, put, zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _ROUNDINGS = 1e-15  # of the time: two knots that are the spacing apart may be so much nearer or further

@@ -21,7 +21,7 @@ from analytic.march.joint import Joint
 from analytic.march.oscillator import OSCILLATING
 from analytic.march.tables import BoolArray, FlatState, IntArray, Tables, flat_state
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.by_reference import by_reference, in_c_order
+from lapjoint.compiled.by_reference import by_reference, in_c_order
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 

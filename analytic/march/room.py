@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from analytic.march.tables import PER_SLOT, PER_SWITCH, UNKNOWN, Tables
-from lapjoint.memory import require
+from lapjoint.machine.memory import require
 
 _SPARE = 4
 """Slots, or rows for switches, that are added when all are taken; or half as many as there are, if these are more, so
@@ -51,7 +51,7 @@ def grown(tables: Tables, slots: int, switches: int) -> Tables:
     Raises
     ------
     SolverError
-        If they would take too much memory; see `lapjoint.memory`.
+        If they would take too much memory; see `lapjoint.machine.memory`.
     """
     before, after = (_bytes(tables, *rows) for rows in (_rows(tables), (slots, switches)))
     modes = tables.kind.shape[1]

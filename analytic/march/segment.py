@@ -37,8 +37,8 @@ from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import zeros
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.arrays import zeros
+from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 NO_SWITCH = -1  # in place of a stop: none switches before the end

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.compiling import njit_called, njit_inner
 
 RESOLUTION = 1e-10
 """Of the unit of time, `analytic.march.tables.Tables.unit`: a switch that is certified to lie within this time is

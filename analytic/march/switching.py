@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 from analytic.march.tables import IntArray, Tables
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.by_reference import by_reference
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.by_reference import by_reference
+from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 

@@ -31,10 +31,10 @@ from analytic.march.oscillator import (
 )
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import FREE, ContactState
-from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import complex_zeros
-from lapjoint.compiling import njit_called
-from lapjoint.kept import kept
+from lapjoint.compiled.arrays import complex_zeros
+from lapjoint.compiled.by_reference import by_reference
+from lapjoint.compiled.compiling import njit_called
+from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray, Problem
 
 IntArray = npt.NDArray[np.int64]
@@ -210,7 +210,7 @@ def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
     return turned
 
 
-@kept(_FLAT_STATES)
+@cached(_FLAT_STATES)
 def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
     """The flat view of a contact state, for unit loads.
 
@@ -295,7 +295,7 @@ class UnitTables(NamedTuple):
     writes to them."""
 
 
-@kept(_UNIT_TABLES)
+@cached(_UNIT_TABLES)
 def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> UnitTables:
     """The known states of a family, in sorted order, with the known switches between them, for unit loads.
 

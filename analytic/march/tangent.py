@@ -27,8 +27,8 @@ import numpy as np
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import Tables
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled_arrays import zeros
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.arrays import zeros
+from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 _DIED_OUT = -37.0

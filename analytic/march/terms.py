@@ -27,7 +27,7 @@ import numpy as np
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import PARTS, Tables
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SERIES = 0.25

@@ -5,8 +5,8 @@ from __future__ import annotations
 from analytic.march.compiled import DONE, PERIODS, SLOT, Log, Motion, Work, advance
 from analytic.march.switching import Frozen, freeze
 from analytic.march.tables import IntArray, Tables
-from lapjoint.compiled_arrays import put
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import put
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SETTLED, UNSETTLED = 10, 11

@@ -39,7 +39,7 @@ from fe_lapjoint.march.system import System
 from fe_lapjoint.march.tangent import DEAD, responses
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.problem import FloatArray, Problem

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from fe_lapjoint.march.system import ComplexArray, IndexArray
-from lapjoint.compiled_arrays import complex_zeros, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import complex_zeros, zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SWINGS = 4.0

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lapjoint.compiled_arrays import zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 

@@ -24,8 +24,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.compiled_arrays import bool_zeros, int_zeros, zeros
-from lapjoint.compiling import njit_called
+from lapjoint.compiled.arrays import bool_zeros, int_zeros, zeros
+from lapjoint.compiled.compiling import njit_called
 from lapjoint.problem import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]

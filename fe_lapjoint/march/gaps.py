@@ -17,8 +17,8 @@ from fe_lapjoint.march.envelope import from_chord, from_tangent
 from fe_lapjoint.march.events import BoolArray, Reads, in_python, searching
 from fe_lapjoint.march.propagator import Coordinates, Flow
 from fe_lapjoint.march.system import SAMPLES, ComplexArray, IndexArray
-from lapjoint.by_reference import by_reference
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.by_reference import by_reference
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 

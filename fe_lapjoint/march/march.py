@@ -27,7 +27,7 @@ from fe_lapjoint.march.system import SAMPLES, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.memory import require
+from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
@@ -307,7 +307,7 @@ def require_room(model: Model, pieces: float, before: float = 0.0) -> float:
     Raises
     ------
     SolverError
-        If that is too much; see `lapjoint.memory`.
+        If that is too much; see `lapjoint.machine.memory`.
     """
     modes = model.assembly.free.size
     size = pieces * (_PIECE + 16.0 * modes)

@@ -23,9 +23,9 @@ import numpy as np
 from fe_lapjoint.march.compiled import at_place
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
-from lapjoint.by_reference import by_reference, in_c_order
-from lapjoint.compiled_arrays import complex_zeros, put, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import complex_zeros, put, zeros
+from lapjoint.compiled.by_reference import by_reference, in_c_order
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 

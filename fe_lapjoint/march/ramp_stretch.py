@@ -27,9 +27,9 @@ from fe_lapjoint.march.ramp_interval import (
 )
 from fe_lapjoint.march.ramp_tables import RampTables
 from fe_lapjoint.march.system import ComplexArray
-from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import complex_zeros, int_zeros, put, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import complex_zeros, int_zeros, put, zeros
+from lapjoint.compiled.by_reference import by_reference
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 _HALVINGS = 6  # of an interval before it is searched: 64 steps of a window, about as many as without ramps

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fe_lapjoint.march.system import ComplexArray, IndexArray, System
-from lapjoint.by_reference import by_reference, in_c_order
+from lapjoint.compiled.by_reference import by_reference, in_c_order
 from lapjoint.problem import FloatArray
 
 

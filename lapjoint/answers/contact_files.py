@@ -11,8 +11,8 @@ from typing import Any
 
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
-from lapjoint.output_files import write_file
-from lapjoint.plain_text import no_formula
+from lapjoint.files.plain_text import no_formula
+from lapjoint.files.writing import write_file
 from lapjoint.problem.files import problem_tables_json
 
 CONTACT_COLUMNS = (

@@ -18,9 +18,9 @@ import numpy as np
 from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES as OF_PLACES
 from lapjoint.errors import InputError
-from lapjoint.netcdf_files import write_netcdf
-from lapjoint.output_files import write_file
-from lapjoint.plain_text import no_formula
+from lapjoint.files.netcdf import write_netcdf
+from lapjoint.files.plain_text import no_formula
+from lapjoint.files.writing import write_file
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.files import to_toml
 

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 
 from lapjoint.campaigns.campaign import Cells, Point
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.solver import Progress, Solver, make_solver
 
 BATCH_SECONDS = 1.0

@@ -21,8 +21,8 @@ from lapjoint.campaigns.format_version import FORMAT_VERSION, attributes_of, ref
 from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.errors import InputError
-from lapjoint.input_files import read_file
-from lapjoint.netcdf_files import is_whole
+from lapjoint.files.netcdf import is_whole
+from lapjoint.files.reading import read_file
 from lapjoint.summaries.of_orbit import OF_STOPS
 
 if TYPE_CHECKING:

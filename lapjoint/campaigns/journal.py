@@ -25,7 +25,7 @@ from typing import Any, cast
 from lapjoint.campaigns.campaign import Campaign, Kept, Point
 from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
 from lapjoint.errors import DamageWarning, InputError, Interrupted, OutputError, SolverError
-from lapjoint.output_files import unwritable
+from lapjoint.files.writing import unwritable
 
 BEGINNING = b'{"journal":'
 """First bytes of every journal."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from lapjoint.plain_text import duration_text
+from lapjoint.files.plain_text import duration_text
 
 LOGGER = logging.getLogger(__name__)
 FEW = 4

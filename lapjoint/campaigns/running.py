@@ -14,9 +14,9 @@ from lapjoint.campaigns.pace import Pace
 from lapjoint.campaigns.plan import Plan, Start
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
 from lapjoint.errors import InputError
-from lapjoint.netcdf_files import write_netcdf
+from lapjoint.files.netcdf import write_netcdf
+from lapjoint.machine.processes import StandingPool, standing_pool
 from lapjoint.problem import Problem
-from lapjoint.processes import StandingPool, standing_pool
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from typing import Any
 from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_batch
 from lapjoint.campaigns.campaign import Cells
 from lapjoint.errors import InputError
-from lapjoint.processes import LOOK, StandingPool, first_finished, interrupts_held
+from lapjoint.machine.processes import LOOK, StandingPool, first_finished, interrupts_held
 from lapjoint.solver import Progress
 
 Deliver = Callable[[Solved], Iterable[Batch]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from lapjoint.plain_text import escaped
+from lapjoint.files.plain_text import escaped
 
 
 def echo(text: str = "", *, err: bool = False, nl: bool = True) -> None:

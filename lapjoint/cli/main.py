@@ -179,7 +179,7 @@ def schema() -> None:
 def init(file: str, force: bool) -> None:
     """Write a commented example of a problem to FILE, or to standard output."""
     from lapjoint.errors import InputError
-    from lapjoint.output_files import write_file
+    from lapjoint.files.writing import write_file
     from lapjoint.problem.example import commented_example
 
     if file == "-":

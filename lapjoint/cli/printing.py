@@ -16,7 +16,7 @@ from lapjoint.answers.series import written
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
 from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
-from lapjoint.output_files import write_file
+from lapjoint.files.writing import write_file
 from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from lapjoint.cli.echo import echo
-from lapjoint.plain_text import duration_text
+from lapjoint.files.plain_text import duration_text
 
 if TYPE_CHECKING:  # solvers are loaded with numpy, and each call of the command line comes by here
     from lapjoint.solver import Progress
@@ -168,9 +168,9 @@ class _Lines(logging.Handler):
 def tell_of_delays() -> None:
     """Say on standard error, from now on, when compiling begins, what points cost that do not repeat, and much memory.
 
-    `lapjoint.compiling`, `lapjoint.campaigns.pace` and `lapjoint.memory` say when.
+    `lapjoint.compiled.compiling`, `lapjoint.campaigns.pace` and `lapjoint.machine.memory` say when.
     """
-    for name in ("lapjoint.compiling", "lapjoint.campaigns.pace", "lapjoint.memory"):
+    for name in ("lapjoint.compiled.compiling", "lapjoint.campaigns.pace", "lapjoint.machine.memory"):
         logger = logging.getLogger(name)
         if not any(isinstance(handler, _Lines) for handler in logger.handlers):
             logger.addHandler(_Lines())

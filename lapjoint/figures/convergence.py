@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from lapjoint.answers.observed_order import ROUNDING, fitted_order
 from lapjoint.errors import InputError
 from lapjoint.figures.style import COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
-from lapjoint.observed_order import ROUNDING, fitted_order
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ import numpy as np
 from lapjoint.errors import InputError
 from lapjoint.figures.legend import BETWEEN, HANDLE, LINE, legend_that_fits
 from lapjoint.figures.text import SMALL, boxes_for_unknown_signs, literal, wrapped
-from lapjoint.output_files import completed, unwritable
+from lapjoint.files.writing import completed, unwritable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

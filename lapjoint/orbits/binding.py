@@ -19,7 +19,7 @@ import numpy as np
 
 from lapjoint.answers.steady_state import Outcome, SectionPoint
 from lapjoint.errors import SolverError
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.certified import CertifiedMotion, certified, mirrored_motion, same_motion, traps_of
 from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.orbits.ensemble import Ensemble, ensemble_of

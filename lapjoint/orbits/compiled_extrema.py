@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from lapjoint.compiled_arrays import complex_zeros, put, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import complex_zeros, put, zeros
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
 

@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.by_reference import by_reference
-from lapjoint.compiled_arrays import int_zeros, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import int_zeros, zeros
+from lapjoint.compiled.by_reference import by_reference
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 IndexArray = npt.NDArray[np.intp]

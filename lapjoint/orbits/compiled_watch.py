@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from lapjoint.answers.steady_state import ComplexArray
-from lapjoint.compiled_arrays import bool_zeros, zeros
-from lapjoint.compiling import njit_called
+from lapjoint.compiled.arrays import bool_zeros, zeros
+from lapjoint.compiled.compiling import njit_called
 from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
 

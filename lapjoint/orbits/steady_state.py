@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import Acceptance, SectionPoint, SteadyState, impulses_per_period, periodic_outcome
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.orbit_errors import FinerMap, orbit_errors
 from lapjoint.orbits.period_map import PeriodMap

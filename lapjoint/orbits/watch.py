@@ -19,7 +19,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lapjoint.by_reference import in_c_order
+from lapjoint.compiled.by_reference import in_c_order
 from lapjoint.orbits.compiled_intervals import (
     IndexArray,
     Motion,

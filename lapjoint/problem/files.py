@@ -16,8 +16,8 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from lapjoint.errors import InputError
-from lapjoint.input_files import read_file
-from lapjoint.output_files import write_file
+from lapjoint.files.reading import read_file
+from lapjoint.files.writing import write_file
 from lapjoint.problem.messages import in_sentences
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.input_files import read_file
+from lapjoint.files.reading import read_file
 from lapjoint.problem.messages import encodable, shown
 from lapjoint.problem.samples import Samples, Source
 from lapjoint.problem.schema import IntArray

@@ -29,7 +29,7 @@ from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import state_label
 from lapjoint.errors import InputError
 from lapjoint.figures.text import plain
-from lapjoint.output_files import unwritable
+from lapjoint.files.writing import unwritable
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.scene.frame_times import chosen_times
 from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_scene

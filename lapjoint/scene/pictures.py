@@ -13,7 +13,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.errors import InputError
-from lapjoint.output_files import completed, unwritable
+from lapjoint.files.writing import completed, unwritable
 from lapjoint.problem import FloatArray
 from lapjoint.scene.appearance import Look
 from lapjoint.scene.frame_builder import job_of

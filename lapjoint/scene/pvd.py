@@ -15,7 +15,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from lapjoint.output_files import completed_series
+from lapjoint.files.writing import completed_series
 from lapjoint.scene.parts import Part
 from lapjoint.scene.scene import Block, Scene
 

@@ -18,7 +18,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from lapjoint.output_files import completed
+from lapjoint.files.writing import completed
 from lapjoint.scene.parts import Arrays, Part
 from lapjoint.scene.scene import Block, Scene
 

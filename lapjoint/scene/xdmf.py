@@ -13,7 +13,7 @@ from typing import Any
 
 import h5py
 
-from lapjoint.output_files import completed_series
+from lapjoint.files.writing import completed_series
 from lapjoint.scene.parts import PARTS
 from lapjoint.scene.scene import Block, Scene
 

@@ -17,7 +17,7 @@ import fe_lapjoint
 from lapjoint import FREQUENCY, Problem, branch, confirm, paper_joint
 from lapjoint.campaigns.branches.table import KINDS
 from lapjoint.campaigns.confirm.table import VERDICTS
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.confirmation import confirmed
 from lapjoint.orbits.branches.errors import stated
 

@@ -18,7 +18,7 @@ from population import joint
 import analytic
 import fe_lapjoint
 from lapjoint import ViscousDamping
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.errors import AIM, Located, again, carried, stated, value_of
 from lapjoint.orbits.branches.sequence_changes import SequenceChange

@@ -10,7 +10,7 @@ from lapjoint import Problem, paper_joint
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.branches.solve import steady_state
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.halves import half_difference
 from lapjoint.orbits.branches.point import SAME, CurvePoint

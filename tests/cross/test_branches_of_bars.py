@@ -15,7 +15,7 @@ from rigid_bar_arcs import RigidBarResolution, Steps, steps
 import analytic
 import fe_lapjoint
 from lapjoint import BaseMotion, Problem
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.errors import AIM, Stated, stated
 from lapjoint.orbits.branches.starts import of_motion

@@ -10,7 +10,7 @@ from population import joint
 
 import analytic
 import fe_lapjoint
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.continuation import follow
 from lapjoint.orbits.branches.sequence_changes import SequenceChange
 

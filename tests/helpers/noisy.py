@@ -16,8 +16,8 @@ import numpy as np
 
 from lapjoint import FREE, Beam, ContactState, History, ModalDamping, Problem, Stop, Support
 from lapjoint.answers import Contact, Modes
-from lapjoint.compiled_arrays import zeros
-from lapjoint.compiling import njit_called
+from lapjoint.compiled.arrays import zeros
+from lapjoint.compiled.compiling import njit_called
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 

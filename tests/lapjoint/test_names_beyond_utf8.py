@@ -16,7 +16,7 @@ from click.testing import CliRunner, Result
 from lapjoint import InputError, Problem, paper_joint, read_problem, write_problem
 from lapjoint.cli.main import Lapjoint, main
 from lapjoint.errors import OutputError
-from lapjoint.output_files import write_file
+from lapjoint.files.writing import write_file
 from lapjoint.problem import RecordLoad, SineLoad, Stop
 from lapjoint.problem.files import problem_from_tables, problem_tables
 

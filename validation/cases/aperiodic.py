@@ -12,7 +12,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import ModalDamping, Outcome, PolynomialShape, Problem, SteadyState, ViscousDamping, paper_joint
 from lapjoint.answers import Exponent
-from lapjoint.processes import process_pool
+from lapjoint.machine.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
 from validation.verdict import Check, Criterion, ErrorSource, Estimate
 

@@ -12,9 +12,9 @@ from cycler import cycler
 import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, paper_joint
+from lapjoint.answers.observed_order import fitted_order
 from lapjoint.figures import plot_convergence
 from lapjoint.figures.style import COLOURS as PALETTE
-from lapjoint.observed_order import fitted_order
 from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Level, Say, table
 from validation.report.drawing import draw

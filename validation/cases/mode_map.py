@@ -12,8 +12,8 @@ import analytic
 from analytic.published.loss import frozen_part
 from lapjoint import paper_joint
 from lapjoint.errors import SolverError
+from lapjoint.machine.processes import process_pool
 from lapjoint.problem import FloatArray
-from lapjoint.processes import process_pool
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.report.drawing import draw

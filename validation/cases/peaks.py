@@ -11,8 +11,8 @@ from scipy.optimize import minimize_scalar
 
 import analytic
 from lapjoint import Outcome, paper_joint
+from lapjoint.machine.processes import process_pool
 from lapjoint.problem import FloatArray
-from lapjoint.processes import process_pool
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels, refined_by

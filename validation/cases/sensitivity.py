@@ -10,8 +10,8 @@ import numpy as np
 import analytic
 from lapjoint import FREE, Outcome, Problem, ViscousDamping, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
+from lapjoint.machine.processes import process_pool
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
-from lapjoint.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
 from validation.verdict import Criterion

@@ -11,7 +11,7 @@ import numpy as np
 
 from lapjoint import Outcome, Problem, SteadyState, paper_joint
 from lapjoint.figures.style import entitle
-from lapjoint.processes import process_pool
+from lapjoint.machine.processes import process_pool
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels, refined_by
 from validation.cases.transient import WITNESS_TOLERANCE

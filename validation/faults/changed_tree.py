@@ -1,6 +1,6 @@
 """A copy of the packages with one module changed; compiled functions that depend on the change are compiled again.
 
-`lapjoint.compiled_cache` sees to that.  Here it is only asked whether there are any, since to compile takes time: they
+`lapjoint.compiled.cache` sees to that.  Here it is only asked whether there are any, since to compile takes time: they
 are found by the names that they mention, which are more than those that they need.
 """
 

@@ -23,7 +23,7 @@ from typing import Any
 
 from rich.console import Console
 
-from lapjoint.output_files import write_file
+from lapjoint.files.writing import write_file
 from validation.faults.changed_tree import PACKAGES, installed_tree, source_of
 from validation.faults.mutation import Mutant, drawn
 from validation.faults.record import recorded

@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from lapjoint.output_files import write_file
+from lapjoint.files.writing import write_file
 from validation.faults.catalogue import CONTROL, FAULTS
 from validation.faults.running import plain, seen_from
 from validation.faults.table import Judged

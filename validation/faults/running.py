@@ -19,7 +19,7 @@ from multiprocessing.context import ForkServerContext, ForkServerProcess
 from pathlib import Path
 from typing import Any
 
-from lapjoint.processes import interrupts_held
+from lapjoint.machine.processes import interrupts_held
 from validation.case import Level
 from validation.faults.changed_tree import PACKAGES, change, copied_tree
 from validation.faults.trial import Result, Seen, try_tree

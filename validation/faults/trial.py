@@ -139,7 +139,7 @@ def _forget_packages(tree: str) -> None:
     sys.path.insert(0, tree)
     importlib.invalidate_caches()
     importlib.import_module("numba").config.CACHE_DIR = ""
-    processes: Any = importlib.import_module("lapjoint.processes")
+    processes: Any = importlib.import_module("lapjoint.machine.processes")
     if not Path(processes.__file__).is_relative_to(tree):
         raise ImportError(f"the packages are not imported from {tree}")
     processes.new_pool = _Here

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from lapjoint.plain_text import no_formula
+from lapjoint.files.plain_text import no_formula
 
 Cell = str | float | None
 FOLDER = "tables"
@@ -111,7 +111,7 @@ def write_sheets(sheets: Sequence[Sheet], output: Path) -> None:
     sheets : sequence of Sheet
         Their names are all different.
     output : Path
-        An existing directory, without a folder of that name; see `lapjoint.output_files.completed_series`.
+        An existing directory, without a folder of that name; see `lapjoint.files.writing.completed_series`.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from typing import Any
 
 from lapjoint import paper_joint
 from lapjoint.figures import plot_joint
-from lapjoint.output_files import completed_series, unwritable
+from lapjoint.files.writing import completed_series, unwritable
 from lapjoint.problem import Problem
 from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult

@@ -18,7 +18,7 @@ from lapjoint.campaigns.branches.plain import problem_of, start_of, unknowns_of
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.point import section_from
 from lapjoint.errors import InputError, SolverError
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.continuation import at_value
 from lapjoint.orbits.branches.point import SAME, CurvePoint

@@ -17,9 +17,9 @@ from lapjoint.campaigns.branches.spec import EFFORT, MAX_POINTS, BranchSpec
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.running import send, stored
 from lapjoint.campaigns.workers import Workers, check_workers
-from lapjoint.netcdf_files import write_netcdf
+from lapjoint.files.netcdf import write_netcdf
+from lapjoint.machine.processes import StandingPool, standing_pool
 from lapjoint.problem import Problem
-from lapjoint.processes import StandingPool, standing_pool
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:

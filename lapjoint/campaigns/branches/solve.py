@@ -16,7 +16,7 @@ from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.point import Point, plain_section, point_of
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.errors import stated
 from lapjoint.orbits.branches.point import CurvePoint

@@ -7,8 +7,9 @@ import pytest
 from analytic.march import Joint, march
 from analytic.march.initial_state import started
 from analytic.march.tables import PER_SLOT, PER_SWITCH, known_switches
-from lapjoint import BaseMotion, Beam, ModalDamping, Problem, SolverError, Stop, Support, memory
-from lapjoint.kept import bytes_in
+from lapjoint import BaseMotion, Beam, ModalDamping, Problem, SolverError, Stop, Support
+from lapjoint.machine import memory
+from lapjoint.machine.result_cache import bytes_in
 
 MODES, STOPS = 80, 20
 

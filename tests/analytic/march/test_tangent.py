@@ -22,7 +22,7 @@ from analytic.march.march import next_switches, settle_status
 from analytic.period_map import PeriodMap
 from lapjoint import FREE, ModalDamping, paper_joint
 from lapjoint.answers import SectionPoint
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.problem import FloatArray
 from tests.helpers.population import harmonic_joint, joint, stiffened_joint
 

@@ -14,7 +14,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint import FREE, Beam, ContactState, InputError, Problem, Support, paper_joint
-from lapjoint.observed_order import fitted_order
+from lapjoint.answers.observed_order import fitted_order
 
 LENGTH, EI, MASS = 2.5, 6.4e5, 118.0  # m, N m2, kg/m
 PINNED = {"translational": math.inf}

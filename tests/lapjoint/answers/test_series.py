@@ -16,7 +16,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import BaseMotion, Beam, History, InputError, Problem, Stop, paper_joint, time_series, write_series
 from lapjoint.answers.series import MOST_VALUES, PER_PERIOD, QUANTITIES
-from lapjoint.netcdf_files import is_whole
+from lapjoint.files.netcdf import is_whole
 from lapjoint.problem import Material, Rectangle
 from lapjoint.problem.files import from_toml
 from lapjoint.problem.records import RecordBaseMotion

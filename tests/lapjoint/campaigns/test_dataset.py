@@ -23,7 +23,7 @@ from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError, OutputError
 from lapjoint.figures import plot_curve, plot_curve_wide, save
 from lapjoint.figures.impulse_curve_wide import OUTCOME_COLOURS, certificates
-from lapjoint.netcdf_files import write_netcdf
+from lapjoint.files.netcdf import write_netcdf
 from lapjoint.problem.files import from_toml
 
 JOINT = paper_joint()

@@ -218,7 +218,7 @@ def test_a_worker_that_dies_is_replaced(start: Any, counting: Path) -> None:
 def test_a_worker_that_dies_while_it_sends_an_answer_is_replaced(
     counting: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lapjoint.processes.PATIENCE", 0.2)
+    monkeypatch.setattr("lapjoint.machine.processes.PATIENCE", 0.2)
     options = {"dies_at": 120.0, "died": str(counting / "died"), "tears": True}
     curve = sweep(JOINT, [FREQUENCIES], workers=2, **counted(**options))
     xr.testing.assert_identical(curve, sweep(JOINT, [FREQUENCIES], **counted(**options)))
@@ -440,7 +440,7 @@ def test_bad_input_is_refused_before_any_work(
 @pytest.mark.thorough
 def test_a_script_without_a_guard_is_told_so(counting: Path) -> None:
     path = counting / "script.py"
-    once = "import lapjoint.processes\nlapjoint.processes.MOST_STARTS = 1\n"
+    once = "import lapjoint.machine.processes\nlapjoint.processes.MOST_STARTS = 1\n"
     path.write_text(once + SCRIPT.replace('if __name__ == "__main__":', "if True:"))
     arguments = [str(counting / "curve.nc"), "2", "rest", "{}"]
     done = subprocess.run([sys.executable, str(path), *arguments], capture_output=True, text=True, timeout=60)

@@ -14,7 +14,7 @@ from lapjoint.campaigns.branches.table import read_branches
 from lapjoint.campaigns.confirm.table import VERDICTS
 from lapjoint.campaigns.dataset import read_result
 from lapjoint.cli.main import main
-from lapjoint.netcdf_files import write_netcdf
+from lapjoint.files.netcdf import write_netcdf
 
 ELEMENTS = ("--elements", "4")
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from lapjoint.compiling import MESSAGE
+from lapjoint.compiled.compiling import MESSAGE
 
 START = (sys.executable, "-c", "import sys; from lapjoint.cli.start import main; main()")
 SIMULATE = ("simulate", "preset:sdnl104", "--duration", "0.002", "--modes", "3")

@@ -19,7 +19,7 @@ from lapjoint.campaigns.pace import Pace
 from lapjoint.campaigns.point import Point
 from lapjoint.cli.progress import lines_of_progress, lines_of_search, lines_with_time_left, tell_of_delays
 from lapjoint.errors import SolverError
-from lapjoint.plain_text import duration_text
+from lapjoint.files.plain_text import duration_text
 from lapjoint.solver import Progress
 
 SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--modes", "4", "--out", "curve.nc")
@@ -142,7 +142,10 @@ def test_a_search_says_what_is_known_so_far_and_no_time_that_is_left() -> None:
 @pytest.fixture
 def loggers() -> Iterator[None]:
     """What tells of delays, as it was before."""
-    those = [logging.getLogger(name) for name in ("lapjoint.compiling", "lapjoint.campaigns.pace", "lapjoint.memory")]
+    those = [
+        logging.getLogger(name)
+        for name in ("lapjoint.compiled.compiling", "lapjoint.campaigns.pace", "lapjoint.machine.memory")
+    ]
     before = [(logger.level, logger.handlers[:]) for logger in those]
     yield
     for logger, (level, handlers) in zip(those, before, strict=True):

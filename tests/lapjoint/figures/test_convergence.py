@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from lapjoint import InputError
+from lapjoint.answers.observed_order import fitted_order
 from lapjoint.figures import plot_convergence
-from lapjoint.observed_order import fitted_order
 
 MESHES = (8, 16, 32, 64, 128)
 

@@ -10,7 +10,7 @@ from typing import cast
 import pytest
 
 from lapjoint.cli.main import main
-from lapjoint.processes import end_pool
+from lapjoint.machine.processes import end_pool
 from validation.faults.catalogue import CONTROL, FAULTS
 from validation.faults.changed_tree import change, changed_names, installed_tree, source_of
 from validation.faults.fault import PLACES, Fault

@@ -16,7 +16,7 @@ from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.campaigns.branches.table import KINDS, branch_dataset, read_branches, uncovered
 from lapjoint.campaigns.dataset import read_curve
-from lapjoint.netcdf_files import write_netcdf
+from lapjoint.files.netcdf import write_netcdf
 from lapjoint.problem import FloatArray
 
 LOW, HIGH = 3e-4, 4e-4  # m, the range of `spec`

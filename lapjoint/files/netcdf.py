@@ -13,7 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lapjoint.output_files import write_file
+from lapjoint.files.writing import write_file
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -21,7 +21,7 @@ MOST_BYTES = 100_000_000
 """Size of the arrays that one function keeps at most, bytes: a few such functions take less than a gigabyte."""
 
 
-class Kept(Generic[P, T]):
+class ResultCache(Generic[P, T]):
     """A function whose latest results are kept; the last one is, however large it is.
 
     Threads may call it: two that miss the same result at once both make it.
@@ -65,8 +65,8 @@ class Kept(Generic[P, T]):
             self._bytes = 0
 
 
-def kept(most: int, most_bytes: int = MOST_BYTES) -> Callable[[Callable[P, T]], Kept[P, T]]:
-    """Decorate a function so that its latest results are kept; see `Kept`.
+def cached(most: int, most_bytes: int = MOST_BYTES) -> Callable[[Callable[P, T]], ResultCache[P, T]]:
+    """Decorate a function so that its latest results are kept; see `ResultCache`.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def kept(most: int, most_bytes: int = MOST_BYTES) -> Callable[[Callable[P, T]], 
     callable
         The decorator.
     """
-    return lambda make: Kept(make, most, most_bytes)
+    return lambda make: ResultCache(make, most, most_bytes)
 
 
 def bytes_in(value: object) -> int:

@@ -2,10 +2,10 @@
 
 numba compiles a function when it is first called, and keeps the machine code in a file beside its source, or in the
 user's own cache where the package's folder may not be written to.  Where neither may be, each process compiles anew.
-What is kept is valid for one content of all that was compiled in: see `lapjoint.compiled_cache`.
+What is kept is valid for one content of all that was compiled in: see `lapjoint.compiled.cache`.
 
 numba writes two more functions for each, by which Python and C call it.  What only other compiled functions call does
-without them, and is spared more, see `lapjoint.machine_code`: it is `njit_inner`.
+without them, and is spared more, see `lapjoint.compiled.machine_code`: it is `njit_inner`.
 
 Arithmetic is done as it is written, without numba's `fastmath`.  LLVM would else order and join operations as suits the
 processor, and what was compiled before in the same process: two processes that compiled the same function each had
@@ -30,8 +30,8 @@ from typing import Any, TypeVar
 from numba import njit
 from numba.core import config, event
 
-from lapjoint.compiled_cache import ContentCache
-from lapjoint.machine_code import Sparing, spare_llvm
+from lapjoint.compiled.cache import ContentCache
+from lapjoint.compiled.machine_code import Sparing, spare_llvm
 
 F = TypeVar("F", bound=Callable[..., Any])
 

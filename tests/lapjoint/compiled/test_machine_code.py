@@ -14,12 +14,12 @@ from numba import njit
 from numba.core import codegen, config
 from numba.core.caching import NullCache
 
-from lapjoint.compiling import njit_called, njit_inner
-from lapjoint.machine_code import KNOWN, Sparing, spare_llvm
+from lapjoint.compiled.compiling import njit_called, njit_inner
+from lapjoint.compiled.machine_code import KNOWN, Sparing, spare_llvm
 
 MODULE = """
 import math
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.compiling import njit_called, njit_inner
 
 @njit_inner()
 def ratio(x, y):
@@ -41,7 +41,7 @@ def two(x, y):
 """
 USE = """
 import sys, made
-from lapjoint.machine_code import Sparing
+from lapjoint.compiled.machine_code import Sparing
 print(getattr(made, sys.argv[1])(8.0, 2.0), sum(getattr(made, sys.argv[1]).stats.cache_hits.values()), Sparing.on)
 for y in (0.0, 4.0):
     try:

@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 from lapjoint.errors import OutputError
-from lapjoint.output_files import completed, write_file
+from lapjoint.files.writing import completed, write_file
 
 WRITER = """
 import sys
-from lapjoint.output_files import write_file
+from lapjoint.files.writing import write_file
 for _ in range(50):
     write_file(sys.argv[1], sys.argv[2] * 100_000)
 """

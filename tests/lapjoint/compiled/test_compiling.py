@@ -8,9 +8,9 @@ import logging
 import numba.core.caching
 import pytest
 
-from lapjoint import compiling
 from lapjoint.cli.progress import tell_of_delays
-from lapjoint.compiling import LOGGER, MESSAGE, njit_called, njit_inner
+from lapjoint.compiled import compiling
+from lapjoint.compiled.compiling import LOGGER, MESSAGE, njit_called, njit_inner
 
 
 def test_where_no_folder_may_be_written_to_functions_are_compiled_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -58,7 +58,7 @@ def test_python_is_told_nothing_unless_it_asks(caplog: pytest.LogCaptureFixture)
     compiling._Listener().on_start(None)
     compiling._Listener().on_end(None)
     assert not caplog.records
-    with caplog.at_level(logging.INFO, "lapjoint.compiling"):
+    with caplog.at_level(logging.INFO, "lapjoint.compiled.compiling"):
         listener = compiling._Listener()
         listener.on_start(None)
         listener.on_end(None)

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from lapjoint import input_files, paper_joint
+from lapjoint import paper_joint
 from lapjoint.campaigns.dataset import read_curve
 from lapjoint.errors import InputError
-from lapjoint.input_files import read_file
+from lapjoint.files import reading
+from lapjoint.files.reading import read_file
 from lapjoint.problem.files import read_problem, to_toml
 
 ENDLESS = pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no /dev/zero")
@@ -25,7 +26,7 @@ def piped(path: Path, content: bytes) -> Path:
 
 
 def test_a_file_larger_than_the_limit_of_pipes_is_read_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(input_files, "MOST_FROM_PIPES", 10)
+    monkeypatch.setattr(reading, "MOST_FROM_PIPES", 10)
     (tmp_path / "a").write_bytes(b"x" * 1000)
     assert read_file(tmp_path / "a") == b"x" * 1000
 
@@ -35,7 +36,7 @@ def test_a_problem_comes_through_a_pipe(tmp_path: Path) -> None:
 
 
 def test_a_pipe_up_to_the_limit_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(input_files, "MOST_FROM_PIPES", 10)
+    monkeypatch.setattr(reading, "MOST_FROM_PIPES", 10)
     assert read_file(piped(tmp_path / "a", b"x" * 10)) == b"x" * 10
 
 

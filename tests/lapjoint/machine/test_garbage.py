@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from lapjoint.collecting import seldom_collected
+from lapjoint.machine.garbage import seldom_collected
 
 
 @pytest.fixture(autouse=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -14,11 +15,10 @@ from types import ModuleType
 import pytest
 
 import lapjoint
-from lapjoint.compiled_cache import HOW
 
 LOWEST = """
 import numpy as np
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.compiling import njit_inner
 
 LIMIT, TABLE, SAME = 2.0, np.array([1.0, 2.0]), (1, 2.0)
 
@@ -27,7 +27,7 @@ def lowest(x):
     return x * LIMIT + TABLE[1]
 """
 LOW = """
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.compiling import njit_inner
 from kept_lowest import SAME, lowest
 
 @njit_inner()
@@ -37,7 +37,7 @@ def low(x):
 HIGH = """
 from typing import NamedTuple
 import kept_low
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.compiling import njit_called, njit_inner
 
 class Pair(NamedTuple):
     one: float
@@ -115,10 +115,25 @@ def test_what_nothing_compiled_depends_on_may_change(folder: Path) -> None:
     assert answer(loaded(folder, SOURCES | {"kept_low": LOW + "UNUSED = 1.0\n"})) == (UNCHANGED, 1)
 
 
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+@pytest.mark.parametrize("what", [b"nonsense", b"cno_such_module\nname\n.", b""], ids=["damaged", "moved", "cut"])
+def test_files_that_cannot_be_read_are_made_anew(suffix: str, what: bytes, folder: Path) -> None:
+    assert answer(loaded(folder, SOURCES)) == (UNCHANGED, 0)
+    for file in folder.rglob(f"kept_high.high*.{suffix}"):
+        written = file.read_bytes()
+        version = pickle.dumps(pickle.loads(written), protocol=-1) if suffix == "nbi" else b""
+        assert written.startswith(version)
+        file.write_bytes(version + what)
+    assert answer(loaded(folder, SOURCES)) == (UNCHANGED, 0)
+    assert answer(loaded(folder, SOURCES)) == (UNCHANGED, 1)
+
+
 def test_every_module_that_has_a_say_in_how_numba_compiles_counts() -> None:
-    folder = Path(lapjoint.__file__).parent
-    told = {file.stem for file in folder.glob("*.py") if re.search(r"^from (numba|llvmlite)", file.read_text(), re.M)}
-    assert told == set(HOW)
+    ground = Path(lapjoint.__file__).parent
+    told = {
+        file.parent for file in ground.rglob("*.py") if re.search(r"^from (numba|llvmlite)", file.read_text(), re.M)
+    }
+    assert told == {ground / "compiled"}
 
 
 @pytest.mark.thorough
@@ -126,7 +141,7 @@ def test_every_process_finds_what_another_has_kept() -> None:
     """Sets in options and constants are written in a sequence that hashes of strings do not decide."""
     script = (
         "import analytic.march.march, fe_lapjoint.march.march; from numba.core.dispatcher import Dispatcher; "
-        "import sys; from lapjoint.compiled_cache import content_of; "
+        "import sys; from lapjoint.compiled.cache import content_of; "
         "print([content_of(v) for m in sorted(sys.modules) if m.startswith(('analytic', 'fe_lapjoint', 'lapjoint')) "
         "for v in vars(sys.modules[m]).values() if isinstance(v, Dispatcher)])"
     )

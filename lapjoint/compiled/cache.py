@@ -16,11 +16,8 @@ from typing import Any
 
 import numpy as np
 from numba import types
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
-
-HOW = ("by_reference", "compiled_arrays", "compiled_cache", "compiling", "machine_code")
-"""The modules beside this one that decide what machine code is made of a function."""
 
 
 class ContentCache(FunctionCache):  # type: ignore[misc]
@@ -39,6 +36,8 @@ class ContentCache(FunctionCache):  # type: ignore[misc]
 
     def __init__(self, dispatcher: Any) -> None:
         super().__init__(dispatcher.py_func)
+        locator, name = self._impl.locator, self._impl.filename_base
+        self._cache_file = _Files(self._cache_path, name, locator.get_source_stamp())
         self._dispatcher = dispatcher
         self._content = ""
 
@@ -51,6 +50,22 @@ class ContentCache(FunctionCache):  # type: ignore[misc]
         if not self._content:
             self._content = content_of(self._dispatcher)
         return sig, codegen.magic_tuple(), self._content, tuple(_fields(one) for one in sig)
+
+
+class _Files(IndexDataCacheFile):  # type: ignore[misc]
+    """The files of one function; those that cannot be read, damaged or of modules that have moved, hold nothing."""
+
+    def _load_index(self) -> Any:
+        try:
+            return super()._load_index()
+        except Exception:  # unpickling raises whatever the classes raise that a file names
+            return {}
+
+    def _load_data(self, name: str) -> Any:
+        try:
+            return super()._load_data(name)
+        except Exception as error:
+            raise OSError(f"{name} cannot be read") from error  # which numba takes for a file that is gone
 
 
 def content_of(dispatcher: Any) -> str:
@@ -74,8 +89,8 @@ def content_of(dispatcher: Any) -> str:
 
 @cache
 def _how() -> bytes:
-    """What `HOW` holds."""
-    return b"".join(Path(__file__).with_name(f"{module}.py").read_bytes() for module in HOW)
+    """The content of this folder, which decides what machine code is made of a function."""
+    return b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("*.py")))
 
 
 def _fields(kind: Any) -> tuple[Any, ...]:

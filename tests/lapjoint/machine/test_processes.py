@@ -19,12 +19,12 @@ import pytest
 from counting_solver import tear
 
 from lapjoint.errors import SolverError
-from lapjoint.processes import first_finished, process_pool, standing_pool
+from lapjoint.machine.processes import first_finished, process_pool, standing_pool
 
 LONG = 600.0  # s: longer than any of these tests may take
 BUSY = """
 import sys, time
-from lapjoint.processes import process_pool
+from lapjoint.machine.processes import process_pool
 if __name__ == "__main__":
     with process_pool(2) as pool:
         tasks = [pool.submit(time.sleep, 600.0) for _ in range(6)]
@@ -112,7 +112,7 @@ def test_tasks_that_are_cancelled_as_the_pool_ends_raise_nothing_in_its_thread(m
 
 
 def test_processes_that_cannot_start_are_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lapjoint.processes._ready", partial(os._exit, 1))
+    monkeypatch.setattr("lapjoint.machine.processes._ready", partial(os._exit, 1))
     with pytest.raises(SolverError, match="end as soon as they start"), process_pool(1):
         pass
 
@@ -141,7 +141,7 @@ def test_a_task_that_a_pool_forgets_as_it_breaks_is_not_waited_for() -> None:
 
 
 def test_a_pool_ends_although_a_process_was_killed_while_it_sent_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lapjoint.processes.PATIENCE", 0.2)
+    monkeypatch.setattr("lapjoint.machine.processes.PATIENCE", 0.2)
     with process_pool(2) as pool, pytest.raises(BrokenProcessPool):
         first_finished(pool, [pool.submit(die_while_sending)])
     assert multiprocessing.active_children() == []

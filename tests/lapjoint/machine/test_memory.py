@@ -10,8 +10,9 @@ import pytest
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, ModalDamping, Problem, SolverError, Stop, Support, memory
-from lapjoint.kept import bytes_in, kept
+from lapjoint import BaseMotion, Beam, ModalDamping, Problem, SolverError, Stop, Support
+from lapjoint.machine import memory
+from lapjoint.machine.result_cache import bytes_in, cached
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Solver
 
@@ -33,7 +34,7 @@ def small_machine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_memory_is_spoken_of_from_500_mb_and_whenever_it_has_doubled(caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level(logging.INFO, "lapjoint.memory")
+    caplog.set_level(logging.INFO, "lapjoint.machine.memory")
     sizes = [0.0, 4e8, 5e8, 6e8, 9.9e8, 1e9]
     for before, size in pairwise(sizes):
         memory.require(size, "tables", "take fewer", before)
@@ -73,7 +74,7 @@ def test_a_motion_that_turns_out_too_large_ends_in_a_sentence(
 def test_what_is_kept_is_bounded_in_number_and_in_size() -> None:
     made: list[int] = []
 
-    @kept(3, 8 * 100)
+    @cached(3, 8 * 100)
     def numbers(count: int) -> tuple[FloatArray, str]:
         made.append(count)
         return np.zeros(count), "numbers"

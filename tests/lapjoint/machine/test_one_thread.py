@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg  # noqa: F401  # its library is limited too, and must be there before a test asks
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from lapjoint.one_thread import in_one_thread
+from lapjoint.machine.one_thread import in_one_thread
 
 
 def threads() -> set[int]:

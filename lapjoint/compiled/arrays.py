@@ -18,7 +18,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
-from lapjoint.compiling import njit_inner
+from lapjoint.compiled.compiling import njit_inner
 
 Shape: TypeAlias = int | tuple[int, ...]
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from lapjoint.by_reference import by_reference, in_c_order
-from lapjoint.compiled_arrays import bool_zeros, complex_zeros, int_zeros, zeros
-from lapjoint.compiling import njit_called, njit_inner
+from lapjoint.compiled.arrays import bool_zeros, complex_zeros, int_zeros, zeros
+from lapjoint.compiled.by_reference import by_reference, in_c_order
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 

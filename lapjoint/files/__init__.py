@@ -1,0 +1,1 @@
+"""Reading and writing files safely: sizes and names are checked, and no file is ever left half written."""
