@@ -10,15 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_state_number, sdnl104
+from lapjoint import ContactState, Problem, contact_states, paper_state_number
 from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import PLACES, large_allowed
+from lapjoint.cli.options import DRAWINGS, large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
 from lapjoint.problem.override import override, toml_value
+from lapjoint.problem.presets import PRESETS
 from lapjoint.scene.frame_times import check_frames
 from lapjoint.solver import Solver, make_solver
 
@@ -26,7 +27,6 @@ MOST_STOPS = 100
 """Largest number of stops that is taken without being asked for: more take minutes."""
 STOPS_NAMED = 20
 """Largest number of stops that a message names."""
-PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
 
 
 def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
@@ -282,16 +282,15 @@ def drawing_from(
     if draw == "poincare":
         problem.require_excitation_frequency("--draw poincare")
     name = draw or "motion"
-    if at is None or not figure or name not in PLACES:
+    most = DRAWINGS[name].most_places
+    if at is None or not figure or not most:
         if not elsewhere:
             refuse("there is neither a series nor a figure that shows places", at=at)
         return {}
     places = [problem.require_position(x) for x in places_from(at)]
-    if not PLACES[name]:
-        return {"x": places}
-    if len(places) > PLACES[name]:
+    if len(places) > most:
         raise InputError(f"--at {at}: figure {name} shows one place; give one")
-    return {"x": places[0]}
+    return {"x": places[0] if most == 1 else places}
 
 
 def check_directory(path: str) -> None:

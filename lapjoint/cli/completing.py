@@ -35,7 +35,7 @@ class Offering(StringParamType):
 
 
 def _presets() -> list[str]:
-    from lapjoint.cli.arguments import PRESETS
+    from lapjoint.problem.presets import PRESETS
 
     return [f"preset:{name}" for name in PRESETS]
 

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import click
 
 from lapjoint.cli.completing import FILE, PROBLEM, SOLVER
 
 FIGURES = (".png", ".svg", ".pdf")
+
+
+class Drawing(NamedTuple):
+    """A figure of a motion."""
+
+    function: str
+    """Name of the function of `lapjoint.figures` that draws it."""
+    most_places: float
+    """Largest number of places along the beam that the figure can show."""
+
+
 DRAWINGS = {
-    "motion": "plot_motion",
-    "phase": "plot_phase_portrait",
-    "poincare": "plot_poincare_section",
-    "impulses": "plot_contact_impulses",
-    "states": "plot_contact_states",
-    "spectrum": "plot_spectrum",
+    "motion": Drawing("plot_motion", math.inf),
+    "phase": Drawing("plot_phase_portrait", 1),
+    "poincare": Drawing("plot_poincare_section", 1),
+    "impulses": Drawing("plot_contact_impulses", 0),
+    "states": Drawing("plot_contact_states", 0),
+    "spectrum": Drawing("plot_spectrum", 1),
 }
-"""Functions of `lapjoint.figures` by their names on the command line."""
-PLACES = {"motion": 0, "phase": 1, "poincare": 1, "spectrum": 1}
-"""Number of places that those figures show that choose some; 0: any."""
+"""Figures of a motion by their names on the command line."""
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 

@@ -172,4 +172,4 @@ def write_results(
     if figure:
         from lapjoint import figures
 
-        figures.save(getattr(figures, DRAWINGS[draw or "motion"])(history, **places), figure)
+        figures.save(getattr(figures, DRAWINGS[draw or "motion"].function)(history, **places), figure)

@@ -9,21 +9,19 @@ than rounding.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.problem.beam import LEAST, MOST
-from lapjoint.problem.damping import ModalDamping, ViscousDamping
+from lapjoint.problem.beam import LEAST, MOST, Beam
+from lapjoint.problem.damping import Damping, ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
-from lapjoint.problem.initial import AtRest
+from lapjoint.problem.initial import AtRest, InitialState
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
-
-if TYPE_CHECKING:
-    from lapjoint.problem.problem import Problem
+from lapjoint.problem.structure import Structure
+from lapjoint.problem.supports_and_stops import Stop, Support
 
 _SOFTEST, _FIXED = 1e-16, 1e20
 """Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
@@ -39,63 +37,30 @@ _MOST_PHASE = 1e8
 """Largest phase, rad: half of the digits of a larger one are those of its whole turns."""
 
 
-def faults_of_size(problem: Problem) -> Iterator[str]:
-    """What is too large or too small in a problem.
-
-    Parameters
-    ----------
-    problem : Problem
-        Any, whose parts are valid each for itself.
-
-    Yields
-    ------
-    str
-        A line for each fault.
-    """
-    for i, stop in enumerate(problem.stops):
+def faults_of_size(
+    joint: Structure, base: AnyBaseMotion | None, loads: Sequence[PointLoad], initial: InitialState
+) -> Iterator[str]:
+    """A line for each number of a problem that is too large or too small; its parts are valid each for itself."""
+    for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
-    yield from _of_places(problem)
-    yield from _of_stiffness(problem)
-    yield from _of_damping(problem)
-    yield from faults_of_excitation(problem)
-    yield from _of_initial_state(problem)
+    yield from _of_places(joint, loads)
+    yield from _of_stiffness(joint)
+    yield from _of_damping(joint.damping, joint.beam)
+    yield from faults_of_excitation(base, loads)
+    yield from _of_initial_state(initial, joint.beam.length)
 
 
-def faults_of_excitation(problem: Problem) -> Iterator[str]:
-    """What is too large or too small in the excitation of a problem.
-
-    Parameters
-    ----------
-    problem : Problem
-        Any.
-
-    Yields
-    ------
-    str
-        A line for each fault.
-    """
-    if problem.base_motion is not None:
-        yield from faults_of_part("base_motion", problem.base_motion)
-    for i, load in enumerate(problem.point_loads):
+def faults_of_excitation(base: AnyBaseMotion | None, loads: Sequence[PointLoad]) -> Iterator[str]:
+    """A line for each number of an excitation that is too large or too small."""
+    if base is not None:
+        yield from faults_of_part("base_motion", base)
+    for i, load in enumerate(loads):
         yield from faults_of_part(f"point_loads[{i}]", load)
 
 
 def faults_of_part(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
-    """What is too large or too small in a base motion or a point load.
-
-    Parameters
-    ----------
-    path : str
-        Where it is in the problem.
-    part : BaseMotion, PointLoad or another of their kinds
-        The part.
-
-    Yields
-    ------
-    str
-        A line for each fault.
-    """
+    """A line for each number of a base motion or a point load that is too large or too small."""
     if isinstance(part, Record):
         yield from _of_record(path, part)
     if isinstance(part, StepLoad):
@@ -126,16 +91,14 @@ def _following(path: str, name: str, value: float, source: str, least: float = 0
     return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
 
 
-def _of_places(problem: Problem) -> Iterator[str]:
+def _of_places(joint: Structure, loads: Sequence[PointLoad]) -> Iterator[str]:
     """Parts that are all but at the root, and supports that all but coincide: whether these clamp is unknown."""
-    least, parts = _NEAREST * problem.beam.length, {}
-    for group in ("supports", "stops", "point_loads"):
-        parts[group] = {f"{group}[{i}].x": part.x for i, part in enumerate(getattr(problem, group))}
-        for path, x in parts[group].items():
+    least, supports = _NEAREST * joint.beam.length, _places("supports", joint.supports)
+    for group in (supports, _places("stops", joint.stops), _places("point_loads", loads)):
+        for path, x in group.items():
             if 0 < x <= least:
                 yield f"{path} = {x:g}: must be 0, or more than {_NEAREST:g} of the length, which is {least:.2g} m"
-    in_order = sorted(parts["supports"].items(), key=lambda item: item[1])
-    for (one, x), (other, y) in pairwise(in_order):
+    for (one, x), (other, y) in pairwise(sorted(supports.items(), key=lambda item: item[1])):
         if 0 < y - x <= least and x > least:
             yield (
                 f"{other} = {y!r}: lies {y - x:.2g} m from {one} = {x!r}; allowed are the same place, and more than "
@@ -143,11 +106,16 @@ def _of_places(problem: Problem) -> Iterator[str]:
             )
 
 
-def _of_stiffness(problem: Problem) -> Iterator[str]:
+def _places(group: str, parts: Sequence[Support | Stop | PointLoad]) -> dict[str, float]:
+    """Positions of the parts of a group, m, by their paths in the file."""
+    return {f"{group}[{i}].x": part.x for i, part in enumerate(parts)}
+
+
+def _of_stiffness(joint: Structure) -> Iterator[str]:
     """Springs so soft or so stiff, beside the beam, that double precision does not hold what they do."""
-    L, EI = problem.beam.length, problem.beam.EI
+    L, EI = joint.beam.length, joint.beam.EI
     units = {"translational": (EI / L**3, "EI / length^3"), "torsional": (EI / L, "EI / length")}
-    for i, support in enumerate(problem.supports):
+    for i, support in enumerate(joint.supports):
         for name, (unit, text) in units.items():
             spring, least, most = getattr(support, name), _SOFTEST * unit, _FIXED * unit
             if 0 < spring < least or most < spring < math.inf:
@@ -156,7 +124,7 @@ def _of_stiffness(problem: Problem) -> Iterator[str]:
                     f"{_SOFTEST:g} to {_FIXED:g} {text}, which is {least:.2g} to {most:.2g}, and inf"
                 )
     unit, text = units["translational"]
-    for i, stop in enumerate(problem.stops):
+    for i, stop in enumerate(joint.stops):
         if stop.stiffness > _STIFFEST * unit:
             yield (
                 f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
@@ -164,9 +132,8 @@ def _of_stiffness(problem: Problem) -> Iterator[str]:
             )
 
 
-def _of_damping(problem: Problem) -> Iterator[str]:
+def _of_damping(damping: Damping, beam: Beam) -> Iterator[str]:
     """Damping ratios, or a coefficient, beside which double precision does not hold the slower of two rates."""
-    damping, beam = problem.damping, problem.beam
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
         for i, ratio in enumerate(damping.ratio if isinstance(damping.ratio, tuple) else (damping.ratio,)):
@@ -202,12 +169,11 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
                     yield _following(path, f"largest {name} of the base", reached, "values, unit and the times")
 
 
-def _of_initial_state(problem: Problem) -> Iterator[str]:
+def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
     """Shapes that are not finite, or so large or small that squares of them are not."""
-    initial = problem.initial
     if isinstance(initial, AtRest):
         return
-    grid = np.linspace(0.0, problem.beam.length, 101)
+    grid = np.linspace(0.0, length, 101)
     with np.errstate(all="ignore"):
         for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
             for order, word in enumerate(("largest value", "largest slope", "largest second derivative")):

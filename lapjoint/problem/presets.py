@@ -99,3 +99,7 @@ def sdnl104() -> Problem:
         stops=(Stop(name="tip", x=1.0, side="bottom", gap=1e-4, stiffness=1e8),),
         point_loads=(StepLoad(x=1.0, force=-1000.0),),
     )
+
+
+PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
+"""The problems that the command line takes as ``preset:NAME``, by their names."""

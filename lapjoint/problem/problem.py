@@ -16,6 +16,7 @@ from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
+from lapjoint.problem.hints import hints
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
 from lapjoint.problem.messages import shown
@@ -53,7 +54,9 @@ class Problem(Part):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        faults = [*_outside_the_beam(self), *_names_used_twice(self), *faults_of_size(self)]
+        joint = Structure(self.beam, self.supports, self.stops, self.damping)
+        of_size = faults_of_size(joint, self.base_motion, self.point_loads, self.initial)
+        faults = [*_outside_the_beam(self), *_names_used_twice(self), *of_size]
         if not faults:
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
@@ -164,10 +167,8 @@ class Problem(Part):
 
     @property
     def hints(self) -> tuple[str, ...]:
-        """What looks like a slip of unit, a line for each; see `lapjoint.problem.hints`."""
-        from lapjoint.problem.hints import hints
-
-        return hints(self)
+        """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
+        return hints(self.beam, self.stops, self.damping, self.forces)
 
     @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
@@ -304,7 +305,9 @@ class Problem(Part):
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
-        if any(_outside_the_beam(made, ("point_loads",))) or any(faults_of_excitation(made)):
+        if any(_outside_the_beam(made, ("point_loads",))) or any(
+            faults_of_excitation(made.base_motion, made.point_loads)
+        ):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
