@@ -26,13 +26,7 @@ def is_whole(dataset: xr.Dataset) -> bool:
 
 
 def print_branches(dataset: xr.Dataset) -> None:
-    """Print each branch in a line, with its bifurcations below; with a second number, the loci of these instead.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of branches.
-    """
+    """Print each branch in a line, with its bifurcations below it; with a second parameter, their loci instead."""
     if not dataset.branch_first_end.size:
         echo("no periodic motion was found from any start")
     if second_number_of(dataset) is None:
@@ -106,20 +100,8 @@ def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
 
 
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
-    """A bifurcation in a line.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of branches.
-    j : int
-        Which bifurcation.
-
-    Returns
-    -------
-    str
-        Its value with its error, its name and, of a graze, the stop and what the branch does there.
-    """
+    """Bifurcation `j` in a line: its value with its error and its name; of a graze also the stop, and how the branch
+    goes on."""
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])

@@ -13,15 +13,7 @@ from click.types import StringParamType
 
 
 class Offering(StringParamType):
-    """A text, for which names are offered, and files or directories.
-
-    Parameters
-    ----------
-    names : callable, optional
-        Gives the names, when they are asked for.
-    paths : {"file", "dir"}, optional
-        What the shell is to offer besides.
-    """
+    """A text for which the Tab key offers names, which a function gives, and paths: "file", "dir" or none."""
 
     def __init__(self, names: Callable[[], Iterable[str]] | None = None, paths: str | None = None) -> None:
         self._names = names

@@ -23,13 +23,7 @@ def all_agree(dataset: xr.Dataset) -> bool:
 
 
 def print_confirmed(dataset: xr.Dataset) -> None:
-    """Print a table of verdicts by kind, and each bifurcation on which the solvers do not agree.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of a confirmation.
-    """
+    """Print a table of verdicts by kind, and each bifurcation on which the solvers do not agree."""
     kind, verdict = dataset.kind.values, dataset.verdict.values
     echo(f"{dataset.attrs['first_solver']}, and {dataset.attrs['solver_name']}:")
     echo(_line("", [*VERDICTS, "largest ratio", "largest errors"]))
@@ -46,20 +40,8 @@ def print_confirmed(dataset: xr.Dataset) -> None:
 
 
 def disagreement_text(dataset: xr.Dataset, j: int) -> str:
-    """A bifurcation on which the solvers do not agree, in a line.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of a confirmation.
-    j : int
-        Which bifurcation.
-
-    Returns
-    -------
-    str
-        Its number in the file, both values with their errors, and the verdict.
-    """
+    """Bifurcation `j`, on which the solvers do not agree, in a line: its number, both values with errors, and the
+    verdict."""
     row = dataset.isel(bifurcation=j)
     own = f"{float(row.value):.9g} ± {float(row.error):.1g}"
     other = f"{float(row.other_value):.9g} ± {float(row.other_error):.1g}"

@@ -24,31 +24,11 @@ def found_or_stored(
     search: bool = False,
     **how: Any,
 ) -> xr.Dataset:
-    """The dataset of a plan, from its file if it is finished there; else found, with progress shown.
+    """The dataset of a plan: from the file `out` if it is finished there, else found by `find`, with progress under a
+    `title`.
 
-    Parameters
-    ----------
-    plan : Kept
-        The work.
-    title : str
-        What progress is headed.
-    holds : str
-        What is said of a file that holds it already, as "this sweep".
-    find : callable
-        Finds it: takes the plan, `out`, `force`, `progress` and what `how` holds.
-    out : str or None
-        Its file.
-    force : bool
-        Whether something else in the file may be thrown away.
-    search : bool
-        Whether what is found leads to more work, so that the time that is left cannot be told.
-    **how : object
-        Further keywords of `find`, as ``workers``.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
+    `holds` says what a finished file has, as "this sweep". With `search` what is found leads to more work, and no time
+    left is told. `find` takes the plan, `out`, `force`, `progress` and `how`.
     """
     from lapjoint.campaigns import stored
     from lapjoint.cli.progress import shown_points, shown_search

@@ -52,12 +52,6 @@ bool_zeros: Callable[[Shape], npt.NDArray[np.bool_]] = _zeros(types.boolean, "bo
 
 @njit_inner()
 def put(target: npt.NDArray[Any], values: npt.NDArray[Any]) -> None:
-    """Write values into an array of the same shape.
-
-    Parameters
-    ----------
-    target, values : NDArray, shape (n,)
-        Where to, and what.
-    """
+    """Write `values` into an array of the same shape (n,)."""
     for i in range(target.size):
         target[i] = values[i]

@@ -46,15 +46,7 @@ class Field(NamedTuple):
 
 
 class ByReference(types.Type):  # type: ignore[misc]
-    """The type, to numba, of a decorated tuple with certain types of fields.
-
-    Parameters
-    ----------
-    name : str
-        Of the tuple's class.
-    fields : tuple of Field
-        In their order.
-    """
+    """The type, to numba, of a decorated tuple: the name of its class, and its fields in order."""
 
     def __init__(self, name: str, fields: tuple[Field, ...]) -> None:
         self.fields = fields
@@ -63,51 +55,20 @@ class ByReference(types.Type):  # type: ignore[misc]
         super().__init__(f"{name}_{digest[:12]}")
 
     def field(self, name: str) -> Field | None:
-        """A field by its name.
-
-        Parameters
-        ----------
-        name : str
-            The name.
-
-        Returns
-        -------
-        Field or None
-            None if there is none of that name.
-        """
+        """A field by its name; None if there is none of that name."""
         return next((it for it in self.fields if it.name == name), None)
 
 
 def by_reference(kind: type[T]) -> type[T]:
-    """Let compiled functions take a named tuple by its address.
-
-    Parameters
-    ----------
-    kind : type
-        A named tuple of arrays in C order, and of floats.
-
-    Returns
-    -------
-    type
-        The same class.
-    """
+    """Let compiled functions take a named tuple, of arrays in C order and of floats, by its address; returns its
+    class."""
     typeof_impl.register(kind)(_type_of)
     return kind
 
 
 def in_c_order(values: T) -> T:
-    """The same tuple with arrays in C order, for functions that do not write to them.
-
-    Parameters
-    ----------
-    values : tuple
-        A named tuple.
-
-    Returns
-    -------
-    tuple
-        Of the same class; an array that was in C order is the same object.
-    """
+    """A named tuple with its arrays in C order, for functions that do not write to them; arrays in C order are not
+    copied."""
     kind: Any = type(values)
     made: T = kind._make(np.ascontiguousarray(it) if isinstance(it, np.ndarray) else it for it in values)
     return made

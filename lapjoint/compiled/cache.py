@@ -21,17 +21,9 @@ from numba.core.dispatcher import Dispatcher
 
 
 class ContentCache(FunctionCache):  # type: ignore[misc]
-    """What numba keeps of one function, under a key that holds the content of all that goes into it.
+    """The machine code that numba keeps of one function, under a key that holds the content of all that goes into it.
 
-    Parameters
-    ----------
-    dispatcher : Dispatcher
-        The function.
-
-    Raises
-    ------
-    RuntimeError
-        If there is no folder to keep it in.
+    It raises a `RuntimeError` where there is no folder to keep machine code in.
     """
 
     def __init__(self, dispatcher: Any) -> None:
@@ -69,18 +61,7 @@ class _Files(IndexDataCacheFile):  # type: ignore[misc]
 
 
 def content_of(dispatcher: Any) -> str:
-    """Digest of a compiled function: its code, its constants and options, and those of all that it calls.
-
-    Parameters
-    ----------
-    dispatcher : Dispatcher
-        The function.
-
-    Returns
-    -------
-    str
-        SHA-256 in hexadecimal digits.
-    """
+    """SHA-256 of a compiled function: its code, its constants and options, and those of all that it calls."""
     digest = hashlib.sha256(_how())
     for part in _of_dispatcher(dispatcher, set()):
         digest.update(f"{len(part)} {part}".encode())

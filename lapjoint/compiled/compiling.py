@@ -48,19 +48,9 @@ this process is left as it is."""
 
 
 def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]:
-    """Compile a function that Python calls.
+    """A decorator that compiles a function that Python calls, with `options` of `numba.njit` other than `fastmath`.
 
-    Parameters
-    ----------
-    vectorised : bool
-        Whether to vectorise its loops, and those of all compiled functions that it calls.
-    **options : Any
-        Further options of `numba.njit`, but for `fastmath`.
-
-    Returns
-    -------
-    callable
-        A decorator.
+    With `vectorised` the loops of the function and of all compiled functions that it calls are vectorised.
     """
 
     compiler: Any = njit
@@ -78,18 +68,7 @@ def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]
 
 
 def njit_inner(**options: Any) -> Callable[[F], F]:
-    """Compile a function that only compiled functions call: Python cannot.
-
-    Parameters
-    ----------
-    **options : Any
-        Further options of `numba.njit`.
-
-    Returns
-    -------
-    callable
-        A decorator.
-    """
+    """A decorator that compiles a function that only compiled functions can call, with `options` of `numba.njit`."""
     return njit_called(no_cpython_wrapper=True, **options)
 
 

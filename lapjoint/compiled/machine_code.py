@@ -45,13 +45,7 @@ class Sparing:
 
 
 def spare_llvm() -> bool:
-    """Let numba's libraries of code look at `Sparing`.
-
-    Returns
-    -------
-    bool
-        Whether they do; not with a release that is not `KNOWN`, or if numba is built otherwise.
-    """
+    """Let numba's code libraries look at `Sparing`; False with a release that is not `KNOWN`, or is built otherwise."""
     if not numba.__version__.startswith(KNOWN):
         return False
     for name, members in _NEEDED.items():

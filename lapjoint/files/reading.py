@@ -18,24 +18,9 @@ of 5000 points."""
 
 
 def read_file(path: str | Path, name: str = "") -> bytes:
-    """Everything that a file holds.
+    """Everything that a file, a pipe or a device holds; messages call it `name`, by default its path.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file; a pipe or a device, too.
-    name : str, optional
-        What messages call it; by default the path.
-
-    Returns
-    -------
-    bytes
-        What it holds.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, or is a pipe or a device that gives more than `MOST_FROM_PIPES` bytes.
+    An `InputError` says that it cannot be read, or that a pipe or a device gives more than `MOST_FROM_PIPES` bytes.
     """
     name = name or str(path)
     try:

@@ -26,20 +26,7 @@ _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 
 
 def write_file(path: str | Path, content: str | bytes | memoryview) -> None:
-    """Write bytes, or text as UTF-8 with its line ends as they are.
-
-    Parameters
-    ----------
-    path : path
-        The file; see `completed` for links and devices.
-    content : str or bytes-like
-        All that will be in it.
-
-    Raises
-    ------
-    OutputError
-        If no file can be written there, or it cannot be completed, as on a full disk.
-    """
+    """Write bytes, or text as UTF-8 with its line ends as they are; see `completed` for links and devices."""
     try:
         raw = content.encode() if isinstance(content, str) else content
         with completed(path) as unfinished, open(unfinished, "wb") as file:
@@ -53,23 +40,8 @@ def completed(path: str | Path) -> Iterator[Path]:
     """Give an empty temporary file, with the ending of its target, to write to; then it takes the target's name.
 
     A target that is a link is replaced where the link points to; a device or a pipe is written to when all is there.
-    The temporary file is made without following a link.  A new file has the rights that the system gives to new files;
-    one that is replaced keeps its own.
-
-    Parameters
-    ----------
-    path : path
-        The target.
-
-    Yields
-    ------
-    Path
-        The temporary file, in the folder of the target.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written; `unwritable` says so in words.
+    The temporary file is made without following a link. A new file has the rights that the system gives to new files;
+    one that is replaced keeps its own. `unwritable` puts an `OSError` into words.
     """
     mode = _mode_of(path)
     if mode is not None and not stat.S_ISREG(mode):
@@ -98,22 +70,8 @@ def completed(path: str | Path) -> Iterator[Path]:
 def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iterator[Path]:
     """Give an empty temporary folder within `folder` to write the files of a series to; then they move to `folder`.
 
-    Parameters
-    ----------
-    folder : Path
-        Where the files go.  What is in a subfolder moves first, so that an index beside it never lists what is missing.
-    remove_earlier : callable
-        Takes nothing, and removes the files of an earlier series; called when the new one is complete.
-
-    Yields
-    ------
-    Path
-        The temporary folder.
-
-    Raises
-    ------
-    OSError
-        If the files cannot be written; `unwritable` says so in words.
+    Files in a subfolder move first, so that an index beside it never lists a file that is missing. `remove_earlier`
+    removes the files of an earlier series; it is called when the new series is complete.
     """
     with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as name:
         draft = Path(name)
@@ -138,20 +96,7 @@ def _check_place(path: Path, folder: Path) -> None:
 
 
 def unwritable(path: str | Path, error: OSError | ValueError) -> OutputError:
-    """The error to raise where a file cannot be written.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    error : OSError or ValueError
-        What the system raised.
-
-    Returns
-    -------
-    OutputError
-        It names the file, and says why, in the system's words where it is the system that refuses.
-    """
+    """The error to raise where a file cannot be written: it names the file, and says why."""
     reason = error.strerror if isinstance(error, OSError) and error.strerror else error
     if isinstance(error, UnicodeEncodeError):
         reason = "its name, or a text in it, has characters that UTF-8 does not hold"

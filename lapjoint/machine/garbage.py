@@ -28,18 +28,7 @@ class _Within:
 
 
 def seldom_collected(function: Callable[P, T]) -> Callable[P, T]:
-    """Have a function look for garbage seldom; once no such call is under way, all is as it was.
-
-    Parameters
-    ----------
-    function : callable
-        The function.
-
-    Returns
-    -------
-    callable
-        The same function, which sets the thresholds of `gc` while it runs.
-    """
+    """Have a function look for garbage seldom; once no such call is under way, the thresholds of `gc` are restored."""
 
     @wraps(function)
     def called(*args: P.args, **kwargs: P.kwargs) -> T:

@@ -27,13 +27,7 @@ _CONTAINER = Path("/sys/fs/cgroup/memory.max")
 
 @cache
 def machine_bytes() -> float:
-    """The memory of this machine, or of the container that the process is in.
-
-    Returns
-    -------
-    float
-        Bytes.
-    """
+    """The memory of this machine, or of the container that the process is in, bytes."""
     found = _UNKNOWN
     with suppress(AttributeError, ValueError, OSError):
         found = float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
@@ -43,23 +37,10 @@ def machine_bytes() -> float:
 
 
 def require(size: float, what: str, remedy: str, before: float = 0.0) -> None:
-    """Say that memory is going to be taken if it is much, and refuse if it is too much.
+    """Log that `what` takes `size` bytes if that is much, and refuse it, with a `remedy`, above `SHARE` of the
+    machine's.
 
-    Parameters
-    ----------
-    size : float
-        How much in all, bytes.
-    what : str
-        What takes it, in the plural, with what decides how much.
-    remedy : str
-        What makes it less.
-    before : float
-        How much was asked for before, bytes: it is spoken of again only when it has doubled since.
-
-    Raises
-    ------
-    SolverError
-        If it is more than `SHARE` of the machine's memory.
+    `what` is in the plural, with what decides its size. A size is logged again only when it has doubled since `before`.
     """
     most = SHARE * machine_bytes()
     if size > most:

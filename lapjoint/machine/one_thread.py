@@ -77,16 +77,6 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     The limit holds for the process, in all of its threads, until the last such function returns; then the number of
     threads is what it was before the first.
-
-    Parameters
-    ----------
-    function : callable
-        The function.
-
-    Returns
-    -------
-    callable
-        The same function under the limit.
     """
 
     @wraps(function)
@@ -98,18 +88,7 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def each_in_one_thread(items: Iterator[R]) -> Iterator[R]:
-    """The same items, each of which is made under the limit; between them the limit does not hold.
-
-    Parameters
-    ----------
-    items : iterator
-        Makes them one after the other.
-
-    Yields
-    ------
-    object
-        The items.
-    """
+    """The items of an iterator, each made under the limit; between them the limit does not hold."""
     more = True
     while more:
         with _LIMIT:

@@ -73,27 +73,12 @@ def forecast(
     size: float,
     most: int,
 ) -> Forecast:
-    """What becomes of a deviation from a stable orbit.
+    """What becomes of a deviation e from a stable orbit: whether the march is bound for it, or how long to march before
+    looking.
 
-    Parameters
-    ----------
-    watch : Watch
-        The orbit's distances from its stops.
-    matrix : FloatArray, shape (n, n)
-        Derivative M of its map, in the solver's own coordinates.
-    vectors : ComplexArray, shape (n, n)
-        Eigenvectors of M as columns; all its eigenvalues lie within the unit circle.
-    deviation : FloatArray, shape (n,)
-        The deviation e at the start of the orbit, in the same coordinates.
-    size : float
-        Euclidean norm of the orbit's section point, in the same coordinates.
-    most : int
-        Largest number of the orbit's periods that are looked at one by one.
-
-    Returns
-    -------
-    Forecast
-        Whether the march is bound for the orbit, and if not, how long to march before looking again.
+    `matrix`, (n, n), is the derivative M of the orbit's map; `vectors`, (n, n), has its eigenvectors as columns;
+    `deviation`, (n,), is e at the start of the orbit; `size` is the Euclidean norm of the orbit's section point. All
+    are in the solver's own coordinates. At most `most` periods of the orbit are looked at one by one.
     """
     share = CURVED if watch.switches.time.size else LINEAR
     power, count, done, fails = matrix, 1, 0, 0
@@ -119,21 +104,9 @@ def forecast(
 
 
 def sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
-    """Whether each of ``K`` deviations meets all conditions of this module's head, at one k.
+    """Whether each of K deviations meets all conditions of this module's head at one k, shape (K,).
 
-    Parameters
-    ----------
-    watch : Watch
-        The orbit's distances from its stops.
-    deviated : Deviated
-        What the deviations come to along the orbit, or bounds on it.
-    share : float
-        Share c of the distance to a stop that a deviation may take: `LINEAR` or `CURVED`.
-
-    Returns
-    -------
-    ndarray of bool, shape (K,)
-        Whether each does.
+    `share` is the share c of the distance to a stop that a deviation may take: `LINEAR` or `CURVED`.
     """
     switches, intervals = watch.switches, watch.intervals
     return np.asarray(

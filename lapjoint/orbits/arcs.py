@@ -92,109 +92,33 @@ class Arcs(Protocol):
         derivatives: bool = True,
         number: str | None = None,
     ) -> Chain:
-        """Follow the arcs of a contact sequence.
+        """Follow the arcs of a contact sequence of ``M`` events.
 
-        Parameters
-        ----------
-        sequence : ContactSequence
-            Which stops switch, ``M`` events.
-        start : FloatArray, shape (n,)
-            Displacements and velocities (q, v) at the section, in the modes of the first contact state.
-        time : float
-            Time of the section, s from a multiple of the period.
-        durations : FloatArray, shape (M + 1,)
-            Durations of the arcs, s, of either sign.
-        derivatives : bool
-            Whether to carry derivatives along.
-        number : str, optional
-            Path of a number of the problem, as `lapjoint.Axis` takes it: with the other derivatives that by this number
-            is carried along, if the solver knows it.
-
-        Returns
-        -------
-        Chain
-            The arcs.
+        `start`, (n,), has displacements and velocities (q, v) at the section, in the modes of the first contact state;
+        `time` is that of the section, s from a multiple of the period; `durations`, (M + 1,), are those of the arcs, s,
+        of either sign. With `derivatives` they are carried along, and with a `number`, the path of a parameter as
+        `lapjoint.Axis` takes it, also the derivative by that parameter, if the solver knows it.
         """
 
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
-        """The displacement at the stops along the arcs of a chain, as sums of exponentials.
+        """The displacement at the stops along the arcs of a chain, as sums of exponentials: a segment for each arc.
 
-        Parameters
-        ----------
-        sequence, chain, durations : ContactSequence, Chain, FloatArray of shape (M + 1,)
-            The arcs.
-
-        Returns
-        -------
-        Motion
-            A segment for each arc; its places are the distinct positions of the stops in ascending order.  Segment
-            starts count from the section.
+        The places are the distinct positions of the stops in ascending order; segment starts count from the section.
         """
 
     def later(self, state: ContactState, start: FloatArray, time: float, duration: float) -> FloatArray:
-        """Displacements and velocities some time later in the same contact state.
-
-        Parameters
-        ----------
-        state : ContactState
-            The contact state.
-        start : FloatArray, shape (n,)
-            (q, v) in its modes.
-        time : float
-            When, s from a multiple of the period.
-        duration : float
-            How much later, s, of either sign.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            (q, v) in the same modes.
-        """
+        """(q, v), shape (n,), in the modes of a contact state, a `duration` of either sign after `time`, s from a
+        period's multiple."""
 
     def point(self, state: ContactState, coordinates: FloatArray) -> SectionPoint:
-        """A state of the motion as a section point, as `lapjoint.orbits.PeriodMap` has them.
-
-        Parameters
-        ----------
-        state : ContactState
-            The contact state.
-        coordinates : FloatArray, shape (n,)
-            (q, v) in its modes.
-
-        Returns
-        -------
-        SectionPoint
-            The point.
-        """
+        """A state of the motion as a section point of the period map; `coordinates` are (q, v) in the modes of `state`,
+        (n,)."""
 
     def coordinates(self, point: SectionPoint) -> FloatArray:
-        """The displacements and velocities of a section point of this problem and resolution.
-
-        Parameters
-        ----------
-        point : SectionPoint
-            The point.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            (q, v) in the modes of its contact state.
-        """
+        """(q, v), shape (n,), of a section point of this problem and resolution, in the modes of its contact state."""
 
     def unit_norms(self, state: ContactState) -> FloatArray:
-        """Sizes of units of the coordinates, as `lapjoint.orbits.PeriodMap.norm` has them.
-
-        Parameters
-        ----------
-        state : ContactState
-            The contact state.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            In the unit of the displacement coordinates: displacements count as they are, velocities over the
-            excitation frequency.
-        """
+        """`PeriodMap.norm` of a unit of each coordinate, shape (n,): 1 of displacements, 1 / omega of velocities."""
 
 
 @runtime_checkable

@@ -55,17 +55,8 @@ class End:
 
 
 class Binder:
-    """The motions of one problem that are known so far, and what binds starts to them.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of the problem.
-    effort : Effort
-        How hard to look at each start; the growth of deviations is not measured.
-    motions : iterable of CertifiedMotion, optional
-        Motions that are known already.
-    """
+    """The motions of one problem that are known so far, and what binds starts to them; the growth of deviations is not
+    measured."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, motions: Iterable[CertifiedMotion] = ()) -> None:
         self._map, self._effort, self._half_periods = period_map, effort, HalfPeriods(period_map)
@@ -83,18 +74,7 @@ class Binder:
 
     @in_one_thread
     def ends(self, starts: Sequence[SectionPoint]) -> list[End]:
-        """Where starts end; motions that are found on the way are added to `motions`.
-
-        Parameters
-        ----------
-        starts : sequence of SectionPoint
-            Points of the period map.
-
-        Returns
-        -------
-        list of End
-            One for each start.
-        """
+        """Where each start ends; motions that are found on the way are added to `motions`."""
         party = _Party(ensemble_of(self._map, starts), len(starts))
         while party.marching.size:
             self._march(party, party.marched + self._patience)

@@ -44,27 +44,12 @@ _OPEN = -1
 
 @njit_called()
 def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, FloatArray, np.ndarray]:
-    """All extrema of gap functions.
+    """All extrema of gap functions: stop, time, value and whether it is a maximum, each of shape (m,).
 
-    Points are so close that cubics with the rate's values and slopes there miss it by a known little.  Where that
-    leaves open how often the rate vanishes between two points, the way between them is halved.  A rate that changes its
-    sign from one segment to the next, by what a passage loses of the motion, has an extremum where the second begins.
-
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-
-    Returns
-    -------
-    stop : ndarray, shape (m,)
-        The stop of each extremum.
-    time : ndarray, shape (m,)
-        When, s from the start of the orbit; those of one stop ascend.
-    value : ndarray, shape (m,)
-        Gap function there, m.
-    highest : ndarray, shape (m,)
-        Whether it is a maximum, and not a minimum.
+    Times count from the start of the orbit, s, and those of one stop ascend; values are in m. Points are so close that
+    cubics with the rate's values and slopes there miss it by a known little. Where that leaves open how often the rate
+    vanishes between two points, the interval between them is halved. A rate that changes its sign from one segment to
+    the next, by what a passage loses of the motion, has an extremum where the second begins.
     """
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]

@@ -71,19 +71,9 @@ class Stops(NamedTuple):
 def slopes_at_switches(
     motion: Motion, stops: Stops, which: IndexArray, stop: IndexArray
 ) -> tuple[FloatArray, FloatArray]:
-    """How fast an orbit crosses its stops, and how much that changes.
+    """|h'| before each switch, m/s, and the larger |h''| of both sides of it, m/s2, shape (J,) each.
 
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-    which, stop : ndarray, shape (J,)
-        The segments that end with a switch, and the stops that switch.
-
-    Returns
-    -------
-    tuple of ndarray, shape (J,)
-        |h'| before each switch, m/s, and the larger |h''| of both sides of it, m/s2.
+    `which` are the segments that end with a switch, and `stop` the stops that switch, shape (J,) each.
     """
     rate, curvature = zeros(which.size), zeros(which.size)
     for j in range(which.size):
@@ -113,26 +103,12 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
 def unrolled(
     times: FloatArray, stops: IndexArray, stop: int, beyond: int, length: float
 ) -> tuple[FloatArray, IndexArray]:
-    """Switches of one stop in the period before, in this one, and in the one after.
+    """Times of the switches of one stop in the period before, in this one, and in the one after, and their indices,
+    (k,) each.
 
-    Parameters
-    ----------
-    times : ndarray, shape (J,)
-        Times of all switches of the orbit, s from its start, ascending.
-    stops : ndarray, shape (J,)
-        The stops that switch.
-    stop, beyond : int
-        The stop whose switches are asked for, and the one whose switches the other periods hold: its twin where the
-        orbit goes on mirrored.
-    length : float
-        Of the orbit, s.
-
-    Returns
-    -------
-    times : ndarray, shape (k,)
-        Times of the switches, s from the start of the orbit, ascending.
-    indices : ndarray, shape (k,)
-        Which of the J switches each is, or repeats.
+    `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each. `stop` is
+    the one that is asked for, and `beyond` the one whose switches the other periods hold: its twin where the orbit goes
+    on mirrored. `length` is that of the orbit, s. The indices say which of the J switches each is, or repeats.
     """
     own, others = 0, 0
     for j in range(stops.size):
@@ -154,23 +130,10 @@ def unrolled(
 
 @njit_called()
 def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: float) -> FloatArray:
-    """Time from each switch to the nearest other one of the same stop, before or after.
+    """Time from each switch to the nearest other one of the same stop, before or after, s, shape (J,); inf without
+    another.
 
-    Parameters
-    ----------
-    times : ndarray, shape (J,)
-        Times of all switches of the orbit, s from its start, ascending.
-    stops : ndarray, shape (J,)
-        The stops that switch.
-    beyond : ndarray, shape (P,)
-        The stop whose switches the periods before and after hold, see `Stops`.
-    length : float
-        Of the orbit, s.
-
-    Returns
-    -------
-    ndarray, shape (J,)
-        Times, s; inf where there is no other.
+    `times` and `stops`, (J,), and `length` are those of `unrolled`; `beyond`, (P,), is that of `Stops`.
     """
     result = zeros(times.size)
     for stop in range(beyond.size):
@@ -188,19 +151,11 @@ def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: f
 
 @njit_called()
 def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatArray]:
-    """Ends of intervals of equal width in each segment, with the first and the last one halved some times.
+    """Ends of intervals of equal width in each segment, the first and the last interval halved some times, shape (I,)
+    each.
 
-    Parameters
-    ----------
-    duration : ndarray, shape (S,)
-        Length of each segment, s.
-    width : float
-        Largest width of an interval, s.
-
-    Returns
-    -------
-    tuple of ndarray, shape (I,)
-        Segment of each point, and time from its start, s.
+    `duration`, (S,), are the lengths of the segments, and `width` is the largest width of an interval, s. Returned are
+    the segment of each point and the time from its start, s.
     """
     count = int_zeros(duration.size)
     total = 0
@@ -230,21 +185,11 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
 
 @njit_inner()
 def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distances of an orbit from its stops, in the intervals between points.
+    """Distance of each stop at the nearer end of each interval, not below 0, and by how much it may be less within, m,
+    (P, I).
 
-    A stop that truncation leaves beyond its gap at a switch switches again when it comes back to where it was left.
-
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-    segment, tau : ndarray, shape (I + 1,)
-        Segment of each point, and time from its start, s.
-
-    Returns
-    -------
-    tuple of ndarray, shape (P, I)
-        Distance at the nearer end of each interval, m, not less than 0; and by how much it may be less within, m.
+    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s. A stop that truncation
+    leaves beyond its gap at a switch switches again when it comes back to where it was left.
     """
     count, places, terms = stops.sign.size, motion.weights.shape[1], motion.rates.shape[1]
     nearer, miss = zeros((count, segment.size - 1)), zeros((count, segment.size - 1))
@@ -285,19 +230,8 @@ def refined(
 ) -> tuple[IndexArray, FloatArray, FloatArray]:
     """Intervals divided where the orbit's distance from a stop is not known well enough.
 
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-    segment, tau : ndarray, shape (N,)
-        Segment of each point to begin with, and time from its start, s.
-
-    Returns
-    -------
-    segment, tau : ndarray, shape (I + 1,)
-        The same for all points, I + 1 >= N.
-    least : ndarray, shape (P, I)
-        Least distance of each stop from its gap between two points, m.
+    `segment` and `tau`, (N,), are the segment of each point and the time from its start, s. Returned are these of all
+    points, (I + 1,) with I + 1 >= N, and the least distance of each stop from its gap between two points, m, (P, I).
     """
     nearer, miss = distances(motion, stops, segment, tau)
     least = zeros(stops.sign.size)
@@ -355,23 +289,11 @@ def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int)
 def among_switches(
     start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, beyond: IndexArray, length: float
 ) -> tuple[IndexArray, FloatArray, IndexArray, FloatArray]:
-    """Where intervals lie among the switches of each stop.
+    """Index of the stop's last switch before each interval, or -1, and time since then, s, or inf; likewise of the
+    next; (P, I).
 
-    Parameters
-    ----------
-    start, end : ndarray, shape (I,)
-        Start and end of each interval, s from the start of the orbit, ascending.
-    times, which : ndarray, shape (J,)
-        Times of all switches of the orbit, ascending, and the stops that switch.
-    beyond : ndarray, shape (P,)
-        The stop whose switches the periods before and after hold, see `Stops`.
-    length : float
-        Of the orbit, s.
-
-    Returns
-    -------
-    before, since, after, until : ndarray, shape (P, I)
-        Index of the stop's last switch, or -1; time since then, s, or inf; the same of its next one.
+    `start` and `end`, (I,), of the intervals ascend, s from the start of the orbit; `times` and `which`, (J,), are
+    those of all switches and their stops; `beyond`, (P,), is that of `Stops`; `length` is that of the orbit, s.
     """
     shape = (beyond.size, start.size)
     before, after = int_zeros(shape), int_zeros(shape)

@@ -52,59 +52,22 @@ class DisplacedStarts(Protocol):
     """
 
     def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
-        """The static shapes of unit forces, as deviations from a section point.
-
-        Parameters
-        ----------
-        origin : SectionPoint
-            A point of this map.
-        places : FloatArray, shape (p,)
-            Where the forces act, m.
-
-        Returns
-        -------
-        StaticShapes
-            In the coordinates that belong to `origin`; what these cannot hold is left out.
-        """
+        """The static shapes of unit forces at `places`, m, shape (p,), as deviations in the coordinates that belong to
+        `origin`."""
 
     def energy(self, origin: SectionPoint) -> FloatArray:
-        """The matrix A of the energy e . A e / 2 of a deviation e in the joint without contact.
+        """The matrix A, (n, n), of the energy e . A e / 2, J, of a deviation e from `origin` in the joint without
+        contact.
 
-        Parameters
-        ----------
-        origin : SectionPoint
-            A point of this map.
-
-        Returns
-        -------
-        FloatArray, shape (n, n)
-            Symmetric and positive definite, J over the squared unit of deviations.
+        It is symmetric and positive definite.
         """
 
 
 def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint, plane: Plane) -> FloatArray:
-    """The deviations that move a section point by one unit of each coordinate of a plane, and by none of the other.
+    """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by none in the other, (2,
+    n).
 
-    Parameters
-    ----------
-    period_map : DisplacedStarts
-        The motion of the problem.
-    problem : Problem
-        The problem.
-    origin : SectionPoint
-        The section point that is moved.
-    plane : Plane
-        The plane.
-
-    Returns
-    -------
-    FloatArray, shape (2, n)
-        Deviations for 1 m, or 1 m/s, in the coordinates that belong to `origin`.
-
-    Raises
-    ------
-    InputError
-        If the joint without contact is not held, a support holds a place, or both places are all but one.
+    An `InputError` says that the joint without contact is not held, a support holds a place, or both places move alike.
     """
     plane.check(problem)
     check_held(problem, "plane")
@@ -125,22 +88,8 @@ def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: Sect
 
 
 def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) -> FloatArray:
-    """A deviation drawn evenly from all whose energy does not exceed a bound.
-
-    Parameters
-    ----------
-    roots : FloatArray, shape (n, n)
-        A matrix B with B^T A B = I for the matrix A of `DisplacedStarts.energy`; see `energy_roots`.
-    energy : float
-        The bound, J.
-    seed : tuple of int
-        Numbers that are not negative; the same seed gives the same deviation.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        In the coordinates of `roots`.
-    """
+    """A deviation, (n,), drawn evenly from all whose energy does not exceed `energy`, J; `roots`, (n, n), are
+    `energy_roots`."""
     rng = np.random.default_rng(seed)
     n = roots.shape[1]
     direction = rng.standard_normal(n)
@@ -149,26 +98,10 @@ def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) ->
 
 
 def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint) -> FloatArray:
-    """A matrix B that takes the unit ball to the deviations of an energy of at most 1/2 J.
+    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint without contact must be
+    held.
 
-    Parameters
-    ----------
-    period_map : DisplacedStarts
-        The motion of the problem.
-    problem : Problem
-        The problem.
-    origin : SectionPoint
-        The section point from which deviations are counted.
-
-    Returns
-    -------
-    FloatArray, shape (n, n)
-        In the coordinates that belong to `origin`, for each root of 1 J.
-
-    Raises
-    ------
-    InputError
-        If the joint without contact is not held: then no energy bounds its motion.
+    It takes the unit ball to the deviations from `origin` of an energy of at most 1/2 J.
     """
     check_held(problem, "energy")
     lower = np.linalg.cholesky(period_map.energy(origin))
@@ -176,20 +109,7 @@ def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionP
 
 
 def check_held(problem: Problem, what: str) -> None:
-    """Refuse a problem whose joint without contact is free to move as a rigid body.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem.
-    what : str
-        What needs a joint that is held, for the message.
-
-    Raises
-    ------
-    InputError
-        If its supports leave such a motion free.
-    """
+    """Refuse a problem whose supports leave a motion as a rigid body free; `what` needs a joint that is held."""
     L = problem.beam.length
     rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
     rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]

@@ -29,20 +29,7 @@ two standard errors in 6 % of cases."""
 
 
 def exponent_of(growth: FloatArray, period: float) -> Exponent:
-    """The exponent of a motion.
-
-    Parameters
-    ----------
-    growth : FloatArray, shape (n,)
-        Natural logarithm of a deviation's growth in each period, n at least 64.
-    period : float
-        Excitation period, s.
-
-    Returns
-    -------
-    Exponent
-        The mean rate of growth, 1/s, with its standard error, and its means over parts of the measurement.
-    """
+    """The largest Lyapunov exponent from the logarithms of a deviation's growth in each period, (n,), n at least 64."""
     rates = growth / period
     first, second = np.array_split(rates, 2)
     return Exponent(
@@ -56,53 +43,21 @@ def exponent_of(growth: FloatArray, period: float) -> Exponent:
 
 
 def standard_error(series: FloatArray) -> float:
-    """Standard error of the mean of a correlated series, by blocking.
-
-    Parameters
-    ----------
-    series : FloatArray, shape (n,)
-        Values in the order of time, n at least 64.
-
-    Returns
-    -------
-    float
-        In the unit of the series.
-    """
+    """Standard error of the mean of a correlated series, (n,), n at least 64, in the order of time, by blocking."""
     scale = 2.0 ** int(np.frexp(np.max(np.abs(series)))[1])  # so that squares are numbers, too
     short, long = (scale * _blocked(series / scale, count) for count in (4 * _BLOCKS, _BLOCKS))
     return long * float(np.clip(long / short, 1.0, 2.0)) if short > 0 else long
 
 
 def weighted_mean(series: FloatArray) -> float:
-    """Weighted Birkhoff average of a series.
-
-    Parameters
-    ----------
-    series : FloatArray, shape (n,)
-        Values in the order of time, n at least 1.
-
-    Returns
-    -------
-    float
-        In the unit of the series.
-    """
+    """Weighted Birkhoff average of a series, (n,), in the order of time."""
     t = (np.arange(series.size) + 0.5) / series.size
     return float(np.average(series, weights=np.exp(-1 / (t * (1 - t)))))
 
 
 def largest_growth(growth: FloatArray) -> float:
-    """Largest factor by which a deviation grows from any section point to any later one.
-
-    Parameters
-    ----------
-    growth : FloatArray, shape (n,)
-        Natural logarithm of the deviation's growth in each period.
-
-    Returns
-    -------
-    float
-        The factor, at least 1; above 1e304 it is given as that.
-    """
+    """Largest factor, 1 to 1e304, by which a deviation grows from any section point to a later one; see
+    `exponent_of`."""
     size = np.concatenate([[0.0], np.cumsum(growth)])
     rise = float(np.max(size - np.minimum.accumulate(size)))
     return float(np.exp(min(rise, 700.0)))

@@ -20,20 +20,7 @@ _BENDS = 500.0
 
 
 def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
-    """The same motion over the fewest half periods after which it repeats.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    orbit : Orbit
-        A stable orbit of the map.
-
-    Returns
-    -------
-    Orbit
-        The motion over its least period; `orbit` itself if that is the least.
-    """
+    """The motion of a stable orbit over the fewest half periods after which it repeats."""
     for count in range(half_periods.least, orbit.half_periods, half_periods.least):
         if orbit.half_periods % count:
             continue
@@ -79,16 +66,5 @@ def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None
 
 
 def switch_order(found: Return) -> tuple[int, ...]:
-    """The stops that switch in a march, by time.
-
-    Parameters
-    ----------
-    found : Return
-        The march.
-
-    Returns
-    -------
-    tuple of int
-        Indices into ``problem.stops``.
-    """
+    """The stops that switch in a march, in the order of time."""
     return tuple(segment.switched for segment in found.linearised.segments if segment.switched >= 0)

@@ -102,44 +102,18 @@ class Orbit:
         return self.last.watch
 
     def forecast(self, deviation: FloatArray, most: int) -> Forecast:
-        """What becomes of a deviation from it.
-
-        Parameters
-        ----------
-        deviation : FloatArray, shape (n,)
-            In the coordinates that belong to `point`.
-        most : int
-            Largest number of the orbit's periods, of `half_periods` each, that are looked at one by one.
-
-        Returns
-        -------
-        Forecast
-            Counts in the same periods.
-        """
+        """What becomes of a deviation, (n,), from the orbit, of which at most `most` periods are looked at one by
+        one."""
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
 
 
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
-    """A fixed point of the map over some half periods; None if Newton's method finds none from the guess.
+    """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none from the
+    guess.
 
-    No fixed point is known of a map that makes deviations grow beyond rounding, so none is looked for.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    guess : SectionPoint
-        Where to begin.
-    count : int
-        Number of half periods; an odd number for a symmetric motion.
-    farthest : float
-        Residual of the guess, over the size of the motion, beyond which Newton's method is not tried.
-
-    Returns
-    -------
-    Orbit, or None
-        It closes within `RESIDUAL`, and may be stable or unstable.
+    Newton's method is not tried from a residual above `farthest`, over the size of the motion, nor for a map that makes
+    deviations grow beyond rounding, of which no fixed point can be known.
     """
     point, allowed, residuals = guess, farthest, [np.inf] * _PATIENCE
     for _ in range(_STEPS):

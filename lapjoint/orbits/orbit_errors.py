@@ -61,22 +61,8 @@ class OrbitErrors:
 
 
 def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) -> OrbitErrors:
-    """The errors of a steady state.
-
-    Parameters
-    ----------
-    orbit : Orbit
-        The stable orbit.
-    history : History
-        Its motion over one period.
-    finer : callable
-        Gives the period map of the finer solver.
-
-    Returns
-    -------
-    OrbitErrors
-        Errors of the impulses and of the contacts.
-    """
+    """The errors of the impulses and contacts of a stable orbit, of which `history` is one period; `finer` may
+    raise."""
     try:
         other = finer()
         half_periods, name = HalfPeriods(other.period_map), other.refinement.name
@@ -97,25 +83,8 @@ def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) 
 
 
 def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
-    """The orbit of another map of the same problem that is the nearest to a known one.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The other map.
-    orbit : Orbit
-        The known orbit.
-
-    Returns
-    -------
-    Orbit, or None
-        Of as many half periods; it may be unstable.  None if Newton's method finds none.
-
-    Raises
-    ------
-    SolverError
-        If the other map cannot be marched on.
-    """
+    """The orbit of another map of the problem that is nearest to a known one, stable or not; None if Newton's method
+    finds none."""
     point, marched = half_periods.map.adopted(orbit.point), 0
     for periods in SETTLING:
         for _ in range(periods - marched):

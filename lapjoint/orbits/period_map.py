@@ -203,24 +203,10 @@ MOST_PIECES = 10_000_000
 
 
 def period_pieces(period: float, duration: float) -> list[float]:
-    """The pieces in which a march of any duration goes on, as the search does: whole periods, and what is left.
+    """The durations, s, in which a march over a `duration` goes on, as the search does: whole periods, and what is
+    left.
 
-    Parameters
-    ----------
-    period : float
-        Excitation period, s.
-    duration : float
-        Of the whole march, s.
-
-    Returns
-    -------
-    list of float
-        Durations of the pieces, s.
-
-    Raises
-    ------
-    InputError
-        If these are more than `MOST_PIECES`.
+    An `InputError` refuses more than `MOST_PIECES`.
     """
     if duration / period > MOST_PIECES:
         raise InputError(
@@ -232,21 +218,9 @@ def period_pieces(period: float, duration: float) -> list[float]:
 
 
 def decay_periods(period_map: PeriodMap, decay_times: float, most: int) -> int:
-    """How many periods of the excitation some decay times of the slowest free vibration take.
+    """The periods that some decay times 1 / (zeta omega) of the slowest free vibration take; 0 without damping.
 
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of a problem.
-    decay_times : float
-        Number of decay times 1 / (zeta omega), without unit.
-    most : int
-        Number of periods that the caller marches at most.
-
-    Returns
-    -------
-    int
-        0 without damping, and ``most + 1`` where it is more than `most`.
+    It is ``most + 1`` where they are more than `most`, the largest number that the caller marches.
     """
     if not period_map.lowest_damping_rate:
         return 0
@@ -340,18 +314,7 @@ class UnitNorms(Protocol):
     """A period map that knows the size of a unit of each coordinate of a deviation."""
 
     def unit_norms(self, n: int) -> FloatArray:
-        """`PeriodMap.norm` of the units.
-
-        Parameters
-        ----------
-        n : int
-            Number of coordinates.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            In the unit of `PeriodMap.norm`.
-        """
+        """`PeriodMap.norm` of a unit of each of the n coordinates of a deviation, shape (n,)."""
 
 
 LEAST_GROWTH = 1e-150
@@ -360,23 +323,10 @@ beyond double precision, and so are sizes, which are roots of sums of squares.""
 
 
 def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tuple[float, FloatArray]:
-    """A deviation that began a period with unit size, scaled to unit size again.
+    """The size of a deviation, (n,), that began a period with unit size, but at least `LEAST_GROWTH`, and it scaled to
+    unit size.
 
-    One that has all but vanished has lost its direction, and any other deviation goes on in its place.
-
-    Parameters
-    ----------
-    deviation : FloatArray, shape (n,)
-        The deviation at the end of the period, in the coordinates of the period map.
-    norm : callable
-        `PeriodMap.norm`, of a deviation of shape ``(n,)``.
-
-    Returns
-    -------
-    float
-        Its size, or `LEAST_GROWTH` where that is less.
-    FloatArray, shape (n,)
-        A deviation of unit size.
+    A deviation that has all but vanished has lost its direction, and any other deviation goes on in its place.
     """
     size = norm(deviation)
     if size < LEAST_GROWTH:

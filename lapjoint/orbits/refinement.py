@@ -46,21 +46,11 @@ class Refinement:
     """Least power of the resolution with which errors fall, but for few problems."""
 
     def bounds(self, differences: FloatArray, largest: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:
-        """Errors of numbers of one motion, from their differences.
+        """Errors of numbers of one motion, (n,), from their differences between the two solvers, (n,), of any sign, in
+        one unit.
 
-        Parameters
-        ----------
-        differences : FloatArray, shape (n,)
-            Differences between the two solvers, of any sign, in one unit.
-        largest : FloatArray, shape (n,), or float
-            Largest difference of those numbers that share an error with each.
-        dx, dt : int
-            Orders of the derivatives of the displacement that the numbers are of; 0 for those of contacts.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            In the same unit.
+        `largest` is the largest difference of the numbers that share an error with each, (n,) or one for all; `dx` and
+        `dt` are the orders of the derivatives of the displacement that the numbers are, 0 for those of contacts.
         """
         order = max(self.order - dx - 2 * dt, LEAST_ORDER)
         return np.asarray(SAFETY * (np.abs(differences) + largest / math.expm1(order * math.log(self.ratio))))

@@ -110,42 +110,21 @@ class Found:
 
 
 def near(half_periods: HalfPeriods, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
-    """Whether a deviation is within a share of the orbit's size, or some residuals of one that does not close.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    share : float
-        Of the size of the orbit's section point.
-    orbit : Orbit
-        The orbit.
-    deviation : FloatArray, shape (n,)
-        In the coordinates that belong to its section point.
-    """
+    """Whether a deviation, (n,), is within a share of the orbit's size, or within some residuals of an orbit that does
+    not close."""
     return half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
 
 def as_linearised(
     half_periods: HalfPeriods, orbit: Orbit, deviation: FloatArray, after: Callable[[], FloatArray]
 ) -> bool:
-    """Whether a march comes nearer to an orbit by the step that the linearised map makes, well enough.
+    """Whether a march comes nearer to a stable orbit by the step that the linearised map makes, well enough.
 
-    It must if the orbit has no switches and the march is bound for it.  Else, if M is the map's derivative, what it
-    misses is small against the step (I - M) e, which is that of no other fixed point, and against what the slowest
-    multiplier takes off the distance, or a motion of many more periods around the orbit would pass.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    orbit : Orbit
-        A stable orbit.
-    deviation : FloatArray, shape (n,)
-        The deviation e from it, in the coordinates that belong to its section point.
-    after : callable
-        Gives the deviation after one more period of the orbit, in the same coordinates, shape ``(n,)``; called only if
-        it is needed.
+    `deviation`, (n,), is e at the orbit's section point; `after` gives e one period of the orbit later, and is called
+    only where it is needed. Without switches the march must make that step if it is bound for the orbit. Else, if M is
+    the map's derivative, the march misses the linearised step by little against (I - M) e, the step of no other fixed
+    point, and against what the slowest multiplier takes off the distance: a motion of many periods around the orbit
+    would not.
     """
     if not orbit.watch.switches.time.size or near(half_periods, _THERE, orbit, deviation):
         return True
@@ -155,17 +134,7 @@ def as_linearised(
 
 
 class Search:
-    """A march under way.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of the problem.
-    effort : Effort
-        How hard to look.
-    progress : callable, optional
-        Called with the periods marched, and the most allowed.
-    """
+    """A march under way; `progress` is called with the periods marched and the most allowed."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, progress: Progress | None = None) -> None:
         self._map, self._effort, self._progress = period_map, effort, progress
@@ -179,25 +148,8 @@ class Search:
         self._closest = (np.inf, 2)  # how closely the march came back at the last look, and after how many half periods
 
     def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> Found:
-        """March until a motion is certified, or the effort allowed is spent.
-
-        Parameters
-        ----------
-        start : SectionPoint
-            Where the march begins; a point of the period map.
-        first_look : int
-            Number of periods after which Newton's method is first tried.
-
-        Returns
-        -------
-        Found
-            An orbit that the march is bound for, or a stretch of the march that was not found to repeat.
-
-        Raises
-        ------
-        SolverError
-            If the march cannot go on.
-        """
+        """March until a motion is certified, or the effort allowed is spent; Newton's method is first tried after
+        `first_look` periods."""
         self._point, look = start, first_look
         while self._marched < TRANSIENT and not self._spent:
             self._advance(min(look, TRANSIENT, self._effort.max_periods) - self._marched)

@@ -78,18 +78,7 @@ class Segments(Sequence[Segment]):
 
     @staticmethod
     def of(segments: Sequence[Segment]) -> Segments:
-        """Segments in arrays.
-
-        Parameters
-        ----------
-        segments : sequence of Segment
-            At least one, in the order of time.
-
-        Returns
-        -------
-        Segments
-            The same.
-        """
+        """Segments, at least one, in the order of time, in arrays."""
         if isinstance(segments, Segments):
             return segments
         terms = np.array([(one.rates.size, one.deviations.shape[0]) for one in segments])

@@ -111,24 +111,8 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
 
 
 def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance: Acceptance | None) -> SteadyState:
-    """A periodic motion with its certificate, stable or not.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The map of which it is an orbit.
-    solver : str
-        Name and options of the solver.
-    orbit : Orbit
-        The motion.
-    acceptance : Acceptance, or None
-        From where, and how late, a march was accepted as bound for it; None where nothing was marched.
-
-    Returns
-    -------
-    SteadyState
-        Without errors.
-    """
+    """A periodic motion with its certificate, stable or not, without errors; `acceptance` is None where nothing was
+    marched."""
     history = period_map.history(orbit.point, orbit.period_multiple)
     return SteadyState(
         problem=period_map.problem,
@@ -147,16 +131,5 @@ def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance:
 
 
 def mirrors_itself(history: History) -> bool:
-    """Whether a motion of one period must mirror itself: it answers harmonic loads alone, and touches nothing.
-
-    Parameters
-    ----------
-    history : History
-        One period of the motion.
-
-    Returns
-    -------
-    bool
-        Whether it must.
-    """
+    """Whether a motion over one period must mirror itself: it answers harmonic loads alone, and touches nothing."""
     return not history.contacts and history.problem.forces.change_sign

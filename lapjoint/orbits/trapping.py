@@ -52,18 +52,8 @@ class Trap:
         return Deviated(*(_modulus(part) for part in (both.largest, both.at_switches, both.rates)))
 
     def holds(self, deviations: FloatArray) -> np.ndarray:
-        """Whether the orbit is what marches with these deviations are bound for, as far as its linearised map tells.
-
-        Parameters
-        ----------
-        deviations : FloatArray, shape (k, n)
-            In the coordinates that belong to the orbit's section point.
-
-        Returns
-        -------
-        ndarray of bool, shape (k,)
-            Whether each is.
-        """
+        """Whether marches with deviations, (k, n), are bound for the orbit, as far as its linearised map tells, shape
+        (k,)."""
         held = np.zeros(len(deviations), dtype=np.bool_)
         if self._inverse is None or not len(deviations):
             return held

@@ -36,25 +36,10 @@ _GROWS = 1e-6
 
 
 def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: int) -> SectionPoint | None:
-    """The march pushed off the unstable motion that it cannot leave; None if there is no such motion.
+    """Where a march goes on that cannot leave an unstable motion, pushed off it; None if there is no such motion.
 
-    None, too, if the derivative is beyond double precision: it then says nothing of directions.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    now : SectionPoint
-        Where the march is.
-    count : int
-        The number of half periods after which it comes back most closely.
-    times : int
-        How often it has been pushed before.
-
-    Returns
-    -------
-    SectionPoint, or None
-        Where the march goes on.
+    After `count` half periods the march comes back most closely, and it has been pushed `times` before. None, too, if
+    the derivative is beyond double precision, and says nothing of directions.
     """
     if times >= PUSHES:
         return None
@@ -70,26 +55,11 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
 def disturbed(
     half_periods: HalfPeriods, now: SectionPoint, wander: float, deviation: FloatArray, times: int
 ) -> SectionPoint:
-    """An aperiodic march, moved along a deviation that has grown with it: chaos must go on after that.
+    """An aperiodic march, moved along a deviation of unit size, (n,), that has grown with it: chaos must go on after
+    that.
 
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    now : SectionPoint
-        Where the march is.
-    wander : float
-        How far it wanders from repeating, over its size.  Up to `NARROW` it may be unable to leave an unstable motion,
-        and is pushed as far as a march that is.
-    deviation : FloatArray, shape (n,)
-        Of unit size, in the coordinates that belong to `now`.
-    times : int
-        How often it has been pushed before.
-
-    Returns
-    -------
-    SectionPoint
-        Where the march goes on.
+    `wander` is how far the march is from repeating, over its size. Up to `NARROW` it may be unable to leave an unstable
+    motion, and is pushed as far as a march that is; it has been pushed `times` before.
     """
     length = _length(wander, times) if wander <= NARROW else _DISTURBANCE
     return _moved(half_periods, now, length * deviation)

@@ -96,35 +96,12 @@ class Watch(Protocol):
         """Pairs of a stop and an interval, for all stops and all its intervals."""
 
     def deviated(self, deviations: FloatArray) -> Deviated:
-        """What deviations come to along the orbit.
-
-        Parameters
-        ----------
-        deviations : FloatArray, shape (n, K)
-            Deviations at the start of the orbit as columns, in the coordinates that belong to its section point.
-
-        Returns
-        -------
-        Deviated
-            Their motion at the stops, in all intervals and at all switches.
-        """
+        """What deviations come to along the orbit, (n, K), as columns in the coordinates that belong to its section
+        point."""
 
 
 def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
-    """Stops as compiled functions take them.
-
-    Parameters
-    ----------
-    stops : sequence of Stop
-        The ``P`` stops, at ``U`` places.
-    twins : sequence of int, optional
-        The twin of each on the other side, if the motion goes on mirrored; without it each stop is its own.
-
-    Returns
-    -------
-    Stops
-        Places are numbered from the smallest coordinate on.
-    """
+    """Stops as compiled functions take them, with the twin of each where the motion goes on mirrored; places ascend."""
     return Stops(
         sign=np.array([stop.sign for stop in stops], dtype=float),
         gap=np.array([stop.gap for stop in stops], dtype=float),
@@ -134,17 +111,8 @@ def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops
 
 
 class SegmentWatch:
-    """The watch over an orbit whose segments are known in closed form.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem whose stops are watched.
-    segments : sequence of Segment
-        The orbit.
-    twins : tuple of int, or None
-        The twin of each stop on the other side, if the orbit goes on mirrored after the last segment.
-    """
+    """The watch over an orbit whose segments are known in closed form; with `twins` it goes on mirrored after the
+    last."""
 
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
@@ -211,20 +179,7 @@ class SegmentWatch:
 
 
 def motion_at(segments: Segments, first: IndexArray) -> Motion:
-    """Segments as compiled functions take them.
-
-    Parameters
-    ----------
-    segments : Segments
-        The orbit.
-    first : ndarray, shape (U,)
-        A stop at each of the places whose terms are wanted.
-
-    Returns
-    -------
-    Motion
-        The orbit, at these places.
-    """
+    """Segments as compiled functions take them, at the places of the stops with the indices `first`, shape (U,)."""
     made = Motion(
         start=segments.start,
         duration=segments.end - segments.start,

@@ -85,20 +85,7 @@ class _PeriodicBaseMotion(Part):
         raise NotImplementedError
 
     def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """y(t), or a derivative of it.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            m, m/s or m/s2.
-        """
+        """y at times `t`, s, shape (m,), or its `derivative`-th t-derivative, 0 to 2: m, m/s or m/s2."""
         total = np.zeros(np.shape(t))
         for wave in self.waves:
             angle = wave.angular_frequency * t + wave.phase

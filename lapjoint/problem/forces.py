@@ -28,18 +28,7 @@ class ConstantForce:
     """N, positive upwards."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at given times.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            N.
-        """
+        """The force at times `t`, s, shape (m,), in N."""
         return np.full(np.shape(t), self.force)
 
 
@@ -57,18 +46,7 @@ class HarmonicForce:
     """rad."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at given times.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            N at a point, N/m along the beam.
-        """
+        """The force at times `t`, s, shape (m,), in N at a point, or N/m along the beam."""
         return np.asarray(self.amplitude * np.sin(self.angular_frequency * t + self.phase))
 
 
@@ -117,35 +95,15 @@ class Forces:
 
 
 def common_fundamental(stated: Collection[float]) -> float | None:
-    """The lowest of some angular frequencies, if all are whole multiples of it, up to `MOST_MULTIPLE`.
-
-    Parameters
-    ----------
-    stated : collection of float
-        Angular frequencies, rad/s.
-
-    Returns
-    -------
-    float or None
-        rad/s; None where there is no frequency, or one that is no such multiple.
-    """
+    """The lowest of some angular frequencies, rad/s, if all are whole multiples of it up to `MOST_MULTIPLE`; else
+    None."""
     lowest = min(stated, default=None)
     return lowest if lowest is not None and all(multiple_of(lowest, omega) for omega in stated) else None
 
 
 def multiple_of(fundamental: float, omega: float) -> int:
-    """Which whole multiple of one angular frequency another is.
-
-    Parameters
-    ----------
-    fundamental, omega : float
-        Both, rad/s.
-
-    Returns
-    -------
-    int
-        From 1 to `MOST_MULTIPLE`; 0 if it is none.
-    """
+    """Which whole multiple, 1 to `MOST_MULTIPLE`, of an angular frequency `fundamental` another one, `omega`, is; 0 if
+    none."""
     quotient = omega / fundamental
     if not 0.5 < quotient < MOST_MULTIPLE + 0.5:
         return 0
@@ -154,43 +112,16 @@ def multiple_of(fundamental: float, omega: float) -> int:
 
 
 def inertial_load(mass_per_length: float, amplitude: float, angular_frequency: float) -> float:
-    """Amplitude of the force that every part of the beam feels relative to a base that moves as a sine.
-
-    Parameters
-    ----------
-    mass_per_length : float
-        m of the beam, kg/m.
-    amplitude, angular_frequency : float
-        Of the base, m and rad/s.
-
-    Returns
-    -------
-    float
-        m Y omega^2, N/m.
-    """
+    """m Y omega^2, N/m: amplitude of the force on each part of a beam, relative to a base that moves as a sine."""
     return mass_per_length * amplitude * angular_frequency**2
 
 
 def forces_of(
     mass_per_length: float, base: AnyBaseMotion | None, loads: Iterable[PointLoad], fundamental: float | None
 ) -> Forces:
-    """The forces by which a moving base and point loads drive the beam.
+    """The forces by which a moving base and point loads drive the beam: relative to a base y(t) its parts feel -m y''.
 
-    Parameters
-    ----------
-    mass_per_length : float
-        m of the beam, kg/m: relative to a base y(t) every part of it feels the force -m y''.
-    base : BaseMotion, HarmonicsBaseMotion, RecordBaseMotion, RandomBaseMotion or None
-        The motion of the base.
-    loads : iterable of PointLoad
-        The point loads.
-    fundamental : float or None
-        Angular frequency of which all periodic parts are whole multiples, rad/s.
-
-    Returns
-    -------
-    Forces
-        Each wave of the base, each constant and each wave of a point load, and what is recorded or random of both.
+    All periodic parts are whole multiples of the angular frequency `fundamental`, rad/s; None where there is none.
     """
     constant, harmonic = [], []
     sampled: list[SampledForce] = []

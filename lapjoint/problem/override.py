@@ -19,22 +19,10 @@ DEEPEST = 20
 
 
 def override(tables: dict[str, Any], assignment: str) -> None:
-    """Set one value of a problem's tables, in place, as in ``base_motion.angular_frequency=820``.
+    """Set one value of a problem's tables, in place, by an assignment such as ``base_motion.angular_frequency=820``.
 
-    An element of a list is given by number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop also by name
-    (``stops.P2.gap``), and all of them by ``*``.  The value is TOML; a bare word is text.
-
-    Parameters
-    ----------
-    tables : dict
-        The tables of a problem; they are changed.
-    assignment : str
-        Path and value, ``path=value``; numbers in SI units.
-
-    Raises
-    ------
-    InputError
-        If the assignment cannot be read, or names an element that is not there.
+    An element of a list is given by its number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop also by its name
+    (``stops.P2.gap``), and all elements by ``*``. The value is TOML, in SI units; a bare word is text.
     """
     path, equals, value = assignment.partition("=")
     source = f"--set {shortened(assignment)}"
@@ -44,24 +32,8 @@ def override(tables: dict[str, Any], assignment: str) -> None:
 
 
 def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
-    """Set the value at a path of a problem's tables, in place.
-
-    Parameters
-    ----------
-    tables : dict
-        The tables of a problem; they are changed.
-    path : str
-        As in `override`.
-    value : object
-        As a TOML file holds it: a number, text, list or table; numbers in SI units.
-    source : str
-        What asks for this; messages begin with it.
-
-    Raises
-    ------
-    InputError
-        If the path names an element that is not there.
-    """
+    """Set the value at a path of a problem's tables, in place; the path is that of `override`. Messages begin with
+    `source`."""
     keys = path_keys(path)
     if len(keys) > DEEPEST:
         raise InputError(f"{source}: is {len(keys)} keys deep; a problem is at most {DEEPEST}")
@@ -70,34 +42,12 @@ def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
 
 @lru_cache(maxsize=_PATHS)
 def path_keys(path: str) -> tuple[str, ...]:
-    """The keys of a path, from the outermost to the innermost.
-
-    Parameters
-    ----------
-    path : str
-        As ``stops[0].gap`` or ``stops.0.gap``.
-
-    Returns
-    -------
-    tuple of str
-        As ``stops``, ``0``, ``gap``.
-    """
+    """The keys of a path, from the outermost to the innermost: ``stops``, ``0``, ``gap`` of ``stops[0].gap``."""
     return tuple(key for key in re.split(r"[.\[\]]+", path.strip()) if key)
 
 
 def toml_value(text: str) -> Any:
-    """A value given as TOML; what is no TOML value is text.
-
-    Parameters
-    ----------
-    text : str
-        As ``820``, ``[0.01, 0.02]``, ``true`` or ``top``.
-
-    Returns
-    -------
-    object
-        A number, truth value, text, list or table.
-    """
+    """The value of a TOML expression such as ``820`` or ``[0.01, 0.02]``; what is no TOML value is text."""
     try:
         tables = tomllib.loads(f"value = {text.strip()}")
     except (ValueError, RecursionError):

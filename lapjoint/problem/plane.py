@@ -38,23 +38,7 @@ class Plane:
 
     @staticmethod
     def from_text(text: str) -> Plane:
-        """A plane from its text.
-
-        Parameters
-        ----------
-        text : str
-            Two coordinates with a comma between them, ``z(2.5),v(2.5)``.
-
-        Returns
-        -------
-        Plane
-            The plane.
-
-        Raises
-        ------
-        InputError
-            If the text is no such thing, or both coordinates are the same.
-        """
+        """The plane of two coordinates with a comma between them, as in ``z(2.5),v(2.5)``."""
         parts = text.split(",") if isinstance(text, str) else []
         found = [_COORDINATE.fullmatch(part) for part in parts]
         try:
@@ -79,18 +63,7 @@ class Plane:
         return self.first, self.second
 
     def check(self, problem: Problem) -> None:
-        """Refuse a plane that a problem does not have.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem.
-
-        Raises
-        ------
-        InputError
-            If a place is not on the beam.
-        """
+        """Refuse a plane with a place that is not on the beam of a problem."""
         length = problem.beam.length
         for one in self.coordinates:
             if not 0 <= one.place <= length:

@@ -15,18 +15,7 @@ TABLE_4_DENSITY = 7830.0  # kg/m3, what Table 4 was computed with: found by reco
 
 
 def clamp(x: float = 0.0) -> Support:
-    """A clamped point: both springs are infinite.
-
-    Parameters
-    ----------
-    x : float
-        Position, m.
-
-    Returns
-    -------
-    Support
-        It holds displacement and slope at zero.
-    """
+    """A clamped point at `x`, m: both springs are infinite, and hold displacement and slope at zero."""
     return Support(x=x, translational=math.inf, torsional=math.inf)
 
 

@@ -43,32 +43,11 @@ class SampledForce(Protocol):
         """What it hardly exceeds, N at a point, N/m along the beam."""
 
     def knots_within(self, start: float, end: float) -> FloatArray:
-        """The knots from one time to another.
-
-        Parameters
-        ----------
-        start, end : float
-            s.
-
-        Returns
-        -------
-        FloatArray, shape (K,)
-            s, ascending.
-        """
+        """The knots from one time to another, s, ascending, shape (K,)."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at given times.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, from 0 to the end.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            N at a point, N/m along the beam; positive upwards.
-        """
+        """The force at times `t`, s, shape (m,), from 0 to the end: N at a point, N/m along the beam, positive
+        upwards."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,50 +165,28 @@ class Ramps:
         return (float(self.time[-1] - self.time[0]) / between.size if even.all() else middle) if even.any() else 0.0
 
     def until(self, t: float) -> float:
-        """The first knot after a time.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        float
-            s; infinite after the last one.
-        """
+        """The first knot after a time, s; infinite after the last one."""
         return (
             float(self.time[i]) if (i := int(np.searchsorted(self.time, t, side="right"))) < self.time.size else np.inf
         )
 
     def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The forces, and how fast they change, at given times; at a knot after it.
+        """The forces, N or N/m, and their slopes, N/s or N/(m s), at times `t`, s, shape (m,); each of shape (m, R).
 
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s; before the first knot and after the last one the nearest ramp goes on.
-
-        Returns
-        -------
-        FloatArray, FloatArray, each of shape (m, R)
-            N or N/m; N/s or N/(m s).
+        At a knot the slope is that of the ramp after it. Before the first knot and after the last the nearest ramp goes
+        on.
         """
         j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
         return self.force[j] + self.slope[j] * (t - self.time[j])[:, None], self.slope[j]
 
 
 class RampBlocks:
-    """Several sampled forces with the knots of all, up to where the first of them ends.
+    """The knots and values of ``R >= 1`` sampled forces, in blocks, up to the time at which the first of the forces
+    ends.
 
-    What is there already is one block.  Where a force is made when it is asked for, a block has `KNOTS` intervals of
-    the fastest such force, and begins and ends with one of its knots; where another force has no knot there, one is
-    added on its ramp.  A time on the edge of two blocks belongs to the second.
-
-    Parameters
-    ----------
-    forces : tuple of SampledForce
-        ``R`` of them, at least one.
+    Recorded forces are one block. With random forces a block has `KNOTS` intervals of the random force with the highest
+    rate, and begins and ends with one of its knots; the other forces get a knot there, on their ramps. A time on the
+    edge of two blocks belongs to the second.
     """
 
     def __init__(self, forces: tuple[SampledForce, ...]) -> None:
@@ -250,18 +207,8 @@ class RampBlocks:
         return 1 / float(np.median(np.diff(self._block(0).time)))
 
     def block_at(self, t: float) -> Ramps:
-        """The block that a time is in; at the end of one, the next, and after the last block, the last.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        Ramps
-            It goes beyond the time, up to `Ramps.end`, unless that is after the end of all; not to be written to.
-        """
+        """The block that a time is in, not to be written to; at the end of a block the next one, unless it is the
+        last."""
         return self._block(int(self._numbers(np.array([t]))[0]))
 
     def until(self, t: float) -> float:

@@ -52,38 +52,15 @@ def _edge_of_one_tap(rate: float) -> float:
 
 
 def edge(density: Density, rate: float) -> float:
-    """Over how wide a range the edges of a density smear.
-
-    Parameters
-    ----------
-    density : Density
-        What is wanted.
-    rate : float
-        Samples per second, Hz.
-
-    Returns
-    -------
-    float
-        Hz.
-    """
+    """Width of the range over which the edges of a density smear, Hz, at `rate` samples a second."""
     return _edge_of_one_tap(rate) / min(_taps_needed(density, rate), MOST_TAPS)
 
 
 @lru_cache(maxsize=_KEPT)
 def taps_for(density: Density, rate: float) -> FloatArray:
-    """The taps that give white noise of unit variance a density.
+    """The taps, shape (M,), M odd, that give white noise of unit variance a density, at `rate` samples a second.
 
-    Parameters
-    ----------
-    density : Density
-        The density of the signal that is linear between samples.
-    rate : float
-        Samples per second, Hz, at least twice the top of the density.
-
-    Returns
-    -------
-    FloatArray, shape (M,)
-        In the unit of the signal; M is odd; not to be written to.
+    They have the unit of the signal, and are not to be written to. The rate is at least twice the top of the density.
     """
     M = int(min(np.ceil(_taps_needed(density, rate)), MOST_TAPS)) // 2 * 2 + 1
     N = 1 << (_FINER * M - 1).bit_length()
@@ -100,19 +77,9 @@ def taps_for(density: Density, rate: float) -> FloatArray:
 
 
 def integrated(taps: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
-    """The taps of the first and of the second integral over time of the signal that is linear between samples.
+    """The taps of the first and the second integral over time of the signal that is linear between samples.
 
-    Parameters
-    ----------
-    taps : FloatArray, shape (M,)
-        Symmetric, and 0 in sum.
-    rate : float
-        Samples per second, Hz.
-
-    Returns
-    -------
-    FloatArray, FloatArray, each of shape (M,)
-        In the unit of the signal times s, and s^2.
+    `taps`, shape (M,), are symmetric and 0 in sum; the integrals have their shape, and their unit times s and s^2.
     """
     h, before = 1 / rate, np.append(0.0, taps[:-1])
     first = np.cumsum(h * (before + taps) / 2)
@@ -122,18 +89,9 @@ def integrated(taps: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
 
 
 class Realisation:
-    """One signal.
+    """The realisation with a `seed` of a density, `rate` samples a second, linear between samples.
 
-    Parameters
-    ----------
-    density : Density
-        The density of the signal that is linear between samples.
-    rate : float
-        Samples per second, Hz.
-    seed : int
-        0 or more.
-    part : int
-        Which of several independent signals with this seed, from 0.
+    `part` numbers independent signals with one seed, from 0.
     """
 
     def __init__(self, density: Density, rate: float, seed: int, part: int) -> None:
@@ -146,36 +104,12 @@ class Realisation:
         return Realisation, (self.density, self.rate, self.seed, self.part)
 
     def knots(self, start: float, end: float) -> FloatArray:
-        """The times of the samples within a range.
-
-        Parameters
-        ----------
-        start, end : float
-            s, from 0 on.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            s, ascending.
-        """
+        """The times of the samples from `start` to `end`, s, ascending, shape (n,)."""
         found = np.arange(np.floor(start * self.rate), np.ceil(end * self.rate) + 1) / self.rate
         return np.asarray(found[(found >= start) & (found <= end)])
 
     def at(self, t: FloatArray, integral: int = 0) -> FloatArray:
-        """The signal, or an integral of it over time.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, from 0 on.
-        integral : int
-            How many times it is integrated, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            In the unit of the signal, times s^integral.
-        """
+        """The signal at times `t`, s, shape (m,), from 0 on, integrated over time `integral` times, 0 to 2."""
         t = np.asarray(t, dtype=float)
         n = np.maximum(np.floor(t * self.rate), 0.0)
         n += (n + 1) / self.rate <= t

@@ -53,27 +53,11 @@ class _Line(NamedTuple):
 
 
 def read_columns(source: Source) -> tuple[Samples, Samples | None, IntArray]:
-    """The values of a record, and their times if it has a column of them.
+    """The values of a record and their times, each in its own unit, and the line of the file of each, from 1, shape
+    (n,).
 
-    Parameters
-    ----------
-    source : Source
-        Where and how to read.
-
-    Returns
-    -------
-    Samples
-        The values, in their own unit.
-    Samples or None
-        Their times, in their own unit.
-    IntArray, shape (n,)
-        The line of the file in which each of them is, from 1.
-
-    Raises
-    ------
-    ValueError
-        If there is no such file or column, a cell is no number, or a line can be read in two ways; the message names
-        the line.
+    The times are None without a column of them. A `ValueError` names the line of a cell that is no number, or that can
+    be read in two ways.
     """
     lines = _lines(source)
     first = lines[0].cells

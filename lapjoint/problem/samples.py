@@ -31,20 +31,7 @@ class Source(NamedTuple):
 
 
 class Samples:
-    """Numbers in a row.
-
-    Parameters
-    ----------
-    values : sequence of float, shape (n,)
-        The numbers, in whatever unit.
-    source : Source, optional
-        Where they were read.
-
-    Raises
-    ------
-    ValueError
-        If they are not numbers in a row.
-    """
+    """Numbers in a row, shape (n,), in whatever unit, and the file that they were read from, if any."""
 
     def __init__(self, values: Sequence[float] | FloatArray, source: Source | None = None) -> None:
         if any(isinstance(value, str | bool) for value in _few(values)):

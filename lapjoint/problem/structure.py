@@ -31,22 +31,5 @@ class Structure:
 
 @lru_cache(maxsize=_KEPT)
 def structure_of(beam: Beam, supports: tuple[Support, ...], stops: tuple[Stop, ...], damping: Damping) -> Structure:
-    """The structure of these parts.
-
-    Parameters
-    ----------
-    beam : Beam
-        The beam.
-    supports : tuple of Support
-        Its supports.
-    stops : tuple of Stop
-        Its stops.
-    damping : Damping
-        Its damping.
-
-    Returns
-    -------
-    Structure
-        The same object for equal parts, as long as it is kept.
-    """
+    """The structure of these parts: one object for equal parts, as long as it is kept."""
     return Structure(beam, supports, stops, damping)
