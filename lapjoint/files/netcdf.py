@@ -1,7 +1,7 @@
-"""Datasets as NetCDF files that tell by themselves whether they are whole.
+"""Datasets as NetCDF files that show whether they are whole.
 
-A file has an attribute more than its dataset, ``checksum``: the digest of all its bytes, those of the digest itself
-taken for zeros.
+Besides the attributes of its dataset a file has ``checksum``: the digest of all its bytes, with zeros in place of the
+digest.
 """
 
 from __future__ import annotations

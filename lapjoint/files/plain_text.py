@@ -1,4 +1,4 @@
-"""Plain text: a duration in words, and text from files and arguments, made harmless for who would obey a part of it.
+"""Plain text: durations in words, and text from files and arguments made harmless to terminals and spreadsheets.
 
 A terminal obeys control sequences, and a spreadsheet computes formulas.  Titles and names come from files, which others
 may have written.
@@ -10,7 +10,7 @@ import re
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _FORMULA = re.compile(r"[\s\x00-\x1f]*[=+\-@]|[\t\r]")
-"""Beginning of a text that spreadsheets compute: what they skip, then a sign that begins a formula."""
+"""Beginning of a text that spreadsheets compute: signs that they skip, then one that begins a formula."""
 
 
 def escaped(text: str) -> str:

@@ -1,8 +1,8 @@
 """Files that are replaced whole or not at all.
 
-What is written goes to a temporary file in the folder of its target, with a random name, and takes the target's name
-when it is complete and on the disk.  After Ctrl-C, an error or a full disk the target is what it was
-before, and the temporary file is gone; several processes may write one target at once, and the last to finish wins.
+Content goes to a temporary file with a random name in the folder of its target, which takes the target's name when it
+is complete and on the disk.  After Ctrl-C, an error or a full disk the target is unchanged, and the temporary file is
+gone. Several processes may write one target at once; the last to finish wins.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 from lapjoint.errors import OutputError
 
 _LONGEST_STEM = 40
-"""Most characters of the target's name in that of its temporary file; names may have 255 bytes in all."""
+"""Most characters of the target's name in the name of its temporary file; names may have 255 bytes in all."""
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 """Flags that open a file only if nothing has its name, not even a link."""
 
@@ -87,7 +87,7 @@ def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iter
 
 
 def _check_place(path: Path, folder: Path) -> None:
-    """Refuse, before anything is removed, to move a file to where a directory is, or into what is none."""
+    """Refuse, before anything is removed, to move a file onto a directory, or into a path that is no directory."""
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     above = path.parent

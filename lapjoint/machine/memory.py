@@ -1,7 +1,7 @@
-"""Memory that a solver is going to take: said where it is much, and refused where it is too much.
+"""Memory that a solver is going to take: logged if it is much, and refused if it is too much.
 
-A process that takes more memory than there is is ended by the system, without a word.  A solver knows how large its
-tables and its record of a motion are before it makes them, and asks `require` first.
+The system ends a process that takes more memory than there is, without a message.  A solver knows the sizes of its
+tables and of its record of a motion before it makes them, and calls `require` first.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from lapjoint.errors import SolverError
 
 LOGGER = logging.getLogger(__name__)
 WORTH_SAYING = 500_000_000
-"""Bytes from which memory is spoken of: as much as exports write without being told to."""
+"""Bytes from which on memory is logged: the size of the largest export without --large."""
 SHARE = 0.25
-"""Largest share of the machine's memory that one motion may take.  A finer self of the solver marches beside it to
-state its errors, and takes up to 2.25 times as much, with 1.5 times as many modes: 0.81 in all."""
-_UNKNOWN = 8e9  # bytes that a machine is taken to have that does not say: as a usual one
+"""Largest share of the machine's memory that one motion may take.  The finer resolution that states its errors, with
+1.5 times as many modes, takes up to 2.25 times as much: 0.81 in all."""
+_UNKNOWN = 8e9
+"""Bytes of a usual machine, for one that does not state its memory."""
 _CONTAINER = Path("/sys/fs/cgroup/memory.max")
 
 

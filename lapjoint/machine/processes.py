@@ -1,6 +1,6 @@
-"""A pool of processes that ends when it should: at Ctrl-C, after an error, and with the process that made it.
+"""A pool of processes that ends at Ctrl-C, after an error, and with the process that made it.
 
-A process of the pool ignores Ctrl-C, which a terminal sends to it too, so that only the parent answers it.
+The processes of the pool ignore Ctrl-C, which a terminal sends to them, too: only the parent answers it.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from lapjoint.errors import SolverError
 T = TypeVar("T")
 
 LOOK = 1.0
-"""Time between two looks at the processes of a pool, while no task is finished, s: seldom enough to cost nothing."""
+"""Time between two looks for dead processes of a pool while no task is finished, s: seldom enough to cost nothing."""
 PATIENCE = 5.0
 """Time within which the thread of a pool notices that its processes have ended, however busy the machine is, s."""
 MOST_STARTS = 3
-"""Number of times that a pool is started, if its processes die before they do anything; one death may be chance."""
+"""Number of times that a pool is started if its processes die at once; one death may be chance."""
 
 
 @contextmanager
@@ -127,7 +127,7 @@ def end_pool(pool: ProcessPoolExecutor) -> None:
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back while processes are started: they inherit that, and the parent gets it afterwards."""
+    """Block Ctrl-C while processes are started: they inherit the block, and the parent gets Ctrl-C afterwards."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -1,7 +1,6 @@
-"""Results that are kept for later calls, up to a number of them and up to a size of their arrays.
+"""Caches of results with a bound on their number and on the size of their arrays.
 
-`functools.lru_cache` bounds the number alone: of what takes 15 kB with 20 modes it keeps as many with 500, where each
-takes 2 MB.
+`functools.lru_cache` bounds the number alone: results of 15 kB with 20 modes take 2 MB each with 500.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 MOST_BYTES = 100_000_000
-"""Size of the arrays that one function keeps at most, bytes: a few such functions take less than a gigabyte."""
+"""Largest size of the arrays that one function keeps, bytes: a few such functions take less than a gigabyte."""
 
 
 class ResultCache(Generic[P, T]):

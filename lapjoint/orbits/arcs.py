@@ -2,14 +2,14 @@
 
 A *contact sequence* names the stop that switches at the end of each arc.  Between two switches the motion follows the
 closed form of one contact state for a given duration, so the end of a chain of arcs is a smooth function of the start
-and of the durations.  Which durations make a motion of the joint is asked by equations, one for each event:
+and of the durations.  The durations make a motion of the joint if they solve an equation for each event:
 
     h(end of the arc) = 0                             if another stop switched at the start of the arc, or none did,
     (h(end of the arc) - h(start of the arc)) / d = 0 if the same stop did,
 
 with the gap function h = sign z - gap of the stop that switches, both values in the contact state of the arc, and the
 duration d.  The divided difference is regular at d = 0, where it is h' = 0: the equation of a graze.  Durations below
-zero mean nothing for a joint, but the equations hold for them, too.
+zero mean nothing for a joint, but the equations still hold.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class ContactSequence:
 
     @cached_property
     def returning(self) -> tuple[bool, ...]:
-        """Whether the event before each event was of the same stop, ``M`` of them."""
+        """For each of the ``M`` events, whether the event before it was of the same stop."""
         before = (-1, *self.stops)[:-1]
         return tuple(stop == other for stop, other in zip(self.stops, before, strict=True))
 
@@ -62,14 +62,13 @@ class Chain:
     events: FloatArray
     """Left side of the equation of each event, m, or m/s where the stop returns, shape ``(M,)``."""
     end_by: FloatArray | None = field(default=None, repr=False)
-    """Derivatives of `end` by (q, v) at the start of the first arc, then by the durations of all ``M + 1`` arcs, while
-    the time of the section stays where it is; shape ``(n_M, n + M + 1)``; None if they were not asked for."""
+    """Derivatives of `end` by (q, v) at the start of the first arc, then by the durations of all ``M + 1`` arcs, at a
+    fixed time of the section, shape ``(n_M, n + M + 1)``; None if they were not asked for."""
     events_by: FloatArray | None = field(default=None, repr=False)
-    """The same derivatives of `events`, shape ``(M, n + M + 1)``."""
+    """Derivatives of `events` by these, shape ``(M, n + M + 1)``."""
     by_number: FloatArray | None = field(default=None, repr=False)
-    """Derivatives of `end` and then of `events` by a number of the problem, while the start stays, and the time of the
-    section and the durations keep their ratios to the excitation period, shape ``(n_M + M,)``; None if it was not asked
-    for, or is not known."""
+    """Derivatives of `end` and then of `events` by a parameter, shape ``(n_M + M,)``, with the start held, and the time
+    of the section and the durations held over the excitation period; None if not asked for, or not known."""
 
 
 class Arcs(Protocol):

@@ -1,7 +1,7 @@
-"""Motions that were certified once, known again wherever a march comes to them: by their orbits, never by impulses.
+"""Certified motions, recognised by their orbits wherever a march comes to them, never by their impulses.
 
-A motion of period multiple n has n section points, one a period.  The mirror image of a motion is a motion of its own,
-its twin, where the problem is its own mirror image and the motion is not.
+A motion of period multiple n has n section points, one a period.  If the problem is its own mirror image and a motion
+is not, the mirror image of the motion is another motion.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.trapping import Trap
 
 SAME_ORBIT = 1e-6
-"""Distance of two stable orbits over their size up to which they are one: each closes within 1e-9 of it."""
+"""Largest distance of two stable orbits that are one, over their size; each orbit closes within 1e-9."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class CertifiedMotion:
     """A stable periodic motion."""
 
     points: tuple[SectionPoint, ...]
-    """Its section points, one for each of its periods of the excitation."""
+    """Its section points, one for each excitation period."""
     symmetric: bool
     """Whether half of the motion mirrors the other half."""
     outcome: Outcome

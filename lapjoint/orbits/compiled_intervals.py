@@ -1,6 +1,6 @@
-"""Cutting an orbit into intervals, compiled: where they end, how far the orbit keeps from its stops, what is beside.
+"""Cutting an orbit into intervals, compiled: their ends, their distances from the stops, the switches beside them.
 
-`lapjoint.orbits.watch` says what the intervals are for, and has the bounds that hold in them.
+`lapjoint.orbits.watch` says what the intervals are for, and which bounds hold in them.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from lapjoint.problem import FloatArray
 IndexArray = npt.NDArray[np.intp]
 
 _LEAST = 4
-"""Least number of intervals in a segment, to begin with."""
+"""Least number of intervals into which a segment is first cut."""
 _HALVINGS = 5
-"""How often the first and the last interval of a segment are halved, towards the switch at its end."""
+"""How often the first and the last interval of a segment are halved, towards the switches at its ends."""
 _PARTS = 8
-"""Most parts that an interval is divided into at once, where the distance to a stop is not known well enough."""
+"""Most parts into which one pass divides an interval in which the distance to a stop is not known well enough."""
 _ROUNDS = 6
-"""How often, at most, intervals are so divided: to a 260 000th of their width."""
+"""Most passes that divide intervals: 8^6 makes 260 000 parts."""
 _NEGLIGIBLE = 1e-9
-"""Distance to a stop over its largest, up to which no interval is divided."""
+"""Distance to a stop, over its largest, below which no interval is divided."""
 _TIGHT = 0.5
-"""Share of the distance at the ends of an interval that must be certain within it, or else it is divided."""
+"""Least distance within an interval, over that at its ends, that must be certain; else the interval is divided."""
 
 
 @by_reference
@@ -44,11 +44,11 @@ class Motion(NamedTuple):
     rates: ComplexArray
     """Exponents of the terms in each segment, 1/s, shape ``(S, K)``."""
     amplitudes: ComplexArray
-    """Amplitudes of the terms at its start, shape ``(S, K)``; a term of no size fills up."""
+    """Amplitudes of the terms at the start of the segment, shape ``(S, K)``; 0 where a segment has fewer terms."""
     weights: ComplexArray
     """Weights of the terms at the places of stops, shape ``(S, U, K)``; weight times amplitude in m."""
     polynomial: FloatArray
-    """Coefficients of 1, tau, tau^2 there, m over powers of s, shape ``(S, U, 3)``."""
+    """Coefficients of 1, tau, tau^2 at the places, m over powers of s, shape ``(S, U, 3)``."""
     orientation: FloatArray
     """+1 where a stop is open, -1 where it is closed, shape ``(S, P)``."""
 
@@ -64,7 +64,7 @@ class Stops(NamedTuple):
     place: IndexArray
     """Which of the places each stop is at, shape ``(P,)``."""
     beyond: IndexArray
-    """Whose switches follow those of each stop after the orbit: its own, or its twin's, shape ``(P,)``."""
+    """The stop whose switches follow those of each stop after the orbit: itself, or its twin, shape ``(P,)``."""
 
 
 @njit_called()

@@ -1,4 +1,4 @@
-"""What deviations from an orbit come to, and what that is compared with, compiled; see `lapjoint.orbits.watch`."""
+"""Bounds on deviations from an orbit, and their comparison with the distances of stops; see `lapjoint.orbits.watch`."""
 
 from __future__ import annotations
 

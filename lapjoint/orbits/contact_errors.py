@@ -1,9 +1,9 @@
-"""Errors of contacts: each is compared with the same contact of a finer self of the solver.
+"""Errors of contacts: each is compared with the same contact at a finer resolution of the solver.
 
 Contacts of two motions are the same if they are contacts of one stop and each is the nearest to the other in time.  A
-contact that has no such partner, because the finer motion grazes the stop, or splits a contact in two, has no error
-that could be stated: it is infinite.  Along a march the two motions part in the end, if it is chaotic.  They have
-parted where partners are not much nearer to each other than to their neighbours; from then on nothing can be stated.
+contact without a partner, because the finer motion grazes the stop or splits the contact in two, has an infinite error:
+none can be stated.  Two chaotic marches part in the end.  They have parted where partners are not much nearer to each
+other than to their neighbours; from then on no error can be stated.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from lapjoint.problem import FloatArray
 IndexArray = npt.NDArray[np.intp]
 
 PARTED = 0.1
-"""Distance in time between partners, over that to the stop's next contact before or after, from which two motions have
-parted."""
+"""Time between partners, over the time to the stop's nearest other contact, above which two motions have parted."""
 
 
 @dataclass(frozen=True)

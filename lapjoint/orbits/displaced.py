@@ -1,14 +1,14 @@
-r"""Starts other than rest: a section point moved by numbers that mean something at a place, or at random in all space.
+r"""Starts other than rest: a section point moved in a plane of two coordinates, or at random in all of phase space.
 
 A unit force at a place a bends the joint without contact into its static shape G(x, a).  A *plane* of starts has two
 coordinates, each the displacement or the velocity at a place: with the displacements Z_i given at places a_i, the
-section point is moved by
+displacement of the section point changes by
 
     z(x) = sum_i f_i G(x, a_i),    sum_i G(a_j, a_i) f_i = Z_j
 
-and its velocity likewise, so that each number is what the start is moved by at its place.  Random starts are drawn
-evenly from all deviations from a section point whose energy, bending and springs and motion of the joint without
-contact, does not exceed a bound; so the share of starts that ends in a motion is its share of that part of space.
+and its velocity likewise: at its place each coordinate changes by the number given.  Random starts are drawn evenly
+from all deviations from a section point whose energy does not exceed a bound: the energy of bending, springs and motion
+of the joint without contact.  The share of starts that ends in a motion is then its share of that part of phase space.
 """
 
 from __future__ import annotations
@@ -25,11 +25,12 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
 _HELD = 1e-9
-"""Of a unit motion: supports that resist a motion as a rigid body by less do not resist it."""
+"""Least restraint of a rigid-body motion by the supports, over a unit motion: supports that give less do not hold
+it."""
 _IMMOVABLE = 1e-12
-"""Compliance at a place, over L^3 / EI, below which a support holds it: rounding of the shapes is less."""
+"""Compliance at a place, over L^3 / EI, below which a support holds the place: rounding of the shapes is less."""
 _ALIKE = 1e-6
-"""Least determinant of the compliance at two places, over that of places far apart: nearer, they are one."""
+"""Determinant of the compliance at two places, over that of places far apart, below which the places move alike."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,9 @@ class StaticShapes:
     """The joint without contact under a unit force at each of ``p`` places, as deviations of ``n`` coordinates."""
 
     displacements: FloatArray
-    """Deviations that move a section point by each shape, for a force of 1 N, shape ``(p, n)``."""
+    """Deviations that move a section point by each shape for a force of 1 N, shape ``(p, n)``."""
     velocities: FloatArray
-    """Deviations that give it each shape as a velocity, in m/s where the shape is in m, shape ``(p, n)``."""
+    """Deviations that add each shape to its velocity, in m/s where the shape is in m, shape ``(p, n)``."""
     compliance: FloatArray
     """Displacement at each place by each shape, m/N, shape ``(p, p)``."""
 

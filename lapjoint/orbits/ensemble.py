@@ -1,7 +1,7 @@
 """Many marches of one problem at once: a solver that compiles its march does many of them in one call.
 
-An `Ensemble` holds many section points and marches any of them on in place.  `Many` is the optional protocol of a
-period map that makes one; `ensemble_of` makes one of any other period map, whose marches are then made one by one.
+An `Ensemble` holds many section points and marches any of them on in place.  `MakesEnsembles` is the optional protocol
+of a period map that has its own; for any other period map `ensemble_of` makes one that marches one by one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from lapjoint.problem import FloatArray
 
 
 class Ensemble(Protocol):
-    """Section points of one period map that march on, each for itself."""
+    """Section points of one period map, its members, each of which marches by itself."""
 
     def march(self, which: IndexArray, periods: int) -> dict[int, str]:
         """March some members, (k,), on by whole periods, to the bits of `PeriodMap.march`; returns why a member could
@@ -34,7 +34,7 @@ class Ensemble(Protocol):
 
 
 @runtime_checkable
-class Many(Protocol):
+class MakesEnsembles(Protocol):
     """A period map that marches many section points at once."""
 
     def ensemble(self, points: Sequence[SectionPoint]) -> Ensemble:
@@ -70,4 +70,4 @@ class OneByOne:
 
 def ensemble_of(period_map: PeriodMap, points: Sequence[SectionPoint]) -> Ensemble:
     """The ensemble of section points of any period map: the solver's own, if it has one."""
-    return period_map.ensemble(points) if isinstance(period_map, Many) else OneByOne(period_map, points)
+    return period_map.ensemble(points) if isinstance(period_map, MakesEnsembles) else OneByOne(period_map, points)

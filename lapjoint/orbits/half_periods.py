@@ -1,4 +1,4 @@
-"""The map over half periods: that of whole periods, and between them the mirror image of a symmetric problem."""
+"""The map over any number of half periods: an odd number is followed by the mirror image z -> -z."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _TINY = float(np.finfo(float).tiny)
-"""Least size of a section point, in the unit of `PeriodMap.norm`, that is not zero."""
+"""Least size of a section point, in the unit of `PeriodMap.norm`, by which other sizes are divided."""
 
 
 def gives(map_: PeriodMap, more: type) -> bool:
@@ -28,7 +28,7 @@ def gives(map_: PeriodMap, more: type) -> bool:
 
 
 @dataclass(frozen=True)
-class Return:
+class HalfPeriodMarch:
     """A march over some half periods with its derivative, mirrored if their number is odd."""
 
     end: SectionPoint
@@ -47,7 +47,7 @@ class Return:
 
     @property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of `matrix`, shape ``(n,)``; of a pair the one with the positive imaginary part comes first."""
+        """Eigenvalues of `matrix`, shape ``(n,)``; of a complex pair the positive imaginary part comes first."""
         own = self.linearised.multipliers
         return -own.conj() if self.count % 2 else own
 
@@ -109,10 +109,10 @@ class HalfPeriods:
         end = self.map.march(point, count).end
         return self.map.mirrored(end) if count % 2 else end
 
-    def linearised(self, point: SectionPoint, count: int) -> Return:
+    def linearised(self, point: SectionPoint, count: int) -> HalfPeriodMarch:
         """A march over `count` half periods, a multiple of `least`, with its derivative; mirrored if `count` is odd."""
         found = self.tangent.linearised(point, count)
-        return Return(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count)
+        return HalfPeriodMarch(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
         """Size of a deviation, (n,), over that of the section point to which its coordinates belong."""

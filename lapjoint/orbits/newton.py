@@ -10,29 +10,29 @@ import numpy as np
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits.approach import Forecast, forecast
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.watch import Watch
 from lapjoint.problem import FloatArray
 
 RESIDUAL = 1e-9
-"""Distance between start and end, over the size of the motion, within which an orbit closes; the step that Newton's
-method makes after that leaves its square."""
+"""Largest distance between start and end of an orbit, over the size of the motion; one more step of Newton's method
+then leaves the square of it."""
 FAR = 2.0
-"""Largest residual over one period, over the size of the motion, from which Newton's method is tried at all; 2 is that
+"""Largest residual over one period, over the size of the motion, from which Newton's method is tried; 2 is the residual
 of a march that ends opposite to its start."""
 _STEPS = 14
-"""Most steps of Newton's method: far from an orbit some are lost, near it two or three are enough."""
+"""Most steps of Newton's method: near an orbit two or three are enough, and far from it some are lost."""
 _PATIENCE = 5
 """Number of steps within which the residual must halve."""
 REAL = 1e-6
-"""Imaginary part of a multiplier over its modulus, up to which it is real: above, it is one of a complex pair, and not
-a rounded double one."""
-_GROWS = 1e-6
-"""Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
+"""Largest imaginary part, over the modulus, of a multiplier that is real: a real double one, rounded, may have as
+much."""
+GROWS = 1e-6
+"""Distance outside the unit circle above which a multiplier is not one on the circle, rounded."""
 _MARGINAL = 1e-9
 """Distance within the unit circle up to which a multiplier cannot be told from one on the circle."""
 BEYOND_ROUNDING = 1 / float(np.finfo(float).eps)
-"""Growth of a deviation over a march, without unit, beyond which rounding at the start alone decides the end."""
+"""Growth of a deviation over a march beyond which rounding at the start alone decides the end."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Orbit:
     """Where the motion begins."""
     residual: float
     """Distance between start and end, over the size of the motion."""
-    last: Return
+    last: HalfPeriodMarch
     """The march from `point`, or from so near that its derivative is the orbit's."""
 
     @property
@@ -89,7 +89,7 @@ class Orbit:
     @property
     def unstable(self) -> bool:
         """Whether a multiplier is outside the unit circle, for certain."""
-        return abs(self.leading) > 1 + _GROWS
+        return abs(self.leading) > 1 + GROWS
 
     @property
     def spirals_out(self) -> bool:
@@ -98,7 +98,7 @@ class Orbit:
 
     @cached_property
     def watch(self) -> Watch:
-        """Its distances from all stops."""
+        """The orbit's distances from all stops."""
         return self.last.watch
 
     def forecast(self, deviation: FloatArray, most: int) -> Forecast:

@@ -1,4 +1,4 @@
-"""Numbers of the excitation: how the forces change with them, and maps of the same structure at other values."""
+"""Parameters of the excitation: derivatives of the forces by them, and period maps at other values of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PERIODIC = (BaseMotion, HarmonicsBaseMotion)
 
 @runtime_checkable
 class Retunes(Protocol):
-    """A period map that gives that of the same structure with another excitation, for less work than a new one."""
+    """A period map that makes the map of its structure under another excitation with less work than a new map takes."""
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
         """The map of a problem that differs by the value of one parameter; None if this map does not know it by that
@@ -32,7 +32,7 @@ class Retunes(Protocol):
 
 @dataclass(frozen=True)
 class ExcitationChange:
-    """How the ``H`` harmonic forces of a problem change with a number, over the number's unit."""
+    """How the ``H`` harmonic forces of a problem change with a parameter, per unit of the parameter."""
 
     frequency: float
     """Derivative of the logarithm of all angular frequencies."""

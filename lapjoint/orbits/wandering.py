@@ -1,4 +1,4 @@
-"""What is measured of a march that was not found to repeat, and what that shows."""
+"""Measurements of a march that was not found to repeat, and the outcome that they show."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS
 from lapjoint.problem import FloatArray
 
 _WATCHED = 64
-"""Number of the last periods of a march over which it is measured how far it wanders."""
+"""Number of the last periods of a march over which its breadth is measured."""
 
 
 @dataclass(frozen=True)
@@ -19,15 +19,16 @@ class Wandering:
     """A stretch of a march over which an exponent was measured."""
 
     outcome: Outcome
-    """What it shows: aperiodic, quasi-periodic, or undecided."""
+    """The outcome that it shows: aperiodic, quasi-periodic, or undecided."""
     exponent: Exponent
     """The largest Lyapunov exponent over the stretch."""
     point: SectionPoint
     """Where the stretch ends."""
     breadth: float
-    """How far it wanders from repeating, over its size: the farthest of all returns, at the best period multiple."""
+    """How far it is from repeating, over its size: its farthest return, at the period multiple that makes this
+    least."""
     residual: float
-    """How closely its last points repeat, over their size, at the best period multiple."""
+    """Distance of its last return, over its size, at the period multiple that makes this least."""
     impulses: FloatArray
     """Mean impulse of each stop over one excitation period, N s, shape ``(stops,)``."""
     standard_errors: FloatArray
@@ -43,7 +44,9 @@ class Wandering:
         return self.outcome is before.outcome
 
 
-def shown(exponent: Exponent, lowest_damping_rate: float, breadth: float, *, spirals: bool, pushes: int) -> Outcome:
+def outcome_of(
+    exponent: Exponent, lowest_damping_rate: float, breadth: float, *, spirals: bool, pushes: int
+) -> Outcome:
     """What one measurement establishes of a march: `APERIODIC`, `QUASIPERIODIC` or `UNDECIDED`.
 
     The exponent says nothing of a march that repeats, nor of one that is so narrow that it may be unable to leave an

@@ -16,12 +16,12 @@ from lapjoint.problem.schema import FloatArray
 
 @dataclass(frozen=True)
 class Density:
-    """S(f), with ``B`` breakpoints; nothing outside of them."""
+    """A density S(f) with breakpoints, and 0 outside of them."""
 
     frequency: tuple[float, ...]
-    """Of the breakpoints, Hz, positive and ascending; two at least."""
+    """Frequencies of the breakpoints, Hz, positive and ascending; two at least."""
     density: tuple[float, ...]
-    """There, square of a unit over Hz, positive."""
+    """Densities at the breakpoints, square of a unit over Hz, positive."""
 
     @property
     def lowest(self) -> float:

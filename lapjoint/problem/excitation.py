@@ -1,7 +1,7 @@
-"""The kinds of excitation: periodic, recorded or random motion of the base, and such or constant loads at points.
+"""The kinds of excitation: periodic, recorded or random motion of the base, and such loads, or constant ones, at
+points.
 
-Each says of which waves or samples it consists; `lapjoint.problem.forces` makes one list of all of them, which solvers
-read.
+Each kind gives its waves or samples; `lapjoint.problem.forces` makes one list of all of them, which solvers read.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, Whole
 
 MOST_MULTIPLE = 10_000
-"""Largest multiple of a fundamental: the march over one period takes as many steps at least."""
+"""Largest multiple of a fundamental: a march over one period takes at least as many steps."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def _each_multiple_once(harmonics: tuple[Harmonic, ...]) -> tuple[Harmonic, ...]
     return harmonics
 
 
-_AtLeastOne = Field(json_schema_extra={"minItems": 1})  # a min_length would count those that are in order only
+_AtLeastOne = Field(json_schema_extra={"minItems": 1})  # a min_length would count only the valid ones
 _EachOnce = AfterValidator(_each_multiple_once)
 
 
@@ -193,7 +193,7 @@ class HarmonicsLoad(Part):
 
 
 def _sine_by_default(part: Any) -> Any:
-    """A part as a file has it, with its kind: one without is a sine."""
+    """A part as a file has it, with its kind, which is a sine by default."""
     return {"kind": "sine", **part} if isinstance(part, Mapping) and "kind" not in part else part
 
 

@@ -1,7 +1,7 @@
 """Problems in and out as TOML, lossless both ways.
 
-What a file leaves out takes the default of the schema, so that defaults are not written; floats are written
-with the fewest digits that give the same number back, and an infinite stiffness as ``inf``.
+A key that a file leaves out has the default of the schema, and defaults are not written.  Floats are written with the
+fewest digits that give the number back, and an infinite stiffness as ``inf``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples
 from lapjoint.problem.schema import Part
 
-_ALWAYS = ("kind", "shape", "schema_version")  # what tells parts of a union and versions apart
+_ALWAYS = ("kind", "shape", "schema_version")  # keys that tell kinds and versions apart are written, default or not
 
 
 def read_problem(path: str | Path) -> Problem:

@@ -1,4 +1,4 @@
-"""What drives the beam, as one flat list of forces: all that a solver has to know of the kinds of excitation."""
+"""All that drives the beam, as flat lists of forces: solvers need not know the kinds of excitation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import FloatArray
 
 _WHOLE = 1e-12
-"""Relative: so much may the quotient of two frequencies miss a whole number, by the rounding of both."""
+"""Largest relative distance of a quotient of frequencies from a whole number that is rounding."""
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,10 @@ class Forces:
 
     constant: tuple[ConstantForce, ...]
     harmonic: tuple[HarmonicForce, ...]
-    """Those of the base first, then those of the point loads; some may have no size."""
+    """Those of the base first, then those of the point loads; amplitudes may be 0."""
     fundamental: float | None = None
-    """Angular frequency of which all harmonic ones that have a size are whole multiples, rad/s; None without one."""
+    """Angular frequency of which those of all harmonic forces but 0 are whole multiples, rad/s; None if there is
+    none."""
     sampled: tuple[SampledForce, ...] = ()
     """Those of the base first, then those of the point loads."""
 
@@ -69,25 +70,23 @@ class Forces:
 
     @cached_property
     def ramps(self) -> RampBlocks | None:
-        """The sampled forces with the knots of all, up to where the first of them ends; None without any."""
+        """The sampled forces at the knots of all of them; None if there are no sampled forces."""
         return RampBlocks(self.sampled) if self.sampled else None
 
     @property
     def fastest(self) -> float:
-        """The highest angular frequency of a harmonic force that has a size, rad/s; 0 where there is none."""
+        """The highest angular frequency of a harmonic force other than 0, rad/s; 0 if there is none."""
         return max((force.angular_frequency for force in self.harmonic if force.amplitude), default=0.0)
 
     @cached_property
     def usual_rate(self) -> float:
-        """The root mean square of the rate of change of a sampled force over its own, 1/s: the largest of them, or 0.
-
-        For a sine it is its angular frequency, for white noise up to a frequency f it is 2 pi f / sqrt(3).
-        """
+        """The largest `SampledForce.usual_rate`, 1/s; 0 if there are no sampled forces."""
         return max((force.usual_rate for force in self.sampled), default=0.0)
 
     @property
     def change_sign(self) -> bool:
-        """Whether all are the opposite half a period later: no constant ones, and no even multiples."""
+        """Whether all forces change sign in half a period: none is constant, and none an even multiple of the
+        fundamental."""
         omega = self.fundamental
         if omega is None or self.constant:
             return False

@@ -19,7 +19,7 @@ from lapjoint.problem.supports_and_stops import Stop
 
 @dataclass(frozen=True)
 class _Usual:
-    """What values are usual of a quantity, and the units that slips of it are from."""
+    """The usual range of a quantity, and the units that are mistaken for its own."""
 
     unit: str
     low: float
@@ -45,16 +45,16 @@ DENSITY = _Usual("kg/m3", 10.0, 2.3e4, (("g/cm3", 1e3), ("t/mm3", 1e12), ("kg/mm
 LENGTH = _Usual("m", 1e-6, 500.0, (("mm", 1e-3), ("um", 1e-6)))
 """From cantilevers of micromechanics to bridges."""
 SLENDER = 0.5
-"""Depth of a section over the beam's length, above which the equation of a slender beam says little."""
+"""Depth of a section, over the beam's length, above which the theory of slender beams fails."""
 WIDE = 0.2
-"""Gap over the beam's length, above which no small displacement closes it."""
+"""Gap, over the beam's length, above which no small displacement closes it."""
 RATIO = 2.0
-"""Damping ratio from which on a per cent is likelier to be meant; one of 1 is critical."""
+"""Damping ratio from which on a percentage was probably meant; a ratio of 1 is critical."""
 FAST, SLOW = 1e4, 1e-6
-"""Excitation frequency over that of the slowest bending of a cantilever: beyond, the beam hardly answers, or follows
-at rest."""
+"""Excitation frequency, over the lowest one of a cantilever, above which the beam hardly responds, and below which it
+follows statically."""
 HARD, SOFT = 1e10, 1e-8
-"""Stiffness of a stop over EI / L^3: beyond, it is a rock or a feather to the beam."""
+"""Stiffness of a stop, over EI / L^3, above which it is a rock, and below which a feather, to the beam."""
 
 
 def hints(beam: Beam, stops: Sequence[Stop], damping: Damping, forces: Forces) -> tuple[str, ...]:

@@ -1,9 +1,8 @@
-"""Which numbers a problem may hold, so that double precision holds what follows from them.
+"""Limits on the numbers of a problem, within which double precision holds all that follows from them.
 
-Every quantity that a problem states, or that follows from what it states, is at most 1e100 in SI units, so that its
-square is finite; times between samples, and squares of frequencies, are at least 1e-100, as what follows from the beam.
-Stiffness and damping have limits beside the beam's own, and two supports that are not at one place are apart by more
-than rounding.
+Every quantity that a problem states, or that follows from it, is at most 1e100 in SI units, so that its square is
+finite. Times between samples, squares of frequencies, and quantities of the beam are at least 1e-100.  Stiffness and
+damping have limits relative to the beam, and two supports that are not at one place are apart by more than rounding.
 """
 
 from __future__ import annotations
@@ -25,16 +24,16 @@ from lapjoint.problem.supports_and_stops import Stop, Support
 
 _SOFTEST, _FIXED = 1e-16, 1e20
 """Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
-On softer ones the slowest mode takes some 1e8 times as long as a bending mode, and its motion in a double number has
-too few digits left; stiffer ones are fixed to rounding."""
+On a softer spring the slowest mode takes some 1e8 times as long as a bending mode, and too few digits are left for its
+motion; a stiffer spring is fixed to rounding."""
 _STIFFEST = 1e13
-"""Largest stiffness of a stop over EI / L^3: how far a stiffer one is pressed has too few digits left."""
+"""Largest stiffness of a stop over EI / L^3: too few digits are left for the compression of a stiffer one."""
 _MOST_DAMPED = 1e7
-"""Largest damping ratio: a mode's two rates of decay then differ by 4e14, of the 1e16 that a double number resolves."""
+"""Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
 _NEAREST = 1e-12
-"""Distance over the length of the beam up to which two places may be one, rounded."""
+"""Distance, over the length of the beam, within which two places may be one, rounded."""
 _MOST_PHASE = 1e8
-"""Largest phase, rad: half of the digits of a larger one are those of its whole turns."""
+"""Largest phase, rad: whole turns take half of the digits of a larger one."""
 
 
 def faults_of_size(
@@ -80,19 +79,19 @@ def faults_of_part(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
 
 
 def _stated(path: str, value: float, unit: str) -> Iterator[str]:
-    """What is wrong with a number of a file."""
+    """A fault of a number of the file, if it is too large."""
     if not abs(value) <= MOST:
         yield f"{path} = {value:g}: must be at most {MOST:g} {unit}, up or down"
 
 
 def _following(path: str, name: str, value: float, source: str, least: float = 0.0) -> str:
-    """What is wrong with a number that follows from others."""
+    """The fault of a quantity out of range that follows from numbers of the file."""
     allowed = f"between {least:g} and {MOST:g}" if least else f"at most {MOST:g}"
     return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
 
 
 def _of_places(joint: Structure, loads: Sequence[PointLoad]) -> Iterator[str]:
-    """Parts that are all but at the root, and supports that all but coincide: whether these clamp is unknown."""
+    """Parts that are at the root but for rounding, and supports that coincide but for rounding: do these clamp?"""
     least, supports = _NEAREST * joint.beam.length, _places("supports", joint.supports)
     for group in (supports, _places("stops", joint.stops), _places("point_loads", loads)):
         for path, x in group.items():
@@ -112,7 +111,7 @@ def _places(group: str, parts: Sequence[Support | Stop | PointLoad]) -> dict[str
 
 
 def _of_stiffness(joint: Structure) -> Iterator[str]:
-    """Springs so soft or so stiff, beside the beam, that double precision does not hold what they do."""
+    """Springs too soft or too stiff, relative to the beam, for double precision."""
     L, EI = joint.beam.length, joint.beam.EI
     units = {"translational": (EI / L**3, "EI / length^3"), "torsional": (EI / L, "EI / length")}
     for i, support in enumerate(joint.supports):
@@ -133,7 +132,7 @@ def _of_stiffness(joint: Structure) -> Iterator[str]:
 
 
 def _of_damping(damping: Damping, beam: Beam) -> Iterator[str]:
-    """Damping ratios, or a coefficient, beside which double precision does not hold the slower of two rates."""
+    """Damping too large for double precision to hold the slower of two decay rates."""
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
         for i, ratio in enumerate(damping.ratio if isinstance(damping.ratio, tuple) else (damping.ratio,)):
@@ -150,7 +149,7 @@ def _of_damping(damping: Damping, beam: Beam) -> Iterator[str]:
 
 
 def _of_record(path: str, record: Record) -> Iterator[str]:
-    """Times and samples, and the motion of a base that follows from them."""
+    """Times, samples, or the base motion that follows from them, out of range."""
     with np.errstate(all="ignore"):
         between = np.array([1 / record.rate]) if record.rate is not None else np.diff(record.time)
         shortest, values = float(between.min()), record.si_values
@@ -170,7 +169,7 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
 
 
 def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
-    """Shapes that are not finite, or so large or small that squares of them are not."""
+    """Initial shapes that are not finite, or too large."""
     if isinstance(initial, AtRest):
         return
     grid = np.linspace(0.0, length, 101)
@@ -184,5 +183,5 @@ def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
 
 
 def _largest(values: FloatArray) -> float:
-    """The largest modulus; NaN if one is that."""
+    """The largest modulus; NaN if a value is NaN."""
     return float(np.max(np.abs(values), initial=0.0))

@@ -1,4 +1,4 @@
-"""What is wrong with a problem, said in the words of its file: one line for each fault.
+"""The faults of a problem in the words of its file, one line for each.
 
 A line names the field, shows its value and says what is allowed, as in
 ``stops[1].gap = "wide": must be a number``.
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 LONGEST_VALUE = 60
-"""Characters of a value that a message shows, at most, so that it fits into a line."""
+"""Most characters of a value in a message, so that the message fits into a line."""
 LONGEST_PATH = 200
-"""Characters of a path or of an argument that a message shows, at most."""
+"""Most characters of a path or an argument in a message."""
 _SEQUENCES = (list, tuple)
 
 

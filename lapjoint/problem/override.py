@@ -13,7 +13,7 @@ from lapjoint.problem.messages import shortened
 LONGEST_INDEX = 18
 """Largest number of digits of an index: no list has more elements, and Python refuses to read some thousand digits."""
 _PATHS = 256
-"""Number of paths whose keys are kept: those of one campaign."""
+"""Number of paths whose keys are cached: those of one campaign."""
 DEEPEST = 20
 """Largest number of keys of a path; no field of a problem lies deeper than five."""
 
@@ -56,7 +56,7 @@ def toml_value(text: str) -> Any:
 
 
 def _assign(here: Any, keys: tuple[str, ...], value: Any, source: str) -> None:
-    """Set the value in all parts that the keys lead to."""
+    """Set the value in all parts to which the keys lead."""
     parts = [here]
     for key in keys[:-1]:
         parts = [below for part in parts for below in _below(part, key, source)]
@@ -69,7 +69,7 @@ def _assign(here: Any, keys: tuple[str, ...], value: Any, source: str) -> None:
 
 
 def _below(part: Any, key: str, source: str) -> list[Any]:
-    """The parts that a key leads to; of a table, one is made where there is none."""
+    """The parts to which a key leads; a table gets one if it has none."""
     if isinstance(part, dict):
         return [part.setdefault(key, {})]
     return [part[index] for index in _indices(part, key, source)]

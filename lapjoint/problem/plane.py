@@ -1,4 +1,4 @@
-"""A plane of starts: two coordinates, each the displacement or the velocity at a place, by which a state is moved."""
+"""A plane of starts: two coordinates in which a section point is moved, each a displacement or velocity at a place."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Plane:
-    """Two coordinates by which a section point is moved."""
+    """Two coordinates in which a section point is moved."""
 
     first: Coordinate
     second: Coordinate

@@ -11,7 +11,7 @@ from lapjoint.problem.problem import Problem
 from lapjoint.problem.supports_and_stops import Stop, Support
 
 PAPER_DENSITY = 7890.0  # kg/m3, Tables 3 and 6
-TABLE_4_DENSITY = 7830.0  # kg/m3, what Table 4 was computed with: found by recomputing it
+TABLE_4_DENSITY = 7830.0  # kg/m3, with which Table 4 was computed: found by recomputing it
 
 
 def clamp(x: float = 0.0) -> Support:

@@ -26,13 +26,14 @@ from lapjoint.problem.schema import Part
 from lapjoint.problem.structure import Structure, structure_of
 from lapjoint.problem.supports_and_stops import Stop, Support
 
-_ROUNDINGS = 1e-12  # relative: so much may a duration exceed that of a record, by the rounding of both
+_ROUNDINGS = 1e-12
+"""Largest relative excess of a duration over that of a record that is rounding."""
 _SAMPLES_A_PERIOD = 10
-"""Of the slowest bending: with fewer, straight lines between samples miss its acceleration by some percent."""
+"""Samples per period of the slowest bending below which straight lines between them miss accelerations by percents."""
 
 
 SCHEMA_VERSION: Literal[1] = 1
-"""It is raised whenever an older reader would misread a file, or refuse what an older one took."""
+"""Version of the keys of a file, raised whenever an older reader would misread a newer file, or refuse it."""
 
 
 class Problem(Part):
@@ -71,25 +72,23 @@ class Problem(Part):
 
     @cached_property
     def structure(self) -> Structure:
-        """What it is without its excitation and its start; copies `with_excitation` have the same."""
+        """The joint without its excitation and its start; copies `with_excitation` share it."""
         return structure_of(self.beam, self.supports, self.stops, self.damping)
 
     @cached_property
     def forces(self) -> Forces:
-        """What drives the beam, whatever its kind: all that a solver has to know of it."""
+        """All that drives the beam, as lists of forces that solvers read."""
         fundamental = common_fundamental(_angular_frequencies(self).values())
         return forces_of(self.beam.m, self.base_motion, self.point_loads, fundamental)
 
     @property
     def excitation_frequency(self) -> float | None:
-        """The fundamental of all periodic excitation, rad/s: the lowest angular frequency that a part of it states.
-
-        All others are whole multiples of it, or there is none.
-        """
+        """The fundamental of all periodic excitation, rad/s: its lowest angular frequency, if all are multiples of
+        it."""
         return self.forces.fundamental
 
     def require_excitation_frequency(self, purpose: str) -> float:
-        """The fundamental of all periodic excitation, for what cannot be done without.
+        """The fundamental of all periodic excitation; an `InputError` if there is none.
 
         Parameters
         ----------
@@ -124,7 +123,7 @@ class Problem(Part):
         )
 
     def require_excitation_period(self, purpose: str) -> float:
-        """The period of all periodic excitation, for what cannot be done without.
+        """The period of all periodic excitation; an `InputError` if there is none.
 
         Parameters
         ----------
@@ -187,7 +186,7 @@ class Problem(Part):
         return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RandomLoad)}
 
     def reseeded(self, seed: int) -> Problem:
-        """The same problem with another realisation of all that is random.
+        """The problem with another realisation of all random excitation.
 
         Parameters
         ----------
@@ -208,7 +207,7 @@ class Problem(Part):
         return self.with_seeds(lambda own: seed)
 
     def with_seeds(self, seed_of: Callable[[int], int]) -> Problem:
-        """The same problem with another realisation of each part that is random.
+        """The problem with another realisation of each random part.
 
         Parameters
         ----------
@@ -239,11 +238,11 @@ class Problem(Part):
 
     @property
     def longest(self) -> float:
-        """Until when the motion can be simulated, s: the end of the shortest record, or infinite."""
+        """Longest duration that can be simulated, s: that of the shortest record, or infinite."""
         return min((record.duration for record in self.records.values()), default=math.inf)
 
     def check_duration(self, duration: float) -> None:
-        """Refuse to simulate what is not known, or is no time.
+        """Refuse a duration that is no time, or ends after a record.
 
         Parameters
         ----------
@@ -285,7 +284,7 @@ class Problem(Part):
         return Problem(**{name: getattr(self, name) for name in Problem.model_fields} | changes)
 
     def with_excitation(self, **changes: Any) -> Problem:
-        """A copy with another base motion, or other point loads; what else this problem has is not validated again.
+        """A copy with another base motion, or other point loads; the other parts are not validated again.
 
         Parameters
         ----------
@@ -295,7 +294,7 @@ class Problem(Part):
         Returns
         -------
         Problem
-            The same as from `replace`; this problem stays as it is.
+            The copy that `replace` gives, in less time.
 
         Raises
         ------
@@ -313,7 +312,7 @@ class Problem(Part):
         return made
 
     def with_base_numbers(self, **numbers: float) -> Problem:
-        """A copy whose base moves as a sine with some other numbers; nothing else is looked at again.
+        """A copy with other numbers of a sinusoidal base motion; nothing else is validated again.
 
         Parameters
         ----------
@@ -323,7 +322,7 @@ class Problem(Part):
         Returns
         -------
         Problem
-            The same as from `with_excitation`; this problem stays as it is.
+            The copy that `with_excitation` gives, in less time.
 
         Raises
         ------
@@ -339,9 +338,9 @@ class Problem(Part):
 
     def _driven_by(self, **parts: Any) -> Problem:
         """A copy with other parts of its excitation, which are valid."""
-        _ = self.structure  # found once, for all copies
+        _ = self.structure  # made once, for all copies
         made = self.model_copy(update=parts)
-        vars(made).pop("forces", None)  # those of this problem
+        vars(made).pop("forces", None)  # cached forces are those of this problem
         return made
 
 
@@ -358,7 +357,7 @@ def _angular_frequencies(problem: Problem) -> dict[str, float]:
 
 
 def _moves(waves: tuple[Wave, ...]) -> bool:
-    """Whether one of them has a size."""
+    """Whether a wave has an amplitude."""
     return any(wave.amplitude for wave in waves)
 
 
@@ -380,7 +379,7 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
 
 
 def _warn_of_excitation(problem: Problem) -> None:
-    """Warn of what is possible, and seldom meant."""
+    """Warn of excitation that is possible, but seldom meant."""
     for line in _too_slow(problem):
         warnings.warn(line, RecordWarning, stacklevel=3)
     for line in _too_low(problem):
@@ -388,7 +387,7 @@ def _warn_of_excitation(problem: Problem) -> None:
 
 
 def _too_slow(problem: Problem) -> Iterator[str]:
-    """Records with few samples in a period of the slowest bending, that of a cantilever."""
+    """Records with few samples in a period of the slowest bending, which is a cantilever's."""
     for path, record in problem.records.items():
         slowest = problem.beam.slowest_bending / (2 * math.pi)
         rate = (record.time.size - 1) / record.duration
@@ -423,7 +422,7 @@ def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
     grid = np.linspace(0.0, problem.beam.length, 101)
     for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
         for derivative, word, spring in ((0, "moves", "translational"), (1, "turns", "torsional")):
-            # A spline of a callable meets a fixed support to its interpolation error only.
+            # A spline through a callable's samples meets a fixed support only within its interpolation error.
             allowed = 1e-6 * float(np.max(np.abs(shape(grid, derivative)), initial=0.0))
             for i, support in enumerate(problem.supports):
                 value = float(shape(np.array(support.x), derivative))

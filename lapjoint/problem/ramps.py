@@ -1,4 +1,4 @@
-"""Forces that are linear between knots, block by block, so that endless ones need no more memory than short ones."""
+"""Forces that are linear between knots, in blocks, so that endless ones need no more memory than short ones."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from lapjoint.problem.realisation import Realisation
 from lapjoint.problem.schema import FloatArray, IntArray
 
 KNOTS = 4096
-"""Intervals of the fastest random force in a block: 0.1 MB."""
-_EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
-_KEPT = 4  # blocks: a motion and the evaluation of its latest part are in two or three
+"""Intervals of the random force with the highest rate in a block: 0.1 MB."""
+_EVEN = 1e-9
+"""Relative difference of two times between knots that is rounding."""
+_KEPT = 4
+"""Number of blocks that are cached: a march and the evaluation of its latest part are in two or three."""
 _CREST = 4.0
-"""Root mean squares that a Gaussian force exceeds for a part of 6e-5 of the time."""
+"""Size of a Gaussian force over its root mean square: the force exceeds it 6e-5 of the time."""
 
 
 class SampledForce(Protocol):
@@ -32,15 +34,15 @@ class SampledForce(Protocol):
 
     @property
     def rate(self) -> float | None:
-        """Knots per second, Hz, of a force that is made when it is asked for; None where all of it is there."""
+        """Knots per second, Hz, of a force that is made when it is asked for; None of a record."""
 
     @property
     def usual_rate(self) -> float:
-        """The root mean square of the rate of change over that of the force, 1/s."""
+        """Root mean square of the rate of change over that of the force, 1/s: of a sine its angular frequency."""
 
     @property
     def size(self) -> float:
-        """What it hardly exceeds, N at a point, N/m along the beam."""
+        """A magnitude that the force hardly exceeds, N at a point, N/m along the beam."""
 
     def knots_within(self, start: float, end: float) -> FloatArray:
         """The knots from one time to another, s, ascending, shape (K,)."""
@@ -52,7 +54,7 @@ class SampledForce(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RecordedForce:
-    """A force of which all knots are there."""
+    """A recorded force: all its knots are known."""
 
     x: float | None
     """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
@@ -68,12 +70,12 @@ class RecordedForce:
 
     @property
     def rate(self) -> None:
-        """None: all of it is there."""
+        """None: see `SampledForce.rate`."""
         return
 
     @cached_property
     def usual_rate(self) -> float:
-        """The root mean square of the rate of change over that of the force, 1/s; 0 for none."""
+        """See `SampledForce.usual_rate`; 0 of a force that is 0."""
         h, f = np.diff(self.knots), self.values
         square = float(h @ (f[1:] ** 2 + f[1:] * f[:-1] + f[:-1] ** 2)) / 3
         return float(np.sqrt(np.sum(np.diff(f) ** 2 / h) / square)) if square > 0 else 0.0
@@ -94,14 +96,14 @@ class RecordedForce:
 
 @dataclass(frozen=True, eq=False)
 class RandomForce:
-    """A force of which any part is made when it is asked for."""
+    """A random force: any part of it is made when it is asked for."""
 
     x: float | None
     """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
     realisation: Realisation
-    """What it follows."""
+    """The signal that it follows."""
     factor: float
-    """N at a point, N/m along the beam, for each unit of that."""
+    """The force, N at a point, N/m along the beam, per unit of the signal."""
 
     @property
     def end(self) -> float:
@@ -135,14 +137,14 @@ class RandomForce:
 
 @dataclass(frozen=True, eq=False)
 class Ramps:
-    """Several forces that are linear between common knots: a block of them."""
+    """A block of several forces that are linear between common knots."""
 
     time: FloatArray
     """The knots, s, ascending, shape ``(K,)``."""
     force: FloatArray
-    """The forces there, N or N/m, shape ``(K, R)``."""
+    """The forces at the knots, N or N/m, shape ``(K, R)``."""
     step: float | None = None
-    """The time between most knots of all blocks, s; found out where it is not given."""
+    """The time between most knots of all blocks, s, if it is known."""
 
     @property
     def end(self) -> float:
@@ -151,12 +153,12 @@ class Ramps:
 
     @cached_property
     def slope(self) -> FloatArray:
-        """How fast each force changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
+        """Slope of each force from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
         return np.diff(self.force, axis=0) / np.diff(self.time)[:, None]
 
     @cached_property
     def spacing(self) -> float:
-        """The time between knots, s, where that is the same for most of them; else 0."""
+        """The time between knots, s, if most have one; else 0."""
         if self.step is not None:
             return self.step
         between = np.diff(self.time)
@@ -192,7 +194,7 @@ class RampBlocks:
     def __init__(self, forces: tuple[SampledForce, ...]) -> None:
         self.forces = forces
         self.end = min(force.end for force in forces)
-        """Where the first of them ends, s; infinite where none does."""
+        """Time at which the first force ends, s; infinite if none does."""
         self._fastest = max((force.rate for force in forces if force.rate is not None), default=None)
         self._block = lru_cache(maxsize=_KEPT)(self._made_block)
 
@@ -201,7 +203,7 @@ class RampBlocks:
 
     @property
     def rate(self) -> float:
-        """Knots per second that are usual, Hz."""
+        """Usual number of knots per second, Hz."""
         if self._fastest is not None:
             return self._fastest
         return 1 / float(np.median(np.diff(self._block(0).time)))
@@ -216,7 +218,7 @@ class RampBlocks:
         return self.block_at(t).until(t)
 
     def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The forces, and how fast they change, at given times. See `Ramps.at`."""
+        """The forces and their slopes at given times. See `Ramps.at`."""
         number = self._numbers(t)
         force, slope = np.empty((2, t.size, len(self.forces)))
         for k in np.unique(number).tolist():
@@ -225,7 +227,7 @@ class RampBlocks:
         return force, slope
 
     def _numbers(self, t: FloatArray) -> IntArray:
-        """Which block each time is in, shape ``(m,)``."""
+        """Number of the block that each time is in, shape ``(m,)``."""
         if self._fastest is None:
             return np.zeros(t.size, dtype=np.int64)
         t, length = np.clip(t, 0.0, self.end), KNOTS / self._fastest

@@ -1,12 +1,13 @@
-r"""A motion whose acceleration is continuous and linear between knots, from samples of it or of its integrals.
+r"""A motion whose acceleration is continuous and linear between knots, from samples of it, the velocity or
+displacement.
 
 *Acceleration* is linear between samples.  *Displacement* is the C2 cubic spline through the samples (not-a-knot).
 *Velocity* is the C1 quadratic spline through the samples whose knots lie half-way between them, without the first and
 the last (de Boor's not-a-knot condition): knots at the samples would leave one constant free, and a_{k+1} = 2 dv / h -
 a_k would carry the noise of every sample on to the end of the record, see docs/theory.md.
 
-Samples inserted on the interpolant change nothing, but for velocity only if the points half-way between the old ones
-stay half-way between two of the new ones, as when each interval is cut into three.
+Samples inserted on the interpolant do not change it; of velocity only if the points half-way between old samples stay
+half-way between new ones, as when each interval is cut into three.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 
 from lapjoint.problem.schema import FloatArray
 
-_GAUSS = np.polynomial.legendre.leggauss(3)  # exact for what is integrated, of degree 4 at most
+_GAUSS = np.polynomial.legendre.leggauss(3)  # exact for polynomials of degree 5; integrands have at most 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,7 @@ class RecordedMotion:
     time: FloatArray
     """The knots, s, from 0, shape ``(K,)``."""
     acceleration: FloatArray
-    """There, m/s2, shape ``(K,)``; linear between."""
+    """Acceleration at the knots, m/s2, shape ``(K,)``; linear between them."""
     start: tuple[float, float]
     """Displacement, m, and velocity, m/s, at 0."""
 

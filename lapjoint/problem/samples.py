@@ -1,4 +1,4 @@
-"""Long lists of numbers as one part of a problem: immutable, compared by their values, known by a digest."""
+"""Long lists of numbers as one part of a problem: immutable, compared by value, identified by a digest."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _samples(value: Any) -> Samples:
 
 
 def _few(values: Any) -> Any:
-    """The values to look at one by one: none of an array of numbers, and a text for what is no list at all."""
+    """The values that must be checked one by one: none of an array of numbers, and a text in place of no list."""
     if isinstance(values, np.ndarray):
         return () if values.dtype.kind in "fiu" else [""]
     return values if isinstance(values, list | tuple) else [""]

@@ -8,7 +8,7 @@ from lapjoint.problem import Problem
 from lapjoint.problem.structure import Structure
 
 _KEPT = 64
-"""Number of structures whose twins are kept: problems of one sweep, or of one branch, have the same."""
+"""Number of structures whose twins are cached: problems of one sweep, or of one branch, share one."""
 
 
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
