@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -129,6 +129,8 @@ class HarmonicsBaseMotion(_PeriodicBaseMotion):
 class StepLoad(Part):
     """A constant transverse force at a point, from t = 0 on."""
 
+    waves: ClassVar[tuple[()]] = ()
+    """The waves of which it consists: none."""
     kind: Literal["step"] = "step"
     x: NonNegative
     """Position, m, within the beam."""
@@ -137,18 +139,15 @@ class StepLoad(Part):
 
     @property
     def constant(self) -> float:
-        """The part that is constant, N."""
+        """The constant part, N."""
         return self.force
-
-    @property
-    def waves(self) -> tuple[Wave, ...]:
-        """The waves of which the rest consists: none."""
-        return ()
 
 
 class SineLoad(Part):
     """A transverse force at a point, force sin(angular_frequency t + phase), from t = 0 on."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["sine"] = "sine"
     x: NonNegative
     """Position, m, within the beam."""
@@ -160,19 +159,16 @@ class SineLoad(Part):
     """Phase, rad."""
 
     @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
-
-    @property
     def waves(self) -> tuple[Wave, ...]:
-        """The waves of which the rest consists."""
+        """The waves of which it consists."""
         return (Wave(self.force, self.angular_frequency, self.phase),)
 
 
 class HarmonicsLoad(Part):
     """A transverse force at a point, sum of force sin(multiple angular_frequency t + phase), from t = 0 on."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["harmonics"] = "harmonics"
     x: NonNegative
     """Position, m, within the beam."""
@@ -182,13 +178,8 @@ class HarmonicsLoad(Part):
     """Tables of multiple, force and phase, each multiple once."""
 
     @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
-
-    @property
     def waves(self) -> tuple[Wave, ...]:
-        """The waves of which the rest consists."""
+        """The waves of which it consists."""
         return tuple(Wave(one.force, one.multiple * self.angular_frequency, one.phase) for one in self.harmonics)
 
 

@@ -8,7 +8,7 @@ damping have limits relative to the beam, and two supports that are not at one p
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +20,6 @@ from lapjoint.problem.initial import AtRest, InitialState
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.structure import Structure
-from lapjoint.problem.supports_and_stops import Stop, Support
 
 _SOFTEST, _FIXED = 1e-16, 1e20
 """Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
@@ -37,25 +36,23 @@ _MOST_PHASE = 1e8
 
 
 def faults_of_size(
-    joint: Structure, base: AnyBaseMotion | None, loads: Sequence[PointLoad], initial: InitialState
+    joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad], initial: InitialState
 ) -> Iterator[str]:
-    """A line for each number of a problem that is too large or too small; its parts are valid each for itself."""
+    """A line for each number of a problem out of its limits; its parts are valid, those of the excitation by path."""
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
-    yield from _of_places(joint, loads)
+    yield from _of_places(joint, excitation)
     yield from _of_stiffness(joint)
     yield from _of_damping(joint.damping, joint.beam)
-    yield from faults_of_excitation(base, loads)
+    yield from faults_of_excitation(excitation)
     yield from _of_initial_state(initial, joint.beam.length)
 
 
-def faults_of_excitation(base: AnyBaseMotion | None, loads: Sequence[PointLoad]) -> Iterator[str]:
-    """A line for each number of an excitation that is too large or too small."""
-    if base is not None:
-        yield from faults_of_part("base_motion", base)
-    for i, load in enumerate(loads):
-        yield from faults_of_part(f"point_loads[{i}]", load)
+def faults_of_excitation(excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
+    """A line for each number of an excitation that is too large or too small; its parts are given by their paths."""
+    for path, part in excitation.items():
+        yield from faults_of_part(path, part)
 
 
 def faults_of_part(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
@@ -90,24 +87,21 @@ def _following(path: str, name: str, value: float, source: str, least: float = 0
     return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
 
 
-def _of_places(joint: Structure, loads: Sequence[PointLoad]) -> Iterator[str]:
+def _of_places(joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
     """Parts that are at the root but for rounding, and supports that coincide but for rounding: do these clamp?"""
-    least, supports = _NEAREST * joint.beam.length, _places("supports", joint.supports)
-    for group in (supports, _places("stops", joint.stops), _places("point_loads", loads)):
-        for path, x in group.items():
-            if 0 < x <= least:
-                yield f"{path} = {x:g}: must be 0, or more than {_NEAREST:g} of the length, which is {least:.2g} m"
+    least = _NEAREST * joint.beam.length
+    supports = {f"supports[{i}].x": support.x for i, support in enumerate(joint.supports)}
+    stops = {f"stops[{i}].x": stop.x for i, stop in enumerate(joint.stops)}
+    loads = {f"{path}.x": load.x for path, load in excitation.items() if hasattr(load, "x")}
+    for path, x in (supports | stops | loads).items():
+        if 0 < x <= least:
+            yield f"{path} = {x:g}: must be 0, or more than {_NEAREST:g} of the length, which is {least:.2g} m"
     for (one, x), (other, y) in pairwise(sorted(supports.items(), key=lambda item: item[1])):
         if 0 < y - x <= least and x > least:
             yield (
                 f"{other} = {y!r}: lies {y - x:.2g} m from {one} = {x!r}; allowed are the same place, and more than "
                 f"{_NEAREST:g} of the length, which is {least:.2g} m"
             )
-
-
-def _places(group: str, parts: Sequence[Support | Stop | PointLoad]) -> dict[str, float]:
-    """Positions of the parts of a group, m, by their paths in the file."""
-    return {f"{group}[{i}].x": part.x for i, part in enumerate(parts)}
 
 
 def _of_stiffness(joint: Structure) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Literal, Self
 
@@ -14,7 +14,7 @@ from pydantic import model_validator
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
-from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
+from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
 from lapjoint.problem.hints import hints
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
@@ -56,7 +56,7 @@ class Problem(Part):
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
         joint = Structure(self.beam, self.supports, self.stops, self.damping)
-        of_size = faults_of_size(joint, self.base_motion, self.point_loads, self.initial)
+        of_size = faults_of_size(joint, self._excitation, self.initial)
         faults = [*_outside_the_beam(self), *_names_used_twice(self), *of_size]
         if not faults:
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
@@ -78,7 +78,7 @@ class Problem(Part):
     @cached_property
     def forces(self) -> Forces:
         """All that drives the beam, as lists of forces that solvers read."""
-        fundamental = common_fundamental(_angular_frequencies(self).values())
+        fundamental = common_fundamental(_angular_frequencies(self._excitation).values())
         return forces_of(self.beam.m, self.base_motion, self.point_loads, fundamental)
 
     @property
@@ -112,7 +112,7 @@ class Problem(Part):
         if self.random:
             path = next(iter(self.random))
             raise InputError(f"{purpose}: {path} is random, and has no period; simulate it, or ask for statistics")
-        found = _angular_frequencies(self)
+        found = _angular_frequencies(self._excitation)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
             there += ' (kind = "harmonics" may state a lower one)'
@@ -123,23 +123,7 @@ class Problem(Part):
         )
 
     def require_excitation_period(self, purpose: str) -> float:
-        """The period of all periodic excitation; an `InputError` if there is none.
-
-        Parameters
-        ----------
-        purpose : str
-            What needs it, as "steady state"; the message begins with it.
-
-        Returns
-        -------
-        float
-            T = 2 pi / omega, s.
-
-        Raises
-        ------
-        InputError
-            If there is no periodic excitation, or no fundamental of all of it; the message says which frequencies.
-        """
+        """The period T = 2 pi / omega of all periodic excitation, s. See `require_excitation_frequency`."""
         return 2 * math.pi / self.require_excitation_frequency(purpose)
 
     def require_position(self, x: float) -> float:
@@ -170,20 +154,20 @@ class Problem(Part):
         return hints(self.beam, self.stops, self.damping, self.forces)
 
     @property
+    def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:
+        """The base motion and the point loads, by their paths."""
+        base = {} if self.base_motion is None else {"base_motion": self.base_motion}
+        return base | {f"point_loads[{i}]": load for i, load in enumerate(self.point_loads)}
+
+    @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
         """All recorded excitation, by its path."""
-        found: dict[str, RecordBaseMotion | RecordLoad] = {}
-        if isinstance(self.base_motion, RecordBaseMotion):
-            found["base_motion"] = self.base_motion
-        return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RecordLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
 
     @property
     def random(self) -> dict[str, RandomBaseMotion | RandomLoad]:
         """All random excitation, by its path."""
-        found: dict[str, RandomBaseMotion | RandomLoad] = {}
-        if isinstance(self.base_motion, RandomBaseMotion):
-            found["base_motion"] = self.base_motion
-        return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RandomLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
 
     def reseeded(self, seed: int) -> Problem:
         """The problem with another realisation of all random excitation.
@@ -304,9 +288,7 @@ class Problem(Part):
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
-        if any(_outside_the_beam(made, ("point_loads",))) or any(
-            faults_of_excitation(made.base_motion, made.point_loads)
-        ):
+        if any(_outside_the_beam(made, ("point_loads",))) or any(faults_of_excitation(made._excitation)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
@@ -344,21 +326,13 @@ class Problem(Part):
         return made
 
 
-def _angular_frequencies(problem: Problem) -> dict[str, float]:
-    """Angular frequencies, rad/s, of base motion and periodic loads that are not zero, by their paths."""
-    base, loads = problem.base_motion, problem.point_loads
-    found: dict[str, float] = {}
-    if not (base is None or isinstance(base, Record | Random)) and _moves(base.waves):
-        found["base_motion"] = base.angular_frequency
-    for i, load in enumerate(loads):
-        if not isinstance(load, StepLoad | Record | Random) and _moves(load.waves):
-            found[f"point_loads[{i}]"] = load.angular_frequency
-    return found
-
-
-def _moves(waves: tuple[Wave, ...]) -> bool:
-    """Whether a wave has an amplitude."""
-    return any(wave.amplitude for wave in waves)
+def _angular_frequencies(parts: Mapping[str, AnyBaseMotion | PointLoad]) -> dict[str, float]:
+    """Angular frequencies, rad/s, of the periodic parts of an excitation that are not zero, by their paths."""
+    return {
+        path: part.angular_frequency
+        for path, part in parts.items()
+        if not isinstance(part, StepLoad | Record | Random) and any(wave.amplitude for wave in part.waves)
+    }
 
 
 def _outside_the_beam(

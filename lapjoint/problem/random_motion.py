@@ -10,7 +10,7 @@ from __future__ import annotations
 import warnings
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -69,6 +69,8 @@ LARGEST_SEED = 2**63 - 1
 class Random(Part):
     """A stationary Gaussian signal by its power spectral density."""
 
+    waves: ClassVar[tuple[()]] = ()
+    """The waves of which it consists: none."""
     psd: Annotated[
         tuple[tuple[Positive, Positive], ...], _AtLeastTwo, BeforeValidator(_in_pairs), AfterValidator(_ascending)
     ]
@@ -149,11 +151,6 @@ class Random(Part):
         """Root mean square by the density, m/s2 or N."""
         return float(np.sqrt(self.density.moment(0)))
 
-    @property
-    def waves(self) -> tuple[Any, ...]:
-        """The waves of which it consists: none."""
-        return ()
-
     def _realisation(self, part: int) -> Realisation:
         return Realisation(self.density, self.samples_per_second, self.seed, part)
 
@@ -182,20 +179,7 @@ class RandomBaseMotion(Random):
         return self._realisation(0)
 
     def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """y(t), or a derivative of it, stationary as the acceleration is.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, from 0 on.
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            m, m/s or m/s2.
-        """
+        """y(t), stationary as the acceleration is, or a t-derivative. See `RecordBaseMotion.at`."""
         return self.realisation.at(t, 2 - derivative)
 
     @property
@@ -208,6 +192,8 @@ class RandomBaseMotion(Random):
 class RandomLoad(Random):
     """A random transverse force at a point, with a given density."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["random"] = "random"
     x: NonNegative
     """Position, m, within the beam."""
@@ -215,11 +201,6 @@ class RandomLoad(Random):
     @property
     def _measured(self) -> Literal["acceleration", "force"]:
         return "force"
-
-    @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
 
     def realisation(self, number: int) -> Realisation:
         """The force.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
@@ -44,6 +44,8 @@ EVEN = 0.9
 class Record(Part):
     """Samples over time, from a CSV file or from arrays."""
 
+    waves: ClassVar[tuple[()]] = ()
+    """The waves of which it consists: none."""
     file: str | None = None
     """CSV file, relative to the folder of the problem file; or else values."""
     column: Annotated[Whole | str | None, Field(union_mode="left_to_right")] = None
@@ -215,11 +217,6 @@ class Record(Part):
             return self.values.digest
         return Samples(np.concatenate([self.values.array, self.times.array])).digest
 
-    @property
-    def waves(self) -> tuple[Any, ...]:
-        """The waves of which it consists: none."""
-        return ()
-
 
 class RecordBaseMotion(Record):
     """Recorded motion of the base: acceleration, velocity or displacement over time."""
@@ -280,6 +277,8 @@ class RecordBaseMotion(Record):
 class RecordLoad(Record):
     """A recorded transverse force at a point."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["record"] = "record"
     x: NonNegative
     """Position, m, within the beam."""
@@ -287,11 +286,6 @@ class RecordLoad(Record):
     @property
     def _measured(self) -> str:
         return "force"
-
-    @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
 
     @property
     def force(self) -> FloatArray:
