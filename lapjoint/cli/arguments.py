@@ -15,13 +15,13 @@ from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import DRAWINGS, large_allowed
+from lapjoint.cli.options import DRAWINGS, SolverChoice, large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
-from lapjoint.problem.override import override, toml_value
+from lapjoint.problem.override import override
 from lapjoint.problem.presets import PRESETS
 from lapjoint.scene.frame_times import check_frames
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 
 MOST_STOPS = 100
 """Largest number of stops that is taken without being asked for: more take minutes."""
@@ -53,35 +53,16 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
     return found
 
 
-def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
-    """The solver with this name, with the numerical options given."""
-    return make_solver(solver_name, **options_from(n_modes, elements, options))
-
-
 def named_solver(text: str) -> Solver:
     """A solver as one option names it: NAME, or NAME:KEY=VALUE,KEY=VALUE with its numerical options."""
     name, colon, options = text.partition(":")
-    return make_solver(name, **options_from(None, None, tuple(options.split(",")) if colon else ()))
+    return SolverChoice(name, options=tuple(options.split(",")) if colon else ()).make()
 
 
 def other_name(text: str, taken: Collection[str]) -> str:
     """A short name for the solver that `text` names, different from those taken."""
     name = text.partition(":")[0]
     return name if name not in taken else f"{name}-2"
-
-
-def options_from(n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> dict[str, Any]:
-    """The numerical options given."""
-    chosen: dict[str, Any] = {}
-    for option in options:
-        key, equals, value = option.partition("=")
-        if not equals or not key.strip():
-            raise InputError(f"--option {option}: must be key=value")
-        chosen[key.strip().replace("-", "_")] = toml_value(value)
-    for key, number in (("n_modes", n_modes), ("elements", elements)):
-        if number is not None:
-            chosen[key] = number
-    return chosen
 
 
 def axes_from(

@@ -11,6 +11,7 @@ from lapjoint.cli.motions import find_motion, find_steady_state
 from lapjoint.cli.options import (
     DRAWINGS,
     FIGURES,
+    SolverChoice,
     errors_option,
     figure_options,
     problem_options,
@@ -44,8 +45,7 @@ def modes(
     hz: bool,
     json_path: str | None,
     figure: str | None,
-    n_modes: int | None,
-    **solver: Any,
+    solver: SolverChoice,
 ) -> None:
     """Print natural frequencies of the contact states of PROBLEM, the lowest 6 or as many as --modes says."""
     from lapjoint.cli import arguments, printing
@@ -55,8 +55,8 @@ def modes(
     arguments.check_file("--json", json_path)
     this = arguments.problem_from(problem, overrides)
     states = arguments.states_from(this, state)
-    answering = arguments.solver_from(n_modes=None, **solver)
-    answers = [answering.modes(this, one, MODES if n_modes is None else n_modes) for one in states]
+    answering = solver._replace(n_modes=None).make()
+    answers = [answering.modes(this, one, MODES if solver.n_modes is None else solver.n_modes) for one in states]
     printing.print_modes(this, answering.name, answers, hz)
     if json_path:
         printing.write_json(json_path, printing.modes_summary(this, answering.name, answers))
@@ -89,7 +89,7 @@ def simulate(
     rate: float | None,
     figure: str | None,
     draw: str | None,
-    **solver: Any,
+    solver: SolverChoice,
 ) -> None:
     """Simulate PROBLEM from its initial state, and print its contacts."""
     from lapjoint.cli import arguments, printing
@@ -102,7 +102,7 @@ def simulate(
     places = arguments.drawing_from(this, figure, draw, at, series_path is not None)
     lasting = arguments.duration_of(this, duration)
     wanted = arguments.series_from(this, series_path, at, quantity, rate, lasting)
-    history = find_motion(this, arguments.solver_from(**solver), lasting, errors)
+    history = find_motion(this, solver.make(), lasting, errors)
     printing.print_history(history)
     write_results(history, contacts_path, series_path, wanted, figure, draw, places)
 
@@ -129,7 +129,7 @@ def steady(
     figure: str | None,
     draw: str | None,
     json_path: str | None,
-    **solver: Any,
+    solver: SolverChoice,
 ) -> None:
     """Find the steady state of PROBLEM, and print the impulse of each stop over one excitation period."""
     from lapjoint import Outcome
@@ -143,7 +143,7 @@ def steady(
     places = arguments.drawing_from(this, figure, draw, at, True)
     wanted = arguments.series_from(this, series_path, at, quantity, rate, None)
     shown = None if at is None else [this.require_position(x) for x in arguments.places_from(at)]
-    found = find_steady_state(this, arguments.solver_from(**solver), errors)
+    found = find_steady_state(this, solver.make(), errors)
     printing.print_steady_state(found, shown)
     write_results(found.history, contacts_path, series_path, wanted, figure, draw, places)
     if json_path:

@@ -9,7 +9,7 @@ import click
 
 from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import FIGURES, campaign_options, problem_options, solver_options
+from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, problem_options, solver_options
 
 
 @click.command()
@@ -26,14 +26,6 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
     metavar="PATH=VALUES",
     help="Change another number of the problem too, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
     "damping.ratio=0.02,0.08; repeatable: all combinations.",
-)
-@click.option(
-    "-o",
-    "--out",
-    required=True,
-    metavar="FILE",
-    type=FILE,
-    help="Where the dataset goes: .nc; resumed if not finished.",
 )
 @click.option(
     "--start",
@@ -57,29 +49,23 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
     help="Further variables of each motion: <quantity>_peak or <quantity>_rms, the largest along the beam, as "
     "stress_peak; force_peak, force_rms, contact_time and contact_rate of each stop.",
 )
-@campaign_options
+@campaign_options(out_required=True)
 def sweep(
     problem: str,
     overrides: tuple[str, ...],
-    solver_name: str,
-    n_modes: int | None,
-    elements: int | None,
-    options: tuple[str, ...],
     first: float | None,
     last: float | None,
     step: float,
     hz: bool,
     fields: tuple[str, ...],
-    out: str,
     start: Literal["rest", "up", "down", "random"],
     starts: int,
     seed: int,
     sensitivity: bool,
     errors: bool,
     summary: str | None,
-    workers: int,
-    scheduler: str | None,
-    force: bool,
+    solver: SolverChoice,
+    work: Work,
 ) -> None:
     """Find the steady state of PROBLEM at every point of a grid: excitation frequencies, or any of its numbers.
 
@@ -89,15 +75,12 @@ def sweep(
     from lapjoint.cli import arguments, printing
     from lapjoint.cli.finding import found_or_stored
 
-    arguments.check_file("--out", out, ".nc")
+    arguments.check_file("--out", work.out, ".nc")
     axes = arguments.axes_from(first, last, step, fields, hz)
     this = arguments.problem_from(problem, overrides)
-    numerics = arguments.options_from(n_modes, elements, options)
     further = () if summary is None else arguments.names_from(summary)
-    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors, further)
-    found = found_or_stored(
-        plan, "sweep", "this sweep", solve, out=out, force=force, workers=workers, scheduler=scheduler
-    )
+    plan = Plan(Grid(this, axes), solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
+    found = found_or_stored(plan, "sweep", "this sweep", solve, work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
 
