@@ -15,7 +15,7 @@ from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import DRAWINGS, SolverChoice, large_allowed
+from lapjoint.cli.options import DRAWINGS, FIGURES, AnswerFiles, SolverChoice, large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
 from lapjoint.problem.override import override
@@ -201,17 +201,22 @@ def places_from(text: str) -> list[float]:
     raise InputError(f"--at {text}: must be x= and numbers with commas between them, in m, as in x=2.5,1.25")
 
 
-def series_from(
-    problem: Problem, path: str | None, at: str | None, quantity: str | None, rate: float | None, duration: float | None
-) -> dict[str, Any]:
-    """What `time_series` is to take, refused before any work is done where it could not be written after it."""
-    if path is None:
-        refuse("no series is written without --series FILE", quantity=quantity, rate=rate)
+def check_answer_files(files: AnswerFiles) -> None:
+    """Refuse, before any work is done, names of files that could not be written after it."""
+    check_file("--contacts", files.contacts, ".csv", ".json")
+    check_file("--series", files.series, ".nc", ".csv")
+    check_file("--figure", files.figure, *FIGURES)
+
+
+def series_from(problem: Problem, files: AnswerFiles, duration: float | None) -> dict[str, Any]:
+    """The arguments of `time_series`, refused before any work is done if they are impossible."""
+    if files.series is None:
+        refuse("no series is written without --series FILE", quantity=files.quantity, rate=files.rate)
         return {}
     wanted: dict[str, Any] = {
-        "at": None if at is None else places_from(at),
-        "quantities": None if quantity is None else names_from(quantity),
-        "rate": rate,
+        "at": None if files.at is None else places_from(files.at),
+        "quantities": None if files.quantity is None else names_from(files.quantity),
+        "rate": files.rate,
     }
     check_series(problem, **wanted, duration=duration)
     return wanted
@@ -251,20 +256,19 @@ def _followed(option: str, path: str) -> Path:
         raise OutputError(f"{option} {path}: cannot be written: {error}") from None
 
 
-def drawing_from(
-    problem: Problem, figure: str | None, draw: str | None, at: str | None, elsewhere: bool
-) -> dict[str, Any]:
-    """The places that a figure is to take, with all that could not be drawn refused before any work is done.
+def drawing_from(problem: Problem, files: AnswerFiles, elsewhere: bool) -> dict[str, Any]:
+    """The arguments of a figure: its places; refused before any work is done if it cannot be drawn.
 
-    `elsewhere` says whether the places mean something without a figure too.
+    `elsewhere` says whether --at means something without a figure, too.
     """
-    if draw and not figure:
+    draw, at = files.draw, files.at
+    if draw and not files.figure:
         raise InputError(f"--draw {draw}: nothing is drawn without --figure FILE")
     if draw == "poincare":
         problem.require_excitation_frequency("--draw poincare")
     name = draw or "motion"
     most = DRAWINGS[name].most_places
-    if at is None or not figure or not most:
+    if at is None or not files.figure or not most:
         if not elsewhere:
             refuse("there is neither a series nor a figure that shows places", at=at)
         return {}

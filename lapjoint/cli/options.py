@@ -79,6 +79,20 @@ class MotionChoice(NamedTuple):
     """A second solver, ``NAME`` or ``NAME:KEY=VALUE,...``, whose motion stands beside."""
 
 
+class AnswerFiles(NamedTuple):
+    """The files to which an answer is written, and their contents."""
+
+    contacts: str | None
+    series: str | None
+    at: str | None
+    """Places of the series and of the figure, as ``x=2.5,1.25``."""
+    quantity: str | None
+    rate: float | None
+    figure: str | None
+    draw: str | None
+    """The figure, a name of `DRAWINGS`."""
+
+
 class Work(NamedTuple):
     """Where a campaign's dataset goes, and who does the work."""
 
@@ -168,7 +182,8 @@ def solver_options_with(default: str, help_text: str) -> Callable[[Command], Com
 
 solver_options = solver_options_with("analytic", "analytic, fe, or another installed.")
 
-figure_options = together(
+answer_options = together(
+    as_one(AnswerFiles, "files"),
     click.option(
         "--draw",
         type=click.Choice(list(DRAWINGS)),
@@ -176,14 +191,15 @@ figure_options = together(
         "contacts, contact states over time, or amplitude spectrum.",
     ),
     click.option("--figure", metavar="FILE", type=FILE, help="Draw the answer to FILE: .png, .svg or .pdf."),
-)
-"""--figure, and --draw to say what it shows."""
-
-series_options = together(
+    click.option(
+        "--errors/--no-errors",
+        default=True,
+        show_default=True,
+        help="Estimate the numerical errors too; takes up to as long again.",
+    ),
     click.option("--rate", type=float, metavar="HZ", help="Samples a second of --series.  [default: by its modes]"),
     click.option(
         "--quantity",
-        "quantity",
         metavar="NAME,NAME,..",
         help="What --series holds: displacement, velocity, acceleration (relative to the base), absolute_displacement, "
         "absolute_velocity, absolute_acceleration, moment, shear, stress, force (of each stop).  "
@@ -195,9 +211,10 @@ series_options = together(
         help="Places of --series, of a figure, and of what steady prints, m.  [default: the stops and the free ends; "
         "of a spectrum, where it moves most]",
     ),
-    click.option("--series", "series_path", metavar="FILE", type=FILE, help="Write time series to FILE: .nc or .csv."),
+    click.option("--series", "series", metavar="FILE", type=FILE, help="Write time series to FILE: .nc or .csv."),
+    click.option("--contacts", metavar="FILE", type=FILE, help="Write all contacts to FILE: .csv or .json."),
 )
-"""--series, and what it holds."""
+"""The files of an answer, the argument ``files`` of a command, an `AnswerFiles`, and --errors."""
 
 
 def campaign_options(out_required: bool) -> Callable[[Command], Command]:
@@ -221,14 +238,6 @@ def campaign_options(out_required: bool) -> Callable[[Command], Command]:
         ),
     )
 
-
-errors_option = click.option(
-    "--errors/--no-errors",
-    default=True,
-    show_default=True,
-    help="Estimate the numerical errors too; takes up to as long again.",
-)
-"""--errors, on by default for one problem."""
 
 motion_options = together(
     as_one(MotionChoice, "motion"),
