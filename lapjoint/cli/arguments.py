@@ -1,4 +1,4 @@
-"""What a person chose on the command line: the problem, the solver, contact states, and files to write."""
+"""The meaning of arguments: the problem, the solver, axes, contact states, places, and files to write."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from lapjoint.scene.frame_times import check_frames
 from lapjoint.solver import Solver
 
 MOST_STOPS = 100
-"""Largest number of stops that is taken without being asked for: more take minutes."""
+"""Largest number of stops without --large: more take minutes."""
 STOPS_NAMED = 20
 """Largest number of stops that a message names."""
 
 
 def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
-    """The problem in a TOML file or a preset, with the changes asked for by ``--set``."""
+    """The problem in a TOML file or a preset, with the changes by ``--set``."""
     kind, colon, name = source.partition(":")
     if kind == "preset" and colon:
         if name not in PRESETS:
@@ -136,10 +136,9 @@ def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
 
 
 def _closed_stops(text: str, names: Sequence[str]) -> list[tuple[int, ...]]:
-    """The ways in which a text is a list of names joined by ``+``, which may be in names too, as indices.
+    """Up to two readings of a text as names of stops joined by ``+``, which names may contain, too; as indices.
 
-    A name in quotes is that of one stop.  Different spellings of one set of stops are one way; more than two are not
-    looked for.
+    A name in quotes is that of one stop.  Different spellings of one set of stops are one reading.
     """
     number = dict(zip((name.strip() for name in names), range(len(names)), strict=True))
     longest = 1 + max((name.count("+") for name in names), default=0)
@@ -179,7 +178,7 @@ def size_from(text: str | None) -> tuple[int, int] | None:
 
 
 def refuse(reason: str, **given: object) -> None:
-    """Refuse options that mean nothing here: those whose value is neither None nor False."""
+    """Refuse options that are given, with a value other than None and False, but mean nothing here."""
     for name, value in given.items():
         if value is not None and value is not False:
             raise InputError(f"--{name.replace('_', '-')}: {reason}; leave it out")

@@ -26,13 +26,13 @@ from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, 
     metavar="A:A,B:B",
     help="First and last value of A and of B, m or m/s, as in -0.1:0.1,-20:20.  [default: by base motion and gap]",
 )
-@click.option("--energy", type=float, metavar="J", help="Random starts instead, of at most this energy.")
+@click.option("--energy", type=float, metavar="J", help="Random starts of at most this energy, instead of a plane.")
 @click.option("--starts", type=int, help="Number of random starts.  [default: 1000]")
 @click.option("--seed", type=int, help="Seed of the random starts.  [default: 0]")
-@click.option("--over", metavar="PATH", help="A number of the problem, as --set takes it: all this for each value.")
-@click.option("--from", "first", type=float, help="Its first value.")
-@click.option("--to", "last", type=float, help="Its last value.")
-@click.option("--values", type=int, help="Number of its values.")
+@click.option("--over", metavar="PATH", help="A parameter, as --set takes it: find the basins at each of its values.")
+@click.option("--from", "first", type=float, help="First value of the parameter.")
+@click.option("--to", "last", type=float, help="Last value of the parameter.")
+@click.option("--values", type=int, help="Number of values of the parameter.")
 @click.option("--effort", type=int, metavar="PERIODS", help="Most periods marched from a start.  [default: 4000]")
 @click.option("--figure", metavar="FILE", type=FILE, help="Draw the basins to FILE: .png, .svg or .pdf.")
 @campaign_options(out_required=True)

@@ -1,4 +1,4 @@
-"""The command ``lapjoint branch``: periodic motions followed while a number of the problem changes."""
+"""The command ``lapjoint branch``: continuation of periodic motions in a parameter of the problem."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     default="base_motion.angular_frequency",
     show_default=True,
     metavar="PATH",
-    help="The number of the problem that changes, as in stops.*.gap.",
+    help="The parameter that changes, as in stops.*.gap.",
 )
 @click.option("--from", "first", type=float, required=True, help="One end of its range, SI units.")
 @click.option("--to", "last", type=float, required=True, help="The other end.")
@@ -47,13 +47,13 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     type=int,
     default=100_000,
     show_default=True,
-    help="Follow no further branch once all have so many points, each counted by its period multiple.",
+    help="Points of all branches, each times its period multiple, after which no further branch is followed.",
 )
 @click.option(
     "--also-over",
     "second",
     metavar="PATH=VALUES",
-    help="Do all this for values of another number, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    help="Do all this for values of a second parameter, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
     "damping.ratio=0.02,0.08: the loci of bifurcations in both.",
 )
 @campaign_options(out_required=True)
@@ -73,10 +73,10 @@ def branch(
     solver: SolverChoice,
     work: Work,
 ) -> None:
-    """Follow the periodic motions of PROBLEM, stable or not, while one of its numbers changes.
+    """Follow the periodic motions of PROBLEM, stable or not, while one of its parameters changes.
 
     Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located; with --also-over, their loci in
-    two numbers.  Interrupted in any way, the same command resumes.
+    two parameters.  Interrupted in any way, the same command resumes.
     """
     from lapjoint.campaigns.branches.running import find_branches
     from lapjoint.campaigns.branches.spec import BranchSpec

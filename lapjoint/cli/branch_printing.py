@@ -1,4 +1,4 @@
-"""What the command line prints of branches."""
+"""Branches as the command line shows them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 ROWS_SHOWN = 40
 _AT_END = 1e-9
-"""Distance from an end of the range, over its size, up to which a point is at it."""
+"""Distance from an end of the range, over the size of the range, within which a point is at the end."""
 
 
 def is_whole(dataset: xr.Dataset) -> bool:
-    """Whether branches were found, and all that began was followed to its end."""
+    """Whether branches were found, and all were followed to their ends."""
     ends = {*dataset.branch_first_end.values, *dataset.branch_last_end.values}
     failed = int(dataset.sizes.get("failure", 0))
     return bool(ends) and not ends & {"lost", "effort", "contacts"} and not int(dataset.left_out.sum()) and not failed
@@ -53,7 +53,7 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
 
 
 def _print_ends_without_motion(dataset: xr.Dataset) -> None:
-    """The ends of the range to which no branch comes, though a march from rest has begun at each."""
+    """Print the ends of the range that no branch reaches, though a march from rest began there."""
     values, most = dataset[number_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
     repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
     missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
@@ -63,7 +63,7 @@ def _print_ends_without_motion(dataset: xr.Dataset) -> None:
 
 
 def _print_loci(dataset: xr.Dataset) -> None:
-    """The longest loci first, each in a line with both its ends."""
+    """Print each locus in a line with both its ends, the longest first."""
     second = dataset[second_number_of(dataset)]
     locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
     found = "loci:" if locus.size else "no bifurcations"

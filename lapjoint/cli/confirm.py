@@ -1,4 +1,4 @@
-"""The command ``lapjoint confirm``: bifurcations of branches looked for by another solver."""
+"""The command ``lapjoint confirm``: another solver looks for the bifurcations of branches."""
 
 from __future__ import annotations
 

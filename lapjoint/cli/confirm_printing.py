@@ -1,4 +1,4 @@
-"""What the command line prints of a confirmation."""
+"""A confirmation as the command line shows it."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def disagreement_text(dataset: xr.Dataset, j: int) -> str:
 
 
 def _largest(dataset: xr.Dataset, mine: np.ndarray) -> list[str]:
-    """The largest ratio, and the largest stated errors over the value by both solvers."""
+    """The largest ratio, and the largest stated errors of both solvers over the value."""
     found = mine & np.isfinite(dataset.ratio.values)
     if not found.any():
         return ["-", "-"]

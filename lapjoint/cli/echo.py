@@ -1,4 +1,4 @@
-"""Printing for the commands: what a terminal would take for a control sequence is printed as text."""
+"""Printing for the commands: control sequences are printed as text."""
 
 from __future__ import annotations
 

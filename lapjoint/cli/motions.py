@@ -33,7 +33,7 @@ def find_motions(
     motion: MotionChoice,
     solver: SolverChoice,
 ) -> dict[str, History]:
-    """The motion asked for, by the name of its solver, and that of the solver beside it."""
+    """The chosen motion by the name of its solver, and that of the second solver, if any."""
     from lapjoint.cli import arguments
     from lapjoint.errors import InputError
 

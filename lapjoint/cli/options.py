@@ -146,7 +146,7 @@ problem_options = together(
     ),
     click.argument("problem", type=PROBLEM),
 )
-"""PROBLEM, --set to change parts of it, and --large to allow what takes long or much room."""
+"""PROBLEM, --set to change values of it, and --large to allow much time or room."""
 
 
 def as_one(record: type[Any], name: str) -> Callable[[Command], Command]:

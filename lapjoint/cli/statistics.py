@@ -1,4 +1,4 @@
-"""The command ``lapjoint statistics``: what is read off long motions, with intervals."""
+"""The command ``lapjoint statistics``: statistics of long motions, with intervals."""
 
 from __future__ import annotations
 
@@ -11,18 +11,22 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
 @click.command()
 @problem_options
 @solver_options
-@click.option("--duration", type=float, help="Of each motion, s, its start included; by default a record's.")
-@click.option("--seeds", type=int, default=1, show_default=True, help="Realisations of what is random.")
+@click.option("--duration", type=float, help="Duration of each motion, s, its start included; by default a record's.")
+@click.option("--seeds", type=int, default=1, show_default=True, help="Number of realisations of random excitation.")
 @click.option("--at", metavar="x=X,X,..", help="Places, m.  [default: the stops and the free ends]")
 @click.option(
     "--quantity",
     metavar="NAME,NAME,..",
-    help="What is looked at there: displacement, velocity, acceleration (relative to the base), absolute_displacement, "
-    "absolute_velocity, absolute_acceleration, moment, shear, stress.  [default: displacement, velocity, "
+    help="Quantities at these places: displacement, velocity, acceleration (relative to the base), "
+    "absolute_displacement, absolute_velocity, absolute_acceleration, moment, shear, stress.  [default: displacement, velocity, "
     "absolute_acceleration, moment, stress]",
 )
-@click.option("--settle", type=float, help="Start that is left out, s.  [default: 7 decay times of the slowest mode]")
-@click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in its period]")
+@click.option(
+    "--settle",
+    type=float,
+    help="Length of the start that is left out, s.  [default: 7 decay times of the slowest mode]",
+)
+@click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in the slowest mode's period]")
 @click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the statistics to FILE as JSON too.")
 @campaign_options(out_required=False)
 def statistics(

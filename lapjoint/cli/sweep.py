@@ -1,4 +1,4 @@
-"""The commands ``lapjoint sweep`` and ``lapjoint plot``: many answers, and the curve that they make."""
+"""The commands ``lapjoint sweep`` and ``lapjoint plot``: many steady states, and their figures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, 
     "fields",
     multiple=True,
     metavar="PATH=VALUES",
-    help="Change another number of the problem too, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    help="Another parameter of the problem, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
     "damping.ratio=0.02,0.08; repeatable: all combinations.",
 )
 @click.option(
@@ -32,8 +32,8 @@ from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, 
     type=click.Choice(["rest", "up", "down", "random"]),
     default="rest",
     show_default=True,
-    help="Where each motion starts: from the problem's initial state; from where the one before it settled, along "
-    "the first axis upwards or downwards; from random states.",
+    help="Where each motion starts: at the problem's initial state; where the motion before it settled, along the "
+    "first axis upwards or downwards; at random states.",
 )
 @click.option("--starts", type=int, default=1, show_default=True, help="Starts at each point; further ones are random.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random states.")
@@ -67,7 +67,7 @@ def sweep(
     solver: SolverChoice,
     work: Work,
 ) -> None:
-    """Find the steady state of PROBLEM at every point of a grid: excitation frequencies, or any of its numbers.
+    """Find the steady state of PROBLEM at every point of a grid of excitation frequencies or other parameters.
 
     Interrupted in any way, the same command resumes.
     """
@@ -95,12 +95,12 @@ def sweep(
 @click.option(
     "--variable",
     metavar="NAME",
-    help="Of a sweep, draw this instead of the impulses: what its --summary put into CURVE, as stress_peak.",
+    help="Variable of a sweep to draw in place of the impulses, as stress_peak if --summary put it into CURVE.",
 )
 def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | None) -> None:
-    """Draw what a sweep, `lapjoint branch` or `lapjoint basins` found, from its file CURVE.
+    """Draw the results of `lapjoint sweep`, `lapjoint branch` or `lapjoint basins` from their file CURVE.
 
-    Of a sweep and of branches, the impulse of each stop over what was changed; of branches in two numbers, the loci of
+    Of a sweep and of branches, the impulse of each stop over the parameter; of branches in two parameters, the loci of
     their bifurcations; of basins, which motion each start ends in, or the share of each motion.
     """
     from lapjoint.campaigns.basin_plan import BasinPlan
