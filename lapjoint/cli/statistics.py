@@ -18,8 +18,8 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     "--quantity",
     metavar="NAME,NAME,..",
     help="Quantities at these places: displacement, velocity, acceleration (relative to the base), "
-    "absolute_displacement, absolute_velocity, absolute_acceleration, moment, shear, stress.  [default: displacement, velocity, "
-    "absolute_acceleration, moment, stress]",
+    "absolute_displacement, absolute_velocity, absolute_acceleration, moment, shear, stress.  [default: displacement, "
+    "velocity, absolute_acceleration, moment, stress]",
 )
 @click.option(
     "--settle",
