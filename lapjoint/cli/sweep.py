@@ -10,6 +10,7 @@ import click
 from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, problem_options, solver_options
+from lapjoint.errors import InputError
 
 
 @click.command()
@@ -111,6 +112,8 @@ def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | N
     from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_curve, plot_curve_wide, plot_loci, save
     from lapjoint.figures.sweep_variables import IMPULSE
 
+    if not Path(curve).name:
+        raise InputError(f"{curve!r}: is no file")
     path = figure or str(Path(curve).with_suffix(".pdf"))
     arguments.check_file("--out", path, *FIGURES)
     dataset = read_result(curve, Plan.noun, BranchSpec.noun, BasinPlan.noun)
