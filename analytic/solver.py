@@ -23,13 +23,14 @@ if TYPE_CHECKING:
     from lapjoint.orbits.orbit_errors import FinerMap
     from lapjoint.orbits.refinement import Refinement
 
-MOST_MODES = 500  # in a contact state; work and memory grow with the square of the number
+MOST_MODES = 500  # most modes in a contact state; work and memory grow with the square of the number
 FINER = 1.5
-"""Times as many modes of the solver that errors are estimated by: with fewer, more errors are stated too small."""
+"""Ratio of numbers of modes between the solver that errors are estimated by and this one: below it, more errors are
+stated too small."""
 LEAST_FINER = 1.2
-"""Times as many modes as there must be at least: the limit on modes may not leave room for more."""
+"""Least such ratio with which errors are estimated, where the limit on modes leaves room for no more."""
 ORDER = 4.0
-"""Power of the number of modes with which errors of impulses fall at least; mostly it is the sixth."""
+"""Least power of the number of modes with which errors of impulses fall; mostly it is the sixth."""
 
 
 @dataclass(frozen=True)
@@ -264,9 +265,8 @@ class Solver:
         )
 
     def _finer(self, counts: tuple[int, int]) -> tuple[Solver, float] | None:
-        """This solver with more modes than `counts`, to estimate its errors by, and how many times as many.
-
-        None if these are nearly all that there may be.
+        """This solver with `FINER` times as many modes as `counts`, and the ratio; None if nearly all modes
+        are in use.
         """
         free, contact = (min(math.ceil(count * FINER), MOST_MODES) for count in counts)
         ratio = min(free / counts[0], contact / counts[1])
@@ -284,7 +284,7 @@ class Solver:
         return lambda: FinerMap(refinement, finer._period_map(problem, BELOW))
 
     def _with_errors(self, motion: History, counts: tuple[int, int], duration: float) -> History:
-        """A march with the errors of its contacts."""
+        """A march with the estimated errors of its contacts."""
         from analytic import answers
         from analytic.march.oscillator import BELOW
         from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
@@ -368,19 +368,6 @@ class Solver:
 
 
 def check_count(field: str, value: object) -> None:
-    """Raise an error unless a value is a number of modes that can be had.
-
-    Parameters
-    ----------
-    field : str
-        What the number is called in the message.
-    value : object
-        The value; it must be an integer from 1 to `MOST_MODES`.
-
-    Raises
-    ------
-    InputError
-        If it is not.
-    """
+    """Raise `InputError` unless a value, called `field` in the message, is an integer from 1 to `MOST_MODES`."""
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_MODES:
         raise InputError(f"{field} = {value!r}: the analytic solver takes an integer from 1 to {MOST_MODES}")

@@ -21,11 +21,11 @@ from lapjoint.answers import Field, History
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
-_AT_ONCE = 2**20  # numbers: coordinates that are held at once, 8 MB for each time derivative
-_LARGEST = 2048  # times in one matrix of terms, so that what is held for them stays below 20 MB with 500 modes
+_AT_ONCE = 2**20  # number of coordinates held at once, 8 MB for each time derivative
+_LARGEST = 2048  # times in one matrix of terms, which keeps it below 20 MB with 500 modes
 
 
-class Part(NamedTuple):
+class TimesInState(NamedTuple):
     """Times at which the motion is in one state, and the modal coordinates then."""
 
     state: ContactState
@@ -44,7 +44,7 @@ class _Latest(NamedTuple):
 
     t: FloatArray
     """The times, s, shape ``(m,)``."""
-    parts: dict[int, list[Part]]
+    parts: dict[int, list[TimesInState]]
     """The parts of the motion by the order of the time derivative."""
 
 
@@ -74,7 +74,7 @@ class ModalField:
     def __getstate__(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def _parts(self, t: FloatArray, dt: int) -> list[Part]:
+    def _parts(self, t: FloatArray, dt: int) -> list[TimesInState]:
         """The motion at given times, state by state; taken from the latest where it is that."""
         latest: _Latest | None = self.__dict__.get("_latest")
         if latest is None or not np.array_equal(latest.t, t):
@@ -88,18 +88,18 @@ class ModalField:
                 latest.parts.update(enumerate(self._on_ramps(self._ramps, which, t)))
         return latest.parts[dt]
 
-    def _in_states(self, which: IntArray, t: FloatArray, dt: int) -> list[Part]:
+    def _in_states(self, which: IntArray, t: FloatArray, dt: int) -> list[TimesInState]:
         """Where no force is sampled: the motion at the times ``(m,)`` in segments ``(m,)``."""
         found, slot_at = [], self.log.slot[which]
         for slot in np.unique(slot_at).tolist():
             everywhere = np.flatnonzero(slot_at == slot)
             for here in np.split(everywhere, range(_LARGEST, everywhere.size, _LARGEST)):
                 q = self._coordinates(slot, which[here], t[here], dt)
-                found.append(Part(self.joint.state_in(slot), here, which[here], q, np.zeros((0, here.size))))
+                found.append(TimesInState(self.joint.state_in(slot), here, which[here], q, np.zeros((0, here.size))))
         return found
 
-    def _rest(self, part: Part, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        """What the modes leave out of z, or of a derivative of it, at the times of a part, shape ``(n, m)``."""
+    def _rest(self, part: TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+        """The part of z, or of its derivative, that the modes leave out, at the times of `part`, shape ``(n, m)``."""
         harmonics = self.joint.harmonics
         omega = harmonics.omega[:, None]
         loads = omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2)
@@ -130,7 +130,7 @@ class ModalField:
         blocks = self.joint.problem.forces.ramps
         return None if blocks is None else ramp_tables(self.joint, blocks.block_at(float(self.log.start[0])))
 
-    def _on_ramps(self, made: RampTables, which: IntArray, t: FloatArray) -> list[list[Part]]:
+    def _on_ramps(self, made: RampTables, which: IntArray, t: FloatArray) -> list[list[TimesInState]]:
         """The motion and two time derivatives at times ``(m,)`` in segments ``(m,)``, block by block of the ramps."""
         order, log, blocks, first = np.lexsort((t, which)), self.log, self.joint.problem.forces.ramps, 0
         assert blocks is not None
@@ -145,11 +145,11 @@ class ModalField:
             first = here.stop
         force, slope = blocks.at(times)
         loads = np.stack([force, slope, np.zeros_like(force)])
-        parts: list[list[Part]] = [[], [], []]
+        parts: list[list[TimesInState]] = [[], [], []]
         for slot in np.unique(log.slot[at]).tolist():
             state, i, n = self.joint.state_in(slot), np.flatnonzero(log.slot[at] == slot), self.joint.tables.modes[slot]
             for dt in range(3):
-                parts[dt].append(Part(state, order[i], at[i], found[i, dt, :n].T, loads[dt, i].T))
+                parts[dt].append(TimesInState(state, order[i], at[i], found[i, dt, :n].T, loads[dt, i].T))
         return parts
 
 
@@ -163,23 +163,9 @@ def _forced(amplitude: ComplexArray, theta: ComplexArray, omega: FloatArray, s: 
 
 
 def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) -> History:
-    """A marched motion as a History.
+    """A motion of at least one segment, marched with `depth`, as a History of a solver called `name`.
 
-    Parameters
-    ----------
-    name : str
-        Name and options of the solver.
-    joint : Joint
-        What moves.
-    log : Log
-        The segments of the motion, at least one, marched with `depth`.
-    field : Field, optional
-        z(x, t) of the motion; by default a `ModalField`.
-
-    Returns
-    -------
-    History
-        The motion with its contacts.
+    `field` is z(x, t) of the motion, by default a `ModalField`.
     """
     switched = np.flatnonzero(log.stop[:-1] >= 0)
     states = {slot: joint.state_in(slot) for slot in np.unique(log.slot).tolist()}

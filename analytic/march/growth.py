@@ -1,5 +1,8 @@
-"""Deviations carried along with a march in one compiled call: over one, for Newton's method; over many periods, one
-deviation and its growth, for Lyapunov exponents."""
+"""Deviations carried along with a march in one compiled call.
+
+All deviations over one march serve Newton's method; one deviation and its growth over many periods serve Lyapunov
+exponents.
+"""
 
 from __future__ import annotations
 
@@ -32,32 +35,10 @@ class Growth(Periods):
 def march_linearised(
     joint: Joint, begin: Coordinates, end: float, deviations: FloatArray
 ) -> tuple[Coordinates, FloatArray]:
-    """March from the time 0 on, and carry deviations along.
+    """March from the time 0 to `end`, s, and carry deviations, ``(2 N_start, m)``, along; they end as ``(2 N_end, m)``.
 
-    It ends where `march` does, to the bit, but keeps no log.
-
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins, at the time 0.
-    end : float
-        When the march ends, s.
-    deviations : FloatArray, shape (2 N_start, m)
-        Deviations (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, as columns.
-
-    Returns
-    -------
-    Coordinates
-        Where the motion ends.
-    FloatArray, shape (2 N_end, m)
-        The deviations there.
-
-    Raises
-    ------
-    SolverError
-        If `MOST_SWITCHES` switches do not suffice, or the march makes no progress.
+    Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, are columns.  The motion ends where `march` does, to the bit, but no
+    log is kept.
     """
     motion, work, now, status = begun(joint, begin, 0.0), new_work(joint.tables), deviations.copy(), MISSING_SWITCH
     total, none = np.zeros((1, motion.total.size)), (np.zeros(0, dtype=np.int64), np.zeros((0, 2, motion.q.size)))
@@ -78,33 +59,10 @@ def measure_growth(
     *,
     max_switches: int = MOST_SWITCHES,
 ) -> Growth:
-    """March over whole periods, as `march_periods` does, and carry a deviation along.
+    """March over whole periods, as `march_periods` does, and carry a deviation (dq, dv), ``(2 N_start,)``, along.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins, at the time 0.
-    deviation : FloatArray, shape (2 N_start,)
-        (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, of any size but 0.  It is scaled to unit size,
-        |dq| + |dv| period / 2 pi = 1, at the start and at the end of each period.
-    period : float
-        The period, s.
-    count : int
-        Number of periods.
-    max_switches : int, optional
-        Most switches in all.
-
-    Returns
-    -------
-    Growth
-        The motion, with a section point at the end of every period, and the growth of the deviation.
-
-    Raises
-    ------
-    SolverError
-        If more than `max_switches` switches occur, or the march makes no progress.
+    The deviation, of any size but 0, is scaled to unit size, |dq| + |dv| period / 2 pi = 1 kg^1/2 m, at the start and
+    at the end of each period.  `period` is in s.
     """
     motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
     penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)

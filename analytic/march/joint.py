@@ -1,9 +1,8 @@
 """A joint: one problem with its numbers of modes, and the contact states that motions of it have met.
 
 A state gets a slot in the tables when a motion first reaches it: of the many sets of stops that could be closed, a
-motion meets few.  States that motions of the same family have met before have theirs from the start.  The tables are
-the joint's own, and grow in it only.  Which slot a state has depends on the motions before; what is in the slot does
-not.
+motion meets few.  States that motions of its structure have met before have slots from the start.  The tables belong to
+the joint alone.  Which slot a state has depends on the motions before; what is in the slot does not.
 """
 
 from __future__ import annotations
@@ -38,23 +37,15 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.problem import FloatArray, Problem
 
-_FEW_PLACES, _KEPT_PLACES = 64, 256
-"""Shapes at few places are kept, up to so many: with 20 modes 3 MB."""
+_FEW_POSITIONS, _MOST_KEPT = 64, 256
+"""Largest number of positions for which shapes are kept, and largest number of shapes kept: 3 MB with 20 modes."""
 
 
 class Joint:
     """A problem with numbers of modes in the free state, and in every other.
 
-    One motion at a time: two threads that march take a joint each.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    free_modes, contact_modes : int
-        Modes in the free state, and in every other.
-    side : float
-        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
+    One motion at a time: two threads that march take a joint each.  `side` says to which side of a load's frequency
+    undamped modes are moved, see `analytic.march.oscillator.away_from_resonance`.
     """
 
     def __init__(self, problem: Problem, free_modes: int, contact_modes: int, side: float = ABOVE) -> None:
@@ -71,7 +62,7 @@ class Joint:
         self.sizes = sizes
         """Factors of the unit loads, shape ``(1 + H + R,)``."""
         self._flat: dict[ContactState, FlatState] = {}
-        self._places: dict[tuple[Any, ...], FloatArray] = {}
+        self._kept_shapes: dict[tuple[Any, ...], FloatArray] = {}
         self.changes: dict[str, ExcitationChange | None] = {}
         """How the excitation changes with the numbers that have been asked for, by their paths."""
         self.tables: Tables
@@ -81,21 +72,10 @@ class Joint:
         self._fill_known(self.known)
 
     def driven(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> Joint:
-        """The same with an excitation of other frequencies and sizes.
+        """A joint of its own with an excitation of other frequencies, and sizes of the unit loads, ``(1 + H + R,)``.
 
-        Parameters
-        ----------
-        problem : callable
-            Gives the problem with it; called only where it is asked for.
-        harmonics : Harmonics
-            Its ``H`` harmonics, which act where those of this joint do.
-        sizes : FloatArray, shape (1 + H + R,)
-            Factors of the unit loads; the sampled ones are as here.
-
-        Returns
-        -------
-        Joint
-            A joint of its own.
+        `problem` gives the problem with that excitation, and is called only where the problem is asked for.  The
+        harmonics act where those of this joint do, and the sampled loads are those of this joint.
         """
         other = Joint.__new__(Joint)
         other.family, other.counts, other.stops, other.sampled = self.family, self.counts, self.stops, self.sampled
@@ -110,18 +90,7 @@ class Joint:
         return self._problem()
 
     def change_by(self, field: str) -> ExcitationChange | None:
-        """How the excitation changes with a number of the problem.
-
-        Parameters
-        ----------
-        field : str
-            Path of the number, as `lapjoint.orbits.parameters.excitation_change` takes it.
-
-        Returns
-        -------
-        ExcitationChange, or None
-            None if that is not known.
-        """
+        """How the excitation changes with a parameter, by its path, or None if that is not known."""
         if field not in self.changes:
             self.changes[field] = excitation_change(self.problem, field)
         return self.changes[field]
@@ -131,129 +100,50 @@ class Joint:
         return vars(self) | {"problem": self.problem, "_problem": None}
 
     def count(self, state: ContactState) -> int:
-        """Number of modes in a state.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        int
-            The number in the free state, or in every other.
-        """
+        """Number of modes in a state."""
         return count_in(state, self.counts)
 
     def modal(self, state: ContactState) -> ModalState:
-        """One contact state in modal form, for unit loads.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        ModalState
-            With as many modes as the joint has in this state.
-        """
+        """One contact state in modal form, for unit loads."""
         return modal_state(self.family, state, self.count(state))
 
     def residual(self, state: ContactState) -> Residual:
-        """The residual shapes of the loads as they are.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        Residual
-            1 + H + R shapes, m, the one of the constant load first, those of the sampled loads for each unit of load.
+        """The residual shapes, m, of the 1 + H + R loads as they are, the constant load first, sampled loads of unit
+        size.
         """
         return self.modal(state).residual.scaled(self.sizes)
 
     def shapes_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
-        """The modes of a state at places.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed, with ``N`` modes.
-        x : FloatArray, shape (n,)
-            Positions, m.
-        dx : int
-            Order of the x-derivative, 0 to 3.
-
-        Returns
-        -------
-        FloatArray, shape (N, n)
-            kg^-1/2 m^-dx; not to be written to.
+        """An x-derivative, of order 0 to 3, of the modes of a state at `x`, m, ``(n,)``: kg^-1/2 m^-dx, ``(N, n)``;
+        read only.
         """
         modes = self.modal(state).modes
-        return self._at_places(("shapes", state, x.tobytes(), dx), lambda: modes.shapes(x, dx), x.size)
+        return self._at_positions(("shapes", state, x.tobytes(), dx), lambda: modes.shapes(x, dx), x.size)
 
     def residual_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
-        """The residual shapes of the loads as they are, at places.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-        x : FloatArray, shape (n,)
-            Positions, m.
-        dx : int
-            Order of the x-derivative, 0 to 3.
-
-        Returns
-        -------
-        FloatArray, shape (1 + H + R, n)
-            As `residual`, m^(1 - dx); not to be written to.
+        """The x-derivative of order `dx` of the residual shapes at `x`, m, ``(n,)``: m^(1 - dx), ``(1 + H + R, n)``;
+        read only.
         """
-        return self._at_places(("residual", state, x.tobytes(), dx), lambda: self.residual(state)(x, dx), x.size)
+        return self._at_positions(("residual", state, x.tobytes(), dx), lambda: self.residual(state)(x, dx), x.size)
 
-    def _at_places(self, key: tuple[Any, ...], make: Callable[[], FloatArray], places: int) -> FloatArray:
-        """What was made for a key before, if that was lately, and of few places."""
-        if places > _FEW_PLACES:
+    def _at_positions(self, key: tuple[Any, ...], make: Callable[[], FloatArray], positions: int) -> FloatArray:
+        """Shapes made for a key before, if they are kept, or made now; shapes at few positions are kept."""
+        if positions > _FEW_POSITIONS:
             return make()
-        found = self._places.get(key)
+        found = self._kept_shapes.get(key)
         if found is None:
-            if len(self._places) >= _KEPT_PLACES:
-                self._places.clear()
-            found = self._places[key] = make()
+            if len(self._kept_shapes) >= _MOST_KEPT:
+                self._kept_shapes.clear()
+            found = self._kept_shapes[key] = make()
         return found
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
-        """The map from one state to another, for the loads as they are.
-
-        Parameters
-        ----------
-        old, new : ContactState
-            From which state to which.
-
-        Returns
-        -------
-        Passage
-            S, without unit, and S0 and Sh, kg^1/2 m.
-        """
+        """The map from one state to another, for the loads as they are; S0 and Sh are in kg^1/2 m."""
         unit = passage(self.family, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
     def flat(self, state: ContactState) -> FlatState:
-        """One contact state as flat arrays, for unit loads.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        FlatState
-            With as many modes as the joint has in this state; not to be written to.
-        """
+        """One contact state as flat arrays, for unit loads; not to be written to."""
         found = self._flat.get(state)
         if found is None:
             found = self._flat[state] = flat_state(self.family, state, self.count(state))
@@ -265,18 +155,7 @@ class Joint:
         return tuple(self._states)
 
     def slot(self, state: ContactState) -> int:
-        """Where a contact state is in the tables; it is given a slot if it has none.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        int
-            The slot.
-        """
+        """The slot of a contact state in the tables; a state without a slot is given one."""
         if state not in self._slots:
             if len(self._states) == self.tables.modes.size:
                 self._grow(with_spare(len(self._states)), self.tables.carry.shape[0])
@@ -286,30 +165,11 @@ class Joint:
         return self._slots[state]
 
     def state_in(self, slot: int) -> ContactState:
-        """The contact state in a slot.
-
-        Parameters
-        ----------
-        slot : int
-            A slot that has a state.
-
-        Returns
-        -------
-        ContactState
-            The stops that are closed.
-        """
+        """The contact state in a slot."""
         return self._states[slot]
 
     def connect(self, slot: int, stop: int) -> None:
-        """Make the switch of a stop from the state in a slot known, and the way back.
-
-        Parameters
-        ----------
-        slot : int
-            The state before the switch.
-        stop : int
-            The stop that opens or closes.
-        """
+        """Make the switch of a stop from the state in a slot known, and the way back."""
         self._own()
         old = self._states[slot]
         new = old.toggled(stop)
@@ -321,7 +181,7 @@ class Joint:
         self._memory.known = self._memory.known.and_of(old, stop)
 
     def _own(self) -> None:
-        """Before the tables are written to: make all of their arrays the joint's own."""
+        """Make all arrays of the tables the joint's own, before they are written to."""
         if self._borrows:
             self.tables, self._borrows = owned(self.tables), False
 

@@ -36,18 +36,7 @@ class Periods:
         return tuple(self.section(i) for i in range(self.slots.size))
 
     def section(self, i: int) -> Coordinates:
-        """The section point at the end of a period, of a motion that was recorded.
-
-        Parameters
-        ----------
-        i : int
-            Which period, counted from 0.
-
-        Returns
-        -------
-        Coordinates
-            A copy.
-        """
+        """A copy of the section point at the end of period `i`, counted from 0, of a motion that was recorded."""
         state = self.joint.state_in(int(self.slots[i]))
         n = self.joint.count(state)
         return Coordinates(state, self.coordinates[i, 0, :n].copy(), self.coordinates[i, 1, :n].copy())
@@ -62,32 +51,10 @@ def march_periods(
     *,
     max_switches: int = MOST_SWITCHES,
 ) -> Periods:
-    """March over whole periods, to the bits of as many calls of `march` from 0 to `period`.
+    """March over `count` periods, s, from the time 0, to the bits of as many calls of `march` from 0 to `period`.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins, at the time 0.
-    period : float
-        The period, s.
-    count : int
-        Number of periods.
-    record : bool, optional
-        Whether to keep the section point at the end of every period.
-    max_switches : int, optional
-        Most switches in all.
-
-    Returns
-    -------
-    Periods
-        The motion, and where it ends.
-
-    Raises
-    ------
-    SolverError
-        If more than `max_switches` switches occur, or the march makes no progress.
+    `record` keeps the section point at the end of every period.  `SolverError` is raised where more than `max_switches`
+    switches occur, or the march makes no progress.
     """
     motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
     rows, size = count if record else 0, motion.q.size

@@ -37,39 +37,15 @@ class PublishedJoint(Joint):
     """A joint whose tables leave out what the published scheme does not have: the residual shapes."""
 
     def begin(self, state: ContactState, q: FloatArray, v: FloatArray) -> FrozenMotion:
-        """A motion at the time 0, within the span of a state's modes.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-        q : FloatArray, shape (N,)
-            Modal displacements, kg^1/2 m.
-        v : FloatArray, shape (N,)
-            Modal velocities, kg^1/2 m/s.
-
-        Returns
-        -------
-        FrozenMotion
-            Without a frozen shape.
+        """A motion at the time 0, from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, in a state's modes, without a
+        frozen shape.
         """
         slot, size = self.slot(state), max(self.counts)
         moving = new_motion(slot, 0.0, q, v, size, self.stops)
         return FrozenMotion(moving, np.zeros((self.tables.modes.size, size)))
 
     def frozen(self, motion: FrozenMotion) -> Frozen:
-        """What the published switch rule needs, with room for the states met so far in the motion's frozen shape.
-
-        Parameters
-        ----------
-        motion : FrozenMotion
-            Where the march is; its `rest` is padded.
-
-        Returns
-        -------
-        Frozen
-            The frozen shape, and the inner products of the modes of all states.
-        """
+        """The input of the published switch rule; `motion.rest` is padded to room for the states met so far."""
         more = self.cross.shape[0] - motion.rest.shape[0]
         if more > 0:
             motion.rest = np.pad(motion.rest, ((0, more), (0, 0)))
@@ -122,7 +98,9 @@ def _fill_products(
 
 
 def _between(family: Family, counts: tuple[int, int], old: ContactState, new: ContactState) -> FloatArray:
-    """From the modes of `old` to those of `new`: computed one way only, as the other has other last bits."""
+    """S_ij of (43) from the modes of `old` to those of `new`, computed in one direction only: the other has other last
+    bits.
+    """
     if old == new:
         return np.eye(count_in(old, counts))
     if old.closed > new.closed:

@@ -228,6 +228,8 @@ class PublishedScheme:
         problem.require_excitation_frequency("steady state")
         from analytic.published import steady
 
-        effort = steady.Search(self.tolerance, self.max_period_multiple, self.max_periods, self.patience, self.shortest)
+        how_long = steady.Patience(
+            self.tolerance, self.max_period_multiple, self.max_periods, self.patience, self.shortest
+        )
         counts = self.free_modes, self.contact_modes
-        return steady.steady_state(problem, self.name, counts, effort, start, progress)
+        return steady.steady_state(problem, self.name, counts, how_long, start, progress)

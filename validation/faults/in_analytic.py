@@ -130,9 +130,9 @@ ANALYTIC = (
         "a stale cache",
         "analytic.march.modal_state",
         "Contact states are kept for all problems that differ in their damping, too.",
-        old="return Family(still, places)",
-        new="key = structure.beam, structure.supports, structure.stops, steps, places\n"
-        "    return globals().setdefault('_KEPT', {}).setdefault(key, Family(still, places))",
+        old="return Family(still, positions)",
+        new="key = structure.beam, structure.supports, structure.stops, steps, positions\n"
+        "    return globals().setdefault('_KEPT', {}).setdefault(key, Family(still, positions))",
     ),
     Fault(
         "analytic-initial-velocity",
