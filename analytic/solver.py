@@ -40,7 +40,7 @@ class Solver:
     Parameters
     ----------
     n_modes : int, optional
-        Modes in every state; by default chosen for the problem by `analytic.modes.mode_count`.
+        Modes in every state; by default chosen for the problem by `analytic.mode_count`.
     free_modes, contact_modes : int, optional
         Modes in the free state, and in every other; they go before `n_modes`.
     tolerance : float
@@ -132,7 +132,7 @@ class Solver:
         """
         common = self.n_modes
         if common is None and (self.free_modes is None or self.contact_modes is None):
-            from analytic.modes.mode_count import default_count
+            from analytic.mode_count import default_count
 
             common = default_count(problem, self.tolerance)
         assert common is not None or (self.free_modes is not None and self.contact_modes is not None)

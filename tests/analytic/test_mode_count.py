@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic.modes.mode_count import most_closed
+from analytic.mode_count import most_closed
 from lapjoint import FREE, BaseMotion, Beam, ContactState, ModalDamping, Problem, SineLoad, Stop, Support, paper_joint
 from lapjoint.answers import History
 from lapjoint.answers.steady_state import SectionPoint

@@ -11,7 +11,7 @@ import pytest
 import analytic
 from analytic.march import Coordinates, Joint, march, march_linearised
 from analytic.march.initial_state import started
-from analytic.modes.mode_count import default_count, truncation_error
+from analytic.mode_count import default_count, truncation_error
 from lapjoint import ModalDamping, Outcome, ViscousDamping, paper_joint
 from lapjoint.problem import FloatArray
 
