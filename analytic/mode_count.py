@@ -39,7 +39,7 @@ import numpy as np
 
 from analytic.march.initial_state import initial_coordinates
 from analytic.march.loads import harmonics_of
-from analytic.march.modal_state import Family, family_of
+from analytic.march.modal_state import LoadedStructure, loaded_structure
 from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState
@@ -92,7 +92,7 @@ class _Criterion:
     """The problem as the criterion needs it, for any number of modes at which its sums are cut."""
 
     problem: Problem
-    family: Family
+    loaded: LoadedStructure
     fastest: float
     """The highest frequency of the loads, rad/s; 0 without any."""
     contact_squares: tuple[float, ...]
@@ -107,7 +107,7 @@ def _criterion(problem: Problem) -> _Criterion:
     damped = isinstance(damping, ModalDamping) and bool(damping.ratios(MOST + 1)[-1] >= _DAMPED)
     return _Criterion(
         problem=problem,
-        family=family_of(problem),
+        loaded=loaded_structure(problem),
         fastest=float(harmonics_of(problem).omega.max(initial=problem.forces.usual_rate)),
         contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
         sudden=_sudden(problem),
@@ -141,7 +141,7 @@ def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
 
 def _error(criterion: _Criterion, pool: int) -> FloatArray:
     """See `truncation_error`."""
-    parts = _parts(criterion.family, pool)
+    parts = _parts(criterion.loaded, pool)
     driven = max(parts.elastic, criterion.fastest) ** 2
     error = np.asarray(driven * parts.loads)
     for x, omega, share in criterion.sudden:
@@ -187,8 +187,8 @@ class _Parts:
 
 
 @lru_cache(maxsize=32)
-def _parts(family: Family, pool: int) -> _Parts:
-    problem = family.problem
+def _parts(loaded: LoadedStructure, pool: int) -> _Parts:
+    problem = loaded.problem
     both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
     elastic, constant = both[-1].omega[both[-1].omega > 0], problem.forces.constant
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
@@ -197,7 +197,7 @@ def _parts(family: Family, pool: int) -> _Parts:
         elastic=float(elastic[0]),
         contacts=np.max([_over_square(modes, _shares(problem, modes)) for modes in both], axis=0),
         loads=np.max([_over_square(modes, least) for modes in both], axis=0),
-        starts={x: (_start(both[0], x), _start(both[-1], x)) for x in (*(f.x for f in constant), *family.positions)},
+        starts={x: (_start(both[0], x), _start(both[-1], x)) for x in (*(f.x for f in constant), *loaded.positions)},
     )
 
 

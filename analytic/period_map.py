@@ -227,7 +227,7 @@ class PeriodMap:
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
-        return np.array([stop.sign * stop.stiffness for stop in self.joint.family.problem.stops]) * penetration
+        return np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops]) * penetration
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
         now, motions, size = start, [], 0.0

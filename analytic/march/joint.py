@@ -15,7 +15,7 @@ import numpy as np
 
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import Harmonics, harmonics_of, load_sizes
-from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
+from analytic.march.modal_state import ModalState, Passage, loaded_structure, modal_state, passage
 from analytic.march.oscillator import ABOVE
 from analytic.march.room import grown, with_spare
 from analytic.march.tables import (
@@ -49,11 +49,11 @@ class Joint:
     """
 
     def __init__(self, problem: Problem, free_modes: int, contact_modes: int, side: float = ABOVE) -> None:
-        self.family, self.side = family_of(problem), side
+        self.loaded, self.side = loaded_structure(problem), side
         self.counts = (free_modes, contact_modes)
         self.stops, self.sampled = len(problem.stops), len(problem.forces.sampled)
         """Numbers of stops, and of sampled loads."""
-        self._memory = memory_of(self.family, self.counts)
+        self._memory = memory_of(self.loaded, self.counts)
         self.__dict__["problem"] = problem
         self._drive(None, harmonics_of(problem), load_sizes(problem))
 
@@ -78,7 +78,7 @@ class Joint:
         harmonics act where those of this joint do, and the sampled loads are those of this joint.
         """
         other = Joint.__new__(Joint)
-        other.family, other.counts, other.stops, other.sampled = self.family, self.counts, self.stops, self.sampled
+        other.loaded, other.counts, other.stops, other.sampled = self.loaded, self.counts, self.stops, self.sampled
         other._memory, other.side = self._memory, self.side
         other._drive(problem, harmonics, sizes)
         return other
@@ -105,7 +105,7 @@ class Joint:
 
     def modal(self, state: ContactState) -> ModalState:
         """One contact state in modal form, for unit loads."""
-        return modal_state(self.family, state, self.count(state))
+        return modal_state(self.loaded, state, self.count(state))
 
     def residual(self, state: ContactState) -> Residual:
         """The residual shapes, m, of the 1 + H + R loads as they are, the constant load first, sampled loads of unit
@@ -139,14 +139,14 @@ class Joint:
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
         """The map from one state to another, for the loads as they are; S0 and Sh are in kg^1/2 m."""
-        unit = passage(self.family, old, self.count(old), new, self.count(new))
+        unit = passage(self.loaded, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
     def flat(self, state: ContactState) -> FlatState:
         """One contact state as flat arrays, for unit loads; not to be written to."""
         found = self._flat.get(state)
         if found is None:
-            found = self._flat[state] = flat_state(self.family, state, self.count(state))
+            found = self._flat[state] = flat_state(self.loaded, state, self.count(state))
         return found
 
     @property
@@ -176,7 +176,7 @@ class Joint:
         target, row = self.slot(new), known_switches(self.tables)
         if row + 2 > self.tables.carry.shape[0]:
             self._grow(self.tables.modes.size, with_spare(row))
-        connect(self.tables, self.family, self.counts, stop, (slot, old), (target, new))
+        connect(self.tables, self.loaded, self.counts, stop, (slot, old), (target, new))
         self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
 
@@ -186,7 +186,7 @@ class Joint:
             self.tables, self._borrows = owned(self.tables), False
 
     def _fill_known(self, known: KnownStates) -> None:
-        unit = unit_tables(self.family, self.counts, known)
+        unit = unit_tables(self.loaded, self.counts, known)
         self._states = list(known.states)
         self._slots = known.slots.copy()
         self.tables = copied(unit, self.harmonics, self.sizes)

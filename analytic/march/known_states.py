@@ -1,4 +1,4 @@
-"""The contact states that motions of a family have met: a joint has them in its tables before its first march.
+"""The contact states met by motions of a loaded structure: a joint has them in its tables before its first march.
 
 These states are all that a motion leaves behind for later ones.  They save a sweep from meeting each state anew at
 every point, and decide no answer: the tables of a state depend on the state alone, and further states in them change no
@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from analytic.march.modal_state import Family
+from analytic.march.modal_state import LoadedStructure
 from lapjoint.answers.contact_state import ContactState
 
-_KEPT = 64  # memories, one for each family and numbers of modes; each takes a few hundred bytes
+_KEPT = 64  # memories, one for each loaded structure and numbers of modes; each takes a few hundred bytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class KnownStates:
 
 
 class Memory:
-    """The states and switches that the motions of a family have met so far."""
+    """The states and switches that the motions of a loaded structure have met so far."""
 
     def __init__(self) -> None:
         self.known = KnownStates()
@@ -47,6 +47,6 @@ class Memory:
 
 
 @lru_cache(maxsize=_KEPT)
-def memory_of(family: Family, counts: tuple[int, int]) -> Memory:
-    """The memory of a family with these numbers of modes: the same object at every call, as long as it is kept."""
+def memory_of(loaded: LoadedStructure, counts: tuple[int, int]) -> Memory:
+    """The memory of a loaded structure with these numbers of modes: one object for all calls, as long as it is kept."""
     return Memory()

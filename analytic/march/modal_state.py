@@ -44,8 +44,8 @@ _PASSAGES = 512  # passages kept, as a state of four stops can switch to four ot
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
-    """All problems that differ in the size, the frequency and the phase of the excitation only."""
+class LoadedStructure:
+    """What problems share that differ in the size, the frequency and the phase of the excitation only."""
 
     problem: Problem
     """The problem with the constant part of its loads alone, if it has any."""
@@ -53,7 +53,7 @@ class Family:
     """Where the ``H`` harmonic loads act, and then the sampled ones."""
 
     def __reduce__(self) -> tuple[object, ...]:
-        return family_of, (self.problem, self.positions)
+        return loaded_structure, (self.problem, self.positions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +107,8 @@ class Passage:
     """S0 first, then Sh, kg^1/2 m for each unit of load, shape ``(1 + H, N_new)``."""
 
 
-def family_of(problem: Problem, positions: Positions | None = None) -> Family:
-    """The family of a problem: the same object for all its problems, as long as it is kept.
+def loaded_structure(problem: Problem, positions: Positions | None = None) -> LoadedStructure:
+    """The loaded structure of a problem: one object for all its problems, as long as it is kept.
 
     `positions` says where the loads act that are not constant, m, or None for a uniform load; by default those of the
     problem.
@@ -117,14 +117,14 @@ def family_of(problem: Problem, positions: Positions | None = None) -> Family:
         forces = problem.forces
         positions = tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled)
     steps = tuple((load.x, load.constant) for load in problem.point_loads)
-    return _family(problem.structure, steps, positions)
+    return _loaded_structure(problem.structure, steps, positions)
 
 
 @lru_cache(maxsize=_STRUCTURES)
-def _family(structure: Structure, steps: tuple[tuple[float, float], ...], positions: Positions) -> Family:
-    """The family of a structure, with constant loads (position in m, force in N), and of the positions of the other
-    loads.
-    """
+def _loaded_structure(
+    structure: Structure, steps: tuple[tuple[float, float], ...], positions: Positions
+) -> LoadedStructure:
+    """A structure with constant loads (position in m, force in N), and the positions of the other loads."""
     loads = tuple(StepLoad(x=x, force=force) for x, force in steps)
     still = Problem.model_construct(  # of parts that fit together: they were validated
         beam=structure.beam,
@@ -133,21 +133,21 @@ def _family(structure: Structure, steps: tuple[tuple[float, float], ...], positi
         damping=structure.damping,
         point_loads=loads,
     )
-    return Family(still, positions)
+    return LoadedStructure(still, positions)
 
 
 @cached(_STATES)
-def modal_state(family: Family, state: ContactState, count: int) -> ModalState:
+def modal_state(loaded: LoadedStructure, state: ContactState, count: int) -> ModalState:
     """A contact state with `count` modes in modal form, for unit loads; not to be written to."""
-    return _modal_state(family, state, pool_size(count)).head(count)
+    return _modal_state(loaded, state, pool_size(count)).head(count)
 
 
 @cached(_STATES)
-def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
+def _modal_state(loaded: LoadedStructure, state: ContactState, count: int) -> ModalState:
     """A contact state with a number of modes that `pool_size` gives."""
-    problem = family.problem
+    problem = loaded.problem
     modes = exact_modes(problem, state, count)
-    loads = unit_loads(problem, family.positions, state, modes.shapes.nodes)
+    loads = unit_loads(problem, loaded.positions, state, modes.shapes.nodes)
     at_nodes = modes.shapes(modes.shapes.nodes)
     force = loads.concentrated @ at_nodes.T + loads.uniform[:, None] * integral(modes.shapes)  # (27)
     shapes = residual(problem, state, modes, loads, force)
@@ -164,17 +164,17 @@ def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
 
 
 @cached(_PASSAGES)
-def passage(family: Family, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
+def passage(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
     """The map from a state with `n_old` modes to one with `n_new`, for unit loads (43); not to be written to."""
-    products = _products(family, old, pool_size(n_old), new, pool_size(n_new))
-    weights = _modal_state(family, old, pool_size(n_old)).residual.weights[:, :n_old]
+    products = _products(loaded, old, pool_size(n_old), new, pool_size(n_new))
+    weights = _modal_state(loaded, old, pool_size(n_old)).residual.weights[:, :n_old]
     S = products.S[:n_new, :n_old]
     return Passage(S, products.residual[:, :n_new] - weights @ S.T)
 
 
 @cached(_PASSAGES)
-def _products(family: Family, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
+def _products(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
     """Inner products of the modes of `new` with the modes and with the foundation shapes of `old`."""
-    before, m = _modal_state(family, old, n_old), family.problem.beam.m
-    after = _modal_state(family, new, n_new).modes.shapes
+    before, m = _modal_state(loaded, old, n_old), loaded.problem.beam.m
+    after = _modal_state(loaded, new, n_new).modes.shapes
     return Passage(m * gram(after, before.modes.shapes), m * gram(before.residual.foundation, after))

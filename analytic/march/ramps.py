@@ -144,7 +144,7 @@ def ramp_tables(
     if carried is not None:
         made = made._replace(interval=carried[0], goes_on=carried[1], shift=carried[2])
     for slot, state in enumerate(joint.states):
-        _fill(made, tables, slot, flat_state(joint.family, state, joint.count(state)))
+        _fill(made, tables, slot, flat_state(joint.loaded, state, joint.count(state)))
     return made
 
 

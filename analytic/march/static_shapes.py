@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.march.joint import Joint
-from analytic.march.modal_state import family_of, modal_state
+from analytic.march.modal_state import loaded_structure, modal_state
 from analytic.modes.normal_modes import pool_size
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import FloatArray, StepLoad
@@ -32,7 +32,7 @@ def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tupl
 def _deflection(joint: Joint, a: float, places: FloatArray) -> FloatArray:
     """Static displacement of the joint without contact at places, m, ``(p,)``, under a force of 1 N at `a`."""
     pressed = joint.problem.replace(stops=(), base_motion=None, point_loads=(StepLoad(x=a, force=1.0),))
-    state = modal_state(family_of(pressed), FREE, pool_size(1))
+    state = modal_state(loaded_structure(pressed), FREE, pool_size(1))
     return np.asarray((state.force[0] / state.modes.omega**2) @ state.modes.shapes(places) + state.residual(places)[0])
 
 

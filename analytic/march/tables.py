@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from analytic.march.known_states import KnownStates
 from analytic.march.loads import Harmonics
-from analytic.march.modal_state import Family, modal_state, passage
+from analytic.march.modal_state import LoadedStructure, modal_state, passage
 from analytic.march.oscillator import (
     ABOVE,
     SPLIT,
@@ -178,9 +178,9 @@ def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
 
 
 @cached(_FLAT_STATES)
-def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
+def flat_state(loaded: LoadedStructure, state: ContactState, count: int) -> FlatState:
     """The flat view of a contact state with `count` modes, for unit loads; not to be written to."""
-    problem, modal = family.problem, modal_state(family, state, count)
+    problem, modal = loaded.problem, modal_state(loaded, state, count)
     omega, damping_rate = modal.modes.omega, modal.damping_rate
     roots = roots_of(omega, damping_rate)
     kind = kinds_of(roots)
@@ -224,7 +224,7 @@ class Unscaled(NamedTuple):
 
 
 class UnitTables(NamedTuple):
-    """Known states of a family with unit loads: ``S`` slots, at most ``N`` modes each."""
+    """Known states of a loaded structure with unit loads: ``S`` slots, at most ``N`` modes each."""
 
     tables: Tables
     unscaled: Unscaled
@@ -237,23 +237,23 @@ class UnitTables(NamedTuple):
 
 
 @cached(_UNIT_TABLES)
-def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> UnitTables:
+def unit_tables(loaded: LoadedStructure, counts: tuple[int, int], known: KnownStates) -> UnitTables:
     """The known states, in sorted order, with the known switches between them, for unit loads; not to be written to."""
-    problem, size, S = family.problem, max(counts), len(known.states)
-    harmonics = Harmonics.of_unit_frequency(len(family.positions))
+    problem, size, S = loaded.problem, max(counts), len(known.states)
+    harmonics = Harmonics.of_unit_frequency(len(loaded.positions))
     tables = empty_tables(problem, harmonics, size, S, 2 * len(known.switches))
     U, loads = tables.constant.shape[1], tables.force.shape[1]
     borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
     unscaled = Unscaled(np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
     for slot, state in enumerate(known.states):
-        flat = flat_state(family, state, count_in(state, counts))
+        flat = flat_state(loaded, state, count_in(state, counts))
         fill(tables, slot, flat)
         n = flat.kind.size
         unscaled.natural[slot, :n], unscaled.damping_rate[slot, :n] = flat.omega, flat.damping_rate
         unscaled.residual[slot] = flat.residual
     for state, stop in known.switches:
         other = state.toggled(stop)
-        connect(tables, family, counts, stop, (known.slots[state], state), (known.slots[other], other))
+        connect(tables, loaded, counts, stop, (known.slots[state], state), (known.slots[other], other))
     for array in tables:
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
@@ -262,7 +262,7 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
 
 def connect(
     tables: Tables,
-    family: Family,
+    loaded: LoadedStructure,
     counts: tuple[int, int],
     stop: int,
     old: tuple[int, ContactState],
@@ -274,7 +274,7 @@ def connect(
     switch.
     """
     for (slot, state), (target, other) in ((old, new), (new, old)):
-        unit = passage(family, state, count_in(state, counts), other, count_in(other, counts))
+        unit = passage(loaded, state, count_in(state, counts), other, count_in(other, counts))
         n_new, n_old = unit.S.shape
         row = known_switches(tables)
         tables.carry[row, :n_new, :n_old] = unit.S

@@ -130,9 +130,9 @@ ANALYTIC = (
         "a stale cache",
         "analytic.march.modal_state",
         "Contact states are kept for all problems that differ in their damping, too.",
-        old="return Family(still, positions)",
+        old="return LoadedStructure(still, positions)",
         new="key = structure.beam, structure.supports, structure.stops, steps, positions\n"
-        "    return globals().setdefault('_KEPT', {}).setdefault(key, Family(still, positions))",
+        "    return globals().setdefault('_KEPT', {}).setdefault(key, LoadedStructure(still, positions))",
     ),
     Fault(
         "analytic-initial-velocity",
@@ -195,8 +195,8 @@ ANALYTIC = (
         "counted twice",
         "analytic.period_map",
         "Mean impulses of a motion that never repeats are twice what they are.",
-        old="for stop in self.joint.family.problem.stops]) * penetration",
-        new="for stop in self.joint.family.problem.stops]) * (2 * penetration)",
+        old="for stop in self.joint.loaded.problem.stops]) * penetration",
+        new="for stop in self.joint.loaded.problem.stops]) * (2 * penetration)",
     ),
     Fault(
         "analytic-saltation-without-jump",
