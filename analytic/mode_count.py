@@ -38,7 +38,6 @@ from functools import lru_cache
 import numpy as np
 
 from analytic.march.initial_state import initial_coordinates
-from analytic.march.loads import harmonics_of
 from analytic.march.modal_state import LoadedStructure, loaded_structure
 from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
@@ -108,7 +107,7 @@ def _criterion(problem: Problem) -> _Criterion:
     return _Criterion(
         problem=problem,
         loaded=loaded_structure(problem),
-        fastest=float(harmonics_of(problem).omega.max(initial=problem.forces.usual_rate)),
+        fastest=max([problem.forces.usual_rate, *(force.angular_frequency for force in problem.forces.harmonic)]),
         contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
         sudden=_sudden(problem),
     )

@@ -26,7 +26,8 @@ from analytic.march.compiled import Log, new_log
 from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of
 from analytic.march.initial_state import resumed, started, translated
-from analytic.march.loads import Harmonics
+from analytic.march.joint import DrivenProblem
+from analytic.march.loads import Excitation, Harmonics
 from analytic.march.march import joined, recorded
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
@@ -39,7 +40,7 @@ from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, change_with
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import BaseMotion, FloatArray, Problem
 from lapjoint.problem.forces import inertial_load
-from lapjoint.problem.symmetry import mirror_twins
+from lapjoint.problem.symmetry import stop_twins
 from lapjoint.solver import Progress
 
 
@@ -60,11 +61,11 @@ class PeriodMap:
         """The problem."""
         return self.joint.problem
 
-    @cached_property
+    @property
     def period(self) -> float:
         """The excitation period, s."""
-        assert self.problem.excitation_frequency is not None
-        return 2 * math.pi / self.problem.excitation_frequency
+        assert self.joint.period is not None
+        return self.joint.period
 
     @cached_property
     def arcs(self) -> JointArcs:
@@ -76,11 +77,6 @@ class PeriodMap:
         """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
         damping_rate = self.joint.modal(FREE).damping_rate
         return float(damping_rate[damping_rate > 0].min()) if (damping_rate > 0).any() else 0.0
-
-    @cached_property
-    def _twins(self) -> tuple[int, ...] | None:
-        """The twin of each stop, if the problem is its own mirror image."""
-        return mirror_twins(self.problem)
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
         """The map with another amplitude or frequency, if a sine of the base alone drives the beam.
@@ -96,12 +92,9 @@ class PeriodMap:
         amplitude, omega = (value, base.angular_frequency) if field == AMPLITUDE else (base.amplitude, value)
         sizes = np.array([1.0, inertial_load(self.problem.beam.m, amplitude, omega)])
         harmonics = Harmonics(np.array([omega]), self.joint.harmonics.phase)
-        other = PeriodMap(self.joint.driven(problem, harmonics, sizes), self.name)
-        other.__dict__["period"] = 2 * math.pi / omega
-        if "_twins" in self.__dict__:
-            other.__dict__["_twins"] = self._twins
-        other.joint.changes[field] = change_with(field, value, np.ones(1))
-        return other
+        changes = {field: change_with(field, value, np.ones(1))}
+        driven = DrivenProblem(self.joint.loaded, Excitation(harmonics, sizes, 2 * math.pi / omega, changes), problem)
+        return PeriodMap(Joint(driven, *self.joint.counts, self.joint.side), self.name)
 
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""
@@ -167,9 +160,10 @@ class PeriodMap:
         return resumed(self.joint, origin.state, origin.coordinates + deviation.reshape(2, -1))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
-        """The mirror image; its state has the same modes. See `lapjoint.orbits.PeriodMap.mirrored`."""
-        assert self._twins is not None
-        return SectionPoint(ContactState(tuple(self._twins[k] for k in point.state.closed)), -point.coordinates)
+        """The mirror image, whose modes are those of `point`. See `lapjoint.orbits.PeriodMap.mirrored`."""
+        twins = stop_twins(self.joint.loaded.problem.structure)
+        assert twins is not None
+        return SectionPoint(ContactState(tuple(twins[k] for k in point.state.closed)), -point.coordinates)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point found with other numbers of modes, or other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""

@@ -40,20 +40,26 @@ class TimesInState(NamedTuple):
 
 
 class _Latest(NamedTuple):
-    """What was evaluated last."""
+    """The motion at the times asked for last."""
 
     t: FloatArray
     """The times, s, shape ``(m,)``."""
     parts: dict[int, list[TimesInState]]
-    """The parts of the motion by the order of the time derivative."""
+    """The motion state by state, by the order of the time derivative."""
+
+
+class _Memory:
+    """The motion at the times asked for last, replaced as a whole, so that threads read times and motion together."""
+
+    latest: _Latest | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class ModalField:
     """z(x, t), m, of (19); see `lapjoint.answers.Field`.  Segments of one contact state are evaluated together.
 
-    The modal coordinates at the times asked for last are kept, so that several places and derivatives cost little more
-    than one.
+    The modal coordinates at the times asked for last are kept, so that several positions and derivatives cost little
+    more than one.
     """
 
     joint: Joint
@@ -75,11 +81,10 @@ class ModalField:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def _parts(self, t: FloatArray, dt: int) -> list[TimesInState]:
-        """The motion at given times, state by state; taken from the latest where it is that."""
-        latest: _Latest | None = self.__dict__.get("_latest")
+        """The motion at given times, state by state; from the memory if these times were asked for last."""
+        latest = self._memory.latest
         if latest is None or not np.array_equal(latest.t, t):
-            latest = _Latest(t.copy(), {})
-            self.__dict__["_latest"] = latest
+            latest = self._memory.latest = _Latest(t.copy(), {})
         if dt not in latest.parts:
             which = np.maximum(np.searchsorted(self.log.start, t, side="right") - 1, 0)
             if self._ramps is None:
@@ -123,6 +128,11 @@ class ModalField:
             result += poly[at, :, exponent].T * (math.perm(exponent, dt) * s ** (exponent - dt))
         np.add.at(result, tables.mode_of[slot, n:terms], free[n:])
         return np.asarray(result)
+
+    @cached_property
+    def _memory(self) -> _Memory:
+        """The motion at the times asked for last, which changes no answer."""
+        return _Memory()
 
     @cached_property
     def _ramps(self) -> RampTables | None:

@@ -8,14 +8,15 @@ the joint alone.  Which slot a state has depends on the motions before; what is 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from analytic.march.known_states import KnownStates, memory_of
-from analytic.march.loads import Harmonics, harmonics_of, load_sizes
-from analytic.march.modal_state import ModalState, Passage, loaded_structure, modal_state, passage
+from analytic.march.loads import Excitation, excitation_of
+from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
 from analytic.march.oscillator import ABOVE
 from analytic.march.room import grown, with_spare
 from analytic.march.tables import (
@@ -41,6 +42,29 @@ _FEW_POSITIONS, _MOST_KEPT = 64, 256
 """Largest number of positions for which shapes are kept, and largest number of shapes kept: 3 MB with 20 modes."""
 
 
+@dataclass(frozen=True, eq=False)
+class DrivenProblem:
+    """A problem whose structure and excitation are known before it is made."""
+
+    loaded: LoadedStructure
+    excitation: Excitation
+    make: Callable[[], Problem]
+    """Gives the problem; called once, where the problem is asked for."""
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem."""
+        return self.make()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return driven_problem, (self.problem,)
+
+
+def driven_problem(problem: Problem) -> DrivenProblem:
+    """A problem that is made already."""
+    return DrivenProblem(loaded_structure(problem), excitation_of(problem), lambda: problem)
+
+
 class Joint:
     """A problem with numbers of modes in the free state, and in every other.
 
@@ -48,56 +72,39 @@ class Joint:
     undamped modes are moved, see `analytic.march.oscillator.away_from_resonance`.
     """
 
-    def __init__(self, problem: Problem, free_modes: int, contact_modes: int, side: float = ABOVE) -> None:
-        self.loaded, self.side = loaded_structure(problem), side
-        self.counts = (free_modes, contact_modes)
-        self.stops, self.sampled = len(problem.stops), len(problem.forces.sampled)
+    def __init__(
+        self, problem: Problem | DrivenProblem, free_modes: int, contact_modes: int, side: float = ABOVE
+    ) -> None:
+        driven = driven_problem(problem) if isinstance(problem, Problem) else problem
+        self._driven, self.loaded, self.side, self.counts = driven, driven.loaded, side, (free_modes, contact_modes)
+        self.harmonics, self.sizes, self.period = (
+            driven.excitation.harmonics,
+            driven.excitation.sizes,
+            driven.excitation.period,
+        )
+        """See `analytic.march.loads.Excitation`."""
+        self.stops, self.sampled = len(self.loaded.problem.stops), self.sizes.size - 1 - self.harmonics.omega.size
         """Numbers of stops, and of sampled loads."""
         self._memory = memory_of(self.loaded, self.counts)
-        self.__dict__["problem"] = problem
-        self._drive(None, harmonics_of(problem), load_sizes(problem))
-
-    def _drive(self, problem: Callable[[], Problem] | None, harmonics: Harmonics, sizes: FloatArray) -> None:
-        self._problem, self.harmonics = problem, harmonics
-        self.sizes = sizes
-        """Factors of the unit loads, shape ``(1 + H + R,)``."""
         self._flat: dict[ContactState, FlatState] = {}
         self._kept_shapes: dict[tuple[Any, ...], FloatArray] = {}
-        self.changes: dict[str, ExcitationChange | None] = {}
-        """How the excitation changes with the numbers that have been asked for, by their paths."""
+        self._changes: dict[str, ExcitationChange | None] = dict(driven.excitation.changes)
         self.tables: Tables
         self._borrows: bool
         self.known = self._memory.known
         """The states and switches that the tables have from the start, in slots of that order."""
         self._fill_known(self.known)
 
-    def driven(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> Joint:
-        """A joint of its own with an excitation of other frequencies, and sizes of the unit loads, ``(1 + H + R,)``.
-
-        `problem` gives the problem with that excitation, and is called only where the problem is asked for.  The
-        harmonics act where those of this joint do, and the sampled loads are those of this joint.
-        """
-        other = Joint.__new__(Joint)
-        other.loaded, other.counts, other.stops, other.sampled = self.loaded, self.counts, self.stops, self.sampled
-        other._memory, other.side = self._memory, self.side
-        other._drive(problem, harmonics, sizes)
-        return other
-
-    @cached_property
+    @property
     def problem(self) -> Problem:
         """The problem."""
-        assert self._problem is not None
-        return self._problem()
+        return self._driven.problem
 
     def change_by(self, field: str) -> ExcitationChange | None:
         """How the excitation changes with a parameter, by its path, or None if that is not known."""
-        if field not in self.changes:
-            self.changes[field] = excitation_change(self.problem, field)
-        return self.changes[field]
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What another process needs: the problem, instead of what gives it."""
-        return vars(self) | {"problem": self.problem, "_problem": None}
+        if field not in self._changes:
+            self._changes[field] = excitation_change(self.problem, field)
+        return self._changes[field]
 
     def count(self, state: ContactState) -> int:
         """Number of modes in a state."""

@@ -1,13 +1,16 @@
-"""The loads of a problem: harmonic ones with their sizes, frequencies and phases, and a constant one."""
+"""The loads of a problem: the excitation, with its sizes, frequencies and phases, and the loads of unit size."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from analytic.modes.static_residual import Loads
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.orbits.parameters import ExcitationChange
 from lapjoint.problem import FloatArray, Problem
 
 Positions = tuple[float | None, ...]
@@ -33,21 +36,28 @@ class Harmonics:
         return self.omega * t + self.phase
 
 
-def harmonics_of(problem: Problem) -> Harmonics:
-    """The harmonic loads of a problem, in the order of its forces."""
-    forces = problem.forces.harmonic
-    return Harmonics(np.array([force.angular_frequency for force in forces]), np.array([it.phase for it in forces]))
+@dataclass(frozen=True)
+class Excitation:
+    """The loads of a problem beside the constant ones."""
+
+    harmonics: Harmonics
+    sizes: FloatArray
+    """Factors of the unit loads, shape ``(1 + H + R,)``: 1 for the constant load; the amplitudes of the harmonics, N/m
+    for uniform loads and N for loads at points; and 1 for sampled loads, whose samples have a unit themselves."""
+    period: float | None
+    """The excitation period, s; None if there is none."""
+    changes: Mapping[str, ExcitationChange] = field(default_factory=dict)
+    """How the excitation changes with parameters, by their paths, as far as that is known beforehand."""
 
 
-def load_sizes(problem: Problem) -> FloatArray:
-    """Factors of the unit loads, shape ``(1 + H + R,)``: 1 for the constant load, the amplitudes of the harmonics, then
-    1.
-
-    Amplitudes are in N/m for uniform loads and in N for loads at points; the samples of sampled loads have a unit
-    themselves.
-    """
-    forces = problem.forces
-    return np.array([1.0, *(force.amplitude for force in forces.harmonic), *(1.0 for _ in forces.sampled)])
+def excitation_of(problem: Problem) -> Excitation:
+    """The excitation of a problem, with its harmonic loads in the order of its forces."""
+    waves, fundamental = problem.forces.harmonic, problem.excitation_frequency
+    harmonics = Harmonics(
+        np.array([wave.angular_frequency for wave in waves]), np.array([wave.phase for wave in waves])
+    )
+    sizes = np.array([1.0, *(wave.amplitude for wave in waves), *(1.0 for _ in problem.forces.sampled)])
+    return Excitation(harmonics, sizes, None if fundamental is None else 2 * math.pi / fundamental)
 
 
 def unit_loads(problem: Problem, positions: Positions, state: ContactState, nodes: FloatArray) -> Loads:

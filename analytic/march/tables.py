@@ -352,7 +352,7 @@ def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: F
     """Scale slots from the `first` on to an excitation, and write the answer to its harmonics.
 
     `unit` has the states, for unit loads, in the same slots, and may be `tables`; `tables`, with the frequencies and
-    phases of the harmonics, are changed.  `sizes`, ``(1 + H + R,)``, are as in `analytic.march.loads.load_sizes`, and
+    phases of the harmonics, are changed.  `sizes`, ``(1 + H + R,)``, are as in `analytic.march.loads.Excitation`, and
     `side` as in `analytic.march.oscillator.away_from_resonance`.
     """
     omega = unscaled.natural.copy()

@@ -27,12 +27,12 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     tuple of int, or None
         For each stop the index of its twin, as indices into ``problem.stops``.
     """
-    return _twins(problem.structure) if problem.forces.change_sign else None
+    return stop_twins(problem.structure) if problem.forces.change_sign else None
 
 
 @lru_cache(maxsize=_KEPT)
-def _twins(structure: Structure) -> tuple[int, ...] | None:
-    """The twin of each stop, if both sides agree."""
+def stop_twins(structure: Structure) -> tuple[int, ...] | None:
+    """The twin of each stop on the other side, if both sides agree in position, gap and stiffness; else None."""
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(structure.stops):
         sides[stop.side].append(((stop.x, stop.gap, stop.stiffness), k))
