@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analytic.march.ramp_segment import carry_ramps, follow_ramps
+from analytic.march.ramp_segment import carry_ramps
 from analytic.march.ramps import RampTables
 from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
 from analytic.march.switching import Frozen, freeze, switch, switch_frozen
 from analytic.march.tables import BoolArray, IntArray, Tables
-from analytic.march.terms import set_phases, start_terms, state_from_terms, turn_exactly
+from analytic.march.terms import set_phases
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.arrays import put
 from lapjoint.compiled.by_reference import by_reference
@@ -209,31 +209,14 @@ def leave(
         work.held[k] = t < motion.last_switch[k]
         if work.held[k]:
             end = min(end, motion.last_switch[k])
-    fresh, held = work.fresh, work.held
-    if ramps is not None:
-        q, v, area, deepest = motion.q, motion.v, work.area, work.deepest
-        found = follow_ramps(
-            tables, ramps, slot, t, end, fresh, held, depth, work.theta, work.term, q, v, area, deepest
-        )
-        motion.time[0], motion.counts[PENDING], motion.time[1] = found
-        if motion.time[0] == end < last:
-            ramps.goes_on[0] = False  # the stops that were held are looked at as where a state begins
-        return count_switch(motion, work)
     if frozen is not None:
         freeze(tables, frozen, slot)
-    start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
-    theta, term, poly, area = work.theta, work.term, work.poly, work.area
-    s, which, rate = follow(tables, slot, end - t, fresh, held, depth, theta, term, poly, area, work.deepest)
-    if which == NO_PROGRESS:
-        motion.time[0] = t + s
-        return False
-    wait = min(shortest, end - t) - s
-    if which != NO_SWITCH and wait > 0:
-        turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], wait, work.term, work.theta)
-        s += wait
-    state_from_terms(tables, slot, work.theta, s, work.term, work.poly, motion.q, motion.v)
-    motion.time[0], motion.time[1] = end if which == NO_SWITCH else t + s, rate
-    motion.counts[PENDING] = which
+    fresh, held, theta, term, poly = work.fresh, work.held, work.theta, work.term, work.poly
+    q, v, area, deepest = motion.q, motion.v, work.area, work.deepest
+    found = follow(tables, ramps, slot, t, end, shortest, fresh, held, depth, theta, term, poly, q, v, area, deepest)
+    motion.time[0], motion.counts[PENDING], motion.time[1] = found
+    if ramps is not None and motion.time[0] == end < last:
+        ramps.goes_on[0] = False  # the stops that were held are looked at as where a state begins
     return count_switch(motion, work)
 
 

@@ -1,7 +1,6 @@
-"""One state under forces that are linear between knots, up to the first switch.
+"""The closed form of one state under forces that are linear between knots, and how it goes on over a knot.
 
-From knot to knot the motion has a closed form, see `analytic.march.ramps`.  `analytic.march.segment` searches each
-closed form up to the next knot.  A knot switches nothing, and the gap functions are continuous there.
+See `analytic.march.ramps` for the closed form; `analytic.march.segment` searches it for switches.
 
 Arguments are named as in `analytic.march.terms`; `ramps` are the `RampTables`, `j` is the interval between knots, and
 `body`, shape ``(2, 4)``, holds q and its first three derivatives of the rigid-body modes at the start of the present
@@ -10,12 +9,12 @@ closed form, kg^1/2 m over powers of s.
 
 from __future__ import annotations
 
-from analytic.march.deepest import deepest_of
-from analytic.march.gap_function import Rigid, fading_powers
+import math
+
+from analytic.march.gap_function import fading_powers
 from analytic.march.oscillator import OSCILLATING, SPLIT
-from analytic.march.ramps import LOGGED, RampTables
-from analytic.march.segment import NO_SWITCH, add_areas, bound_tails, search
-from analytic.march.tables import BoolArray, IntArray, Tables
+from analytic.march.ramps import RampTables
+from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import set_phases, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.arrays import complex_zeros, put, zeros
@@ -35,6 +34,38 @@ def interval_at(ramps: RampTables, first: int, t: float) -> int:
     while j < ramps.time.size - 2 and ramps.time[j + 1] <= t:
         j += 1
     return j
+
+
+@njit_inner()
+def up_to_knot(ramps: RampTables, j: int, base: float, end: float) -> tuple[float, float, bool]:
+    """End and duration, s, of the closed form that begins at `base`, s, in interval `j`, and whether it is all of `j`.
+
+    It ends at the next knot, or at `end`, s.  All intervals of evenly spaced knots last `ramps.spacing`, to the bit.
+    """
+    until = min(ramps.time[j + 1], end) if j < ramps.time.size - 2 else end
+    width = until - base
+    whole = base == ramps.time[j] and j < ramps.time.size - 2 and until == ramps.time[j + 1]
+    if whole and abs(width - ramps.spacing) <= _ROUNDINGS * until:
+        return until, ramps.spacing, True
+    return until, width, False
+
+
+@njit_inner()
+def turn_whole(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    theta0: ComplexArray,
+    term0: ComplexArray,
+    theta: ComplexArray,
+    term: ComplexArray,
+) -> None:
+    """Write phases ``(H,)`` and terms ``(T,)`` at the end of a whole interval, from those at its start."""
+    for k in range(term0.size):
+        term[k] = term0[k] * ramps.whole[slot, k]
+    for h in range(theta.size):
+        angle = tables.omega[h] * ramps.spacing
+        theta[h] = theta0[h] * complex(math.cos(angle), math.sin(angle))
 
 
 @njit_inner()
@@ -169,7 +200,7 @@ def state_on_ramps(
 
 
 @njit_inner()
-def _polynomial(
+def polynomial_on_ramps(
     tables: Tables,
     ramps: RampTables,
     slot: int,
@@ -193,98 +224,6 @@ def _polynomial(
                 drift[u, 1] += weight * body[b, 1]
                 drift[u, 2] += weight * body[b, 2] / 2
                 jerk[u] += weight * body[b, 3]
-
-
-@njit_inner()
-def follow_ramps(
-    tables: Tables,
-    ramps: RampTables,
-    slot: int,
-    start: float,
-    end: float,
-    fresh: BoolArray,
-    held: BoolArray,
-    depth: bool,
-    theta: ComplexArray,
-    term: ComplexArray,
-    q: FloatArray,
-    v: FloatArray,
-    area: FloatArray,
-    deepest: FloatArray,
-) -> tuple[float, int, float]:
-    """Follow one state from `start`, s, up to its first switch, to `end`, s, at the latest, or over `LOGGED` knots.
-
-    `fresh` and `held`, ``(P,)``, and `depth` are as in `analytic.march.segment.follow`.  `theta`, ``(H,)``, is turned
-    to the end; `term`, ``(T,)``, takes the terms at the end; `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, become those
-    at the end.  `area`, m s, and `deepest`, m, ``(P,)``, take the time integral of the penetration of each closed stop
-    and its deepest penetration.  `ramps.interval`, `ramps.goes_on` and `ramps.shift` are changed.  Returned are the
-    time of the end, s, the stop that switches then, or NO_SWITCH or NO_PROGRESS, and its h', m/s.
-    """
-    positions, terms, stops = tables.weight.shape[1], tables.terms[slot], area.size
-    drift, jerk, tail = zeros((positions, 3)), zeros(positions), zeros((positions, terms + 1))
-    rigid, body = Rigid(jerk, ramps.drag[slot]), zeros((2, 4))
-    theta0, term0, none = theta.copy(), term.copy(), complex_zeros(0)
-    last, any_closed = ramps.time.size - 2, False
-    for k in range(stops):
-        area[k] = 0.0
-        deepest[k] = 0.0
-        any_closed = any_closed or tables.closed[slot, k]
-    j = interval_at(ramps, ramps.interval[0], start)
-    beginning, base, which, rate = not ramps.goes_on[0], start, NO_SWITCH, 0.0
-    start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
-    while True:
-        until = min(ramps.time[j + 1], end) if j < last else end
-        width = until - base
-        whole = base == ramps.time[j] and j < last and until == ramps.time[j + 1]
-        whole = whole and abs(width - ramps.spacing) <= _ROUNDINGS * until
-        if whole:
-            width = ramps.spacing
-        _polynomial(tables, ramps, slot, j, base, body, drift, jerk)
-        bound_tails(tables.weight[slot], term, terms, tail)
-        for k in range(terms):
-            term0[k] = term[k]
-        for h in range(theta.size):
-            theta0[h] = theta[h]
-        s, which, rate = search(
-            tables, slot, width, drift, rigid, tail, fresh, held, beginning, ramps.shift, theta, term, whole
-        )
-        if which == NO_SWITCH and whole:
-            for k in range(terms):
-                term[k] = term0[k] * ramps.whole[slot, k]
-            for h in range(theta.size):  # the search has left them where it looked last
-                theta[h] = theta0[h]
-            turn_exactly(none, tables.omega, 0, width, none, theta)
-        beginning, ended = False, which != NO_SWITCH or until == end or j == last
-        if any_closed:
-            add_areas(tables, slot, s, theta0, term0, theta, term, drift, rigid, area)
-            for k in range(stops):
-                if depth and tables.closed[slot, k]:
-                    deepest[k] = deepest_of(
-                        tables,
-                        slot,
-                        k,
-                        s,
-                        theta0,
-                        term0,
-                        drift,
-                        rigid,
-                        deepest[k],
-                        not (ended or (j + 1) % LOGGED == 0),
-                    )
-        if ended:
-            base = until if which == NO_SWITCH else base + s
-            move_body(ramps.drag[slot], s, body)
-            break
-        base, j = until, j + 1
-        over_knot(tables, ramps, slot, j, s, theta, term, body)
-        if j % LOGGED == 0:
-            break
-    state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 0, q)
-    state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 1, v)
-    for k in range(stops):
-        area[k] = max(area[k], 0.0)
-    ramps.interval[0], ramps.goes_on[0] = j, True
-    return base, which, rate
 
 
 @njit_inner()

@@ -1,6 +1,6 @@
 """One state in closed form, up to the first switch.
 
-Between switches every stop sees a gap function
+Between switches, and between the knots of sampled loads, every stop sees a gap function
 
     h(s) = Re sum_t c_t exp(lambda_t s) + a0 + a1 s + a2 s^2,    h <= 0,
 
@@ -19,6 +19,9 @@ cannot move h by more than sum |c_t|, and with that sum added to h the cubic of 
 terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
 switch, and the end of the march, take a power series or exponentials.
 
+At a knot of a load the gap functions are continuous, and another closed form begins, see `analytic.march.ramps`: the
+search goes on there as within a state.
+
 With -B for B the cubic lies below h(s + tau).  Where this lower cubic is above 0 at most 1e-13 of the unit of time
 after the step, the switch lies between, and the search ends.
 
@@ -33,11 +36,31 @@ import numpy as np
 
 from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions, fading_powers
+from analytic.march.ramp_segment import (
+    interval_at,
+    move_body,
+    over_knot,
+    polynomial_on_ramps,
+    start_on_ramps,
+    state_on_ramps,
+    turn_whole,
+    up_to_knot,
+)
+from analytic.march.ramps import LOGGED, RampTables
 from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
 from analytic.march.tables import BoolArray, Tables
-from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
+from analytic.march.terms import (
+    SERIES,
+    drift_at_stops,
+    start_terms,
+    state_from_terms,
+    tabulated,
+    turn_briefly,
+    turn_by,
+    turn_exactly,
+)
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled.arrays import zeros
+from lapjoint.compiled.arrays import put, zeros
 from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -57,43 +80,100 @@ _TINY = 1e-300  # m, m/s3: keeps divisions by a bound of 0 finite
 @njit_inner()
 def follow(
     tables: Tables,
+    ramps: RampTables | None,
     slot: int,
-    horizon: float,
+    start: float,
+    end: float,
+    shortest: float,
     fresh: BoolArray,
     held: BoolArray,
     depth: bool,
     theta: ComplexArray,
     term: ComplexArray,
     poly: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
     area: FloatArray,
     deepest: FloatArray,
 ) -> tuple[float, int, float]:
-    """Follow one state from given terms and phases up to its first switch, or for `horizon` seconds.
+    """Follow one state from `start`, s, up to its first switch, or to `end`, s, at the latest; along ramps to a knot.
+
+    A closed form holds for the whole state, or, along ramps, from knot to knot; along ramps the state is left after
+    `LOGGED` knots at the latest.  A state that switches lasts `shortest` seconds at least, unless `end` is before.
 
     `fresh`, ``(P,)``, says which stops switched a moment ago: such a stop has to leave 0 at once, or pass a threshold
     of rounding size, before it can switch again.  `held`, ``(P,)``, says which stops may not switch at all.  `theta`,
-    ``(H,)``, and `term`, ``(T,)``, are turned from the start to the end.  `area`, m s, ``(P,)``, takes the time
-    integral of the penetration of each closed stop, and `deepest`, m, ``(P,)``, its deepest penetration, if `depth`; 0
-    for an open stop.  Returned are the time, s, the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), and its
-    h', m/s.
+    ``(H,)``, is turned from the start to the end.  `term`, ``(T,)``, and `poly`, ``(N, 3)``, are scratch.  `q`, kg^1/2
+    m, and `v`, kg^1/2 m/s, ``(N,)``, are replaced by those at the end.  `area`, m s, ``(P,)``, takes the time integral
+    of the penetration of each closed stop, and `deepest`, m, ``(P,)``, its deepest penetration, if `depth`; 0 for an
+    open stop.  `ramps.interval`, `ramps.goes_on` and `ramps.shift` are changed.  Returned are the time of the end, s,
+    the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), and its h', m/s.
     """
-    positions, terms = tables.forced.shape[1], tables.terms[slot]
+    positions, terms, stops = tables.forced.shape[1], tables.terms[slot], area.size
     drift, tail = zeros((positions, 3)), zeros((positions, terms + 1))
-    start_theta, start_term, shift = theta.copy(), term[:terms].copy(), zeros(tables.sign.size)
-    drift_at_stops(tables, slot, poly, drift)
-    bound_tails(tables.weight[slot], term, terms, tail)
-    s, which, rate = search(tables, slot, horizon, drift, None, tail, fresh, held, True, shift, theta, term, False)
-    for k in range(area.size):
-        area[k] = 0.0
-    add_areas(tables, slot, s, start_theta, start_term, theta, term, drift, None, area)
-    for k in range(area.size):
+    theta0, term0 = theta.copy(), term[:terms].copy()
+    for k in range(stops):
+        area[k] = deepest[k] = 0.0
+    if ramps is None:
+        base, j, beginning, shift, rigid = start, 0, True, zeros(stops), None
+        start_terms(tables, slot, theta, q, v, term, poly)
+        drift_at_stops(tables, slot, poly, drift)
+    else:
+        base, j, beginning, shift = (
+            start,
+            interval_at(ramps, ramps.interval[0], start),
+            not ramps.goes_on[0],
+            ramps.shift,
+        )
+        jerk, body = zeros(positions), zeros((2, 4))
+        rigid = Rigid(jerk, ramps.drag[slot])
+        start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
+    while True:
+        until, width, whole = end, end - base, False
+        if ramps is not None:
+            until, width, whole = up_to_knot(ramps, j, base, end)
+            polynomial_on_ramps(tables, ramps, slot, j, base, body, drift, jerk)
+        bound_tails(tables.weight[slot], term, terms, tail)
+        put(theta0, theta)
+        for k in range(terms):
+            term0[k] = term[k]
+        s, which, rate = search(
+            tables, slot, width, drift, rigid, tail, fresh, held, beginning, shift, theta, term, whole
+        )
+        if which == NO_PROGRESS:
+            return base + s, which, rate
+        if ramps is not None and whole and which == NO_SWITCH:
+            turn_whole(tables, ramps, slot, theta0, term0, theta, term)
+        beginning, ended = False, which != NO_SWITCH or until == end
+        leaves = ended or (j + 1) % LOGGED == 0
+        add_areas(tables, slot, s, theta0, term0, theta, term, drift, rigid, area)
+        for k in range(stops if depth else 0):
+            if tables.closed[slot, k]:
+                so_far, goes_on = deepest[k], not leaves
+                deepest[k] = deepest_of(tables, slot, k, s, theta0, term0, drift, rigid, so_far, goes_on)
+        if not ended:
+            base, j = until, j + 1
+            if ramps is not None:
+                over_knot(tables, ramps, slot, j, s, theta, term, body)
+        if leaves:
+            break
+    for k in range(stops):
         area[k] = max(area[k], 0.0)
-        if depth:
-            deepest[k] = 0.0
-            if tables.closed[slot, k] and which != NO_PROGRESS:
-                first, terms0 = start_theta.copy(), start_term.copy()
-                deepest[k] = deepest_of(tables, slot, k, s, first, terms0, drift, None, 0.0, False)
-    return s, which, rate
+    if ramps is None:
+        wait = min(shortest, end - base) - s
+        if which != NO_SWITCH and wait > 0:
+            turn_exactly(tables.root[slot], tables.omega, terms, wait, term, theta)
+            s += wait
+        state_from_terms(tables, slot, theta, s, term, poly, q, v)
+    if ended:
+        base = end if which == NO_SWITCH else base + s
+    if ramps is not None:
+        if ended:
+            move_body(ramps.drag[slot], s, body)
+        state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 0, q)
+        state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 1, v)
+        ramps.interval[0], ramps.goes_on[0] = j, True
+    return base, which, rate
 
 
 @njit_inner()
@@ -112,7 +192,7 @@ def search(
     term: ComplexArray,
     at_end: bool,
 ) -> tuple[float, int, float]:
-    """Look for the first switch along one closed form, for `horizon` seconds; the result is that of `follow`.
+    """Look for the first switch along one closed form, for `horizon` seconds: its time, s, the stop, and its h', m/s.
 
     `drift`, ``(U, 3)``, holds the coefficients of 1, s, s^2 of z, m over powers of s; `rigid` is what rigid-body modes
     add under forces that are linear in time; `tail`, m, ``(U, T + 1)``, bounds the sum of the terms from each on.
