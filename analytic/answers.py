@@ -10,7 +10,7 @@ from analytic.march import Joint, march
 from analytic.march.field import history_of
 from analytic.march.initial_state import started
 from analytic.march.oscillator import ABOVE
-from analytic.march.stretches import marched, stretches
+from analytic.march.stretches import STANDARD, StretchSize, marched, stretches
 from analytic.period_map import PeriodMap
 from lapjoint.answers import History
 from lapjoint.problem import Problem
@@ -41,15 +41,20 @@ def simulate(
 
 
 def stream(
-    problem: Problem, name: str, counts: tuple[int, int], duration: float, progress: Progress | None
+    problem: Problem,
+    name: str,
+    counts: tuple[int, int],
+    duration: float,
+    progress: Progress | None,
+    size: StretchSize = STANDARD,
 ) -> Iterator[History]:
     """The motion of `simulate`, stretch by stretch. See `lapjoint.solver.Streams.stream`."""
     joint, start = Joint(problem, *counts), 0.0
     if problem.excitation_frequency is None:
-        logs = marched(joint, duration)
+        logs = marched(joint, duration, size)
     else:
         logs = PeriodMap(joint, name).marched(duration)
-    for log in stretches(logs):
+    for log in stretches(logs, size):
         end = duration if log.end[-1] > duration * (1 - _ROUNDINGS) else log.end[-1]
         log = log._replace(start=np.append(start, log.start[1:]), end=np.append(log.end[:-1], end))
         start = float(end)

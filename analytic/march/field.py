@@ -74,7 +74,7 @@ class ModalField:
         result = np.empty((x.size, t.size))
         for part in self._parts(t, dt):
             shapes = self.joint.shapes_at(part.state, x, dx)
-            result[:, part.here] = shapes.T @ part.q + self._rest(part, x, t[part.here], dx, dt)
+            result[:, part.here] = shapes.T @ part.q + self.rest(part, x, t[part.here], dx, dt)
         return result
 
     def __getstate__(self) -> dict[str, Any]:
@@ -103,7 +103,7 @@ class ModalField:
                 found.append(TimesInState(self.joint.state_in(slot), here, which[here], q, np.zeros((0, here.size))))
         return found
 
-    def _rest(self, part: TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+    def rest(self, part: TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
         """The part of z, or of its derivative, that the modes leave out, at the times of `part`, shape ``(n, m)``."""
         harmonics = self.joint.harmonics
         omega = harmonics.omega[:, None]

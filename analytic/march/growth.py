@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.carried import advance_periods, size_of
-from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
+from analytic.march.carried import size_of
+from analytic.march.compiled import SWITCHES
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
-from analytic.march.march import MOST_SWITCHES, WITH_ALL_AT_ONCE, begun, ended, next_switches, settle_status
-from analytic.march.periods import Periods
+from analytic.march.march import MOST_SWITCHES, WITH_ALL_AT_ONCE, begun, ended
+from analytic.march.periods import Periods, march_on, room_for
 from lapjoint.problem import FloatArray
 
 
@@ -40,13 +40,8 @@ def march_linearised(
     Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, are columns.  The motion ends where `march` does, to the bit, but no
     log is kept.
     """
-    motion, work, now, status = begun(joint, begin, 0.0), new_work(joint.tables), deviations.copy(), MISSING_SWITCH
-    total, none = np.zeros((1, motion.total.size)), (np.zeros(0, dtype=np.int64), np.zeros((0, 2, motion.q.size)))
-    level, sizes = np.zeros((motion.total.size, now.shape[1])), np.zeros(0)
-    while status != DONE:
-        most = next_switches(motion, MOST_SWITCHES, WITH_ALL_AT_ONCE)
-        status, now = advance_periods(joint.tables, motion, work, end, 1, total, *none, now, level, sizes, most)
-        settle_status(joint, motion, status, MOST_SWITCHES)
+    motion = begun(joint, begin, 0.0)
+    now = march_on(joint, motion, end, 1, room_for(motion, 1, 0), deviations.copy(), at_once=WITH_ALL_AT_ONCE)
     return ended(joint, motion), now
 
 
@@ -64,16 +59,9 @@ def measure_growth(
     The deviation, of any size but 0, is scaled to unit size, |dq| + |dv| period / 2 pi = 1 kg^1/2 m, at the start and
     at the end of each period.  `period` is in s.
     """
-    motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
-    penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)
-    coordinates, growth, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
-    now = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
-    level = np.zeros((motion.total.size, 1))
-    while status != DONE:
-        most = next_switches(motion, max_switches)
-        status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, growth, most
-        )
-        settle_status(joint, motion, status, max_switches)
-    march = joint, ended(joint, motion), penetration.sum(axis=0), int(motion.counts[SWITCHES]), slots, coordinates
-    return Growth(*march, penetration, growth, now[:, 0].copy())
+    motion, growth = begun(joint, begin, 0.0), np.zeros(count)
+    record, now = room_for(motion, count, count), deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
+    now = march_on(joint, motion, period, count, record, now, growth, max_switches=max_switches)
+    total, switches = record.penetration.sum(axis=0), int(motion.counts[SWITCHES])
+    whole = joint, ended(joint, motion), total, switches, record.slots, record.coordinates
+    return Growth(*whole, record.penetration, growth, now[:, 0].copy())

@@ -184,12 +184,12 @@ class Marching:
             yield copied(self._log, logged)
 
 
-def next_switches(motion: Motion, max_switches: int, at_once: int = SWITCHES_AT_ONCE) -> int:
+def next_switches(motion: Motion, max_switches: int, at_once: int | None = None) -> int:
     """Number of switches, in all, after which a compiled march comes back, so that Ctrl-C is heeded.
 
-    `settle_status` lets it go on until there are more than `max_switches`.
+    `settle_status` lets it go on until there are more than `max_switches`.  By default `SWITCHES_AT_ONCE` are made.
     """
-    return min(int(motion.counts[SWITCHES]) + at_once, max_switches)
+    return min(int(motion.counts[SWITCHES]) + (at_once or SWITCHES_AT_ONCE), max_switches)
 
 
 def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from analytic.march.carried import advance_periods
-from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
+from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, Motion, new_work
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, begun, ended, next_switches, settle_status
@@ -56,16 +57,51 @@ def march_periods(
     `record` keeps the section point at the end of every period.  `SolverError` is raised where more than `max_switches`
     switches occur, or the march makes no progress.
     """
-    motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
-    rows, size = count if record else 0, motion.q.size
-    penetration, slots = np.zeros((1, motion.total.size)), np.zeros(rows, dtype=np.int64)
-    coordinates, status = np.zeros((rows, 2, size)), MISSING_SWITCH
-    now, level, sizes = np.zeros((2 * size, 0)), np.zeros((motion.total.size, 0)), np.zeros(0)
+    motion = begun(joint, begin, 0.0)
+    record_of = room_for(motion, 1, count if record else 0)
+    march_on(joint, motion, period, count, record_of, np.zeros((2 * motion.q.size, 0)), max_switches=max_switches)
+    end, switches = ended(joint, motion), int(motion.counts[SWITCHES])
+    return Periods(joint, end, record_of.penetration[0], switches, record_of.slots, record_of.coordinates)
+
+
+class PeriodRecord(NamedTuple):
+    """Arrays that `analytic.march.carried.advance_periods` writes, period by period."""
+
+    penetration: FloatArray
+    """Each stop's penetration over time, m s, shape ``(rows, P)``; further periods are added to the last row."""
+    slots: IntArray
+    """State at the end of each period, as its slot, shape ``(count,)`` or ``(0,)``."""
+    coordinates: FloatArray
+    """q, kg^1/2 m, and v, kg^1/2 m/s, there, shape ``(count, 2, N)`` or ``(0, 2, N)``."""
+
+
+def room_for(motion: Motion, rows: int, count: int) -> PeriodRecord:
+    """Room for the penetrations of so many periods, and for so many section points."""
+    slots, coordinates = np.zeros(count, dtype=np.int64), np.zeros((count, 2, motion.q.size))
+    return PeriodRecord(np.zeros((rows, motion.total.size)), slots, coordinates)
+
+
+def march_on(
+    joint: Joint,
+    motion: Motion,
+    period: float,
+    count: int,
+    record: PeriodRecord,
+    now: FloatArray,
+    growth: FloatArray | None = None,
+    *,
+    max_switches: int = MOST_SWITCHES,
+    at_once: int | None = None,
+) -> FloatArray:
+    """March until `count` periods, s, are done, and carry deviations `now`, ``(2 N, m)``, along, which are returned.
+
+    The arguments are those of `analytic.march.carried.advance_periods`; at most `at_once` switches are made in one
+    compiled call.
+    """
+    work, level, status = new_work(joint.tables), np.zeros((motion.total.size, now.shape[1])), MISSING_SWITCH
+    growth = np.zeros(0) if growth is None else growth
     while status != DONE:
-        most = next_switches(motion, max_switches)
-        status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, most
-        )
+        most = next_switches(motion, max_switches, at_once)
+        status, now = advance_periods(joint.tables, motion, work, period, count, *record, now, level, growth, most)
         settle_status(joint, motion, status, max_switches)
-    end = ended(joint, motion)
-    return Periods(joint, end, penetration[0], int(motion.counts[SWITCHES]), slots, coordinates)
+    return now

@@ -23,7 +23,7 @@ from lapjoint.problem import FloatArray
 ComplexArray = npt.NDArray[np.complex128]
 IntArray = npt.NDArray[np.int64]
 
-_NEAR = 0.02
+NEAR = 0.02
 """Relative difference of two mu^4 below which functions are multiplied term by term: boundary terms would lose two
 digits there."""
 
@@ -105,14 +105,17 @@ def integral(f: BeamFunctions) -> FloatArray:
     return gram(f, one)[:, 0]
 
 
-def gram(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
-    """Integrals of ``f_i g_j`` over the beam, in the product of the units times m, shape ``(n_f, n_g)``."""
+def gram(f: BeamFunctions, g: BeamFunctions, near: float = NEAR) -> FloatArray:
+    """Integrals of ``f_i g_j`` over the beam, in the product of the units times m, shape ``(n_f, n_g)``.
+
+    Functions whose mu^4 differ by less than `near`, relatively, are multiplied term by term.
+    """
     nodes = np.union1d(f.nodes, g.nodes)
     f, g = f.on(nodes), g.on(nodes)
     a, b = _fourth_powers(f)[:, None], _fourth_powers(g)[None, :]
-    near = np.abs(a - b) <= _NEAR * np.maximum(np.abs(a), np.abs(b))
-    total = np.where(near, 0.0, _boundary_terms(f, g) / np.where(near, 1.0, a - b))
-    rows, columns = np.nonzero(near)
+    close = np.abs(a - b) <= near * np.maximum(np.abs(a), np.abs(b))
+    total = np.where(close, 0.0, _boundary_terms(f, g) / np.where(close, 1.0, a - b))
+    rows, columns = np.nonzero(close)
     total[rows, columns] = _waves_waves(f, rows, g, columns)
     for s in range(f.nodes.size - 1):
         _add_polynomials(total, f, g, s)

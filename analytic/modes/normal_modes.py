@@ -36,7 +36,7 @@ from lapjoint.errors import SolverError
 from lapjoint.problem import Beam, FloatArray, Problem
 
 _POOL = 40  # least number of modes computed at once
-_FEW_SPANS = 6  # most spans for which the modes are solved for at once, as dense matrices; beyond, one by one as bands
+FEW_SPANS = 6  # most spans for which the modes are solved for at once, as dense matrices; beyond, one by one as bands
 _TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
 _SLOW = 1e-2
 """beta L up to which a mode has the shape of a rigid bar's motion.  Such a mode bends by some (beta L)^4 / 200, 5e-11
@@ -87,7 +87,7 @@ def _exact_modes(
     L, layout = beam.length, Layout(np.array(x), np.array(translational), np.array(torsional))
     z = frequencies(layout, count)
     slow = int(np.count_nonzero(z <= _SLOW))
-    elastic = _elastic_shapes(layout, z[slow:], L)
+    elastic = elastic_shapes(layout, z[slow:], L)
     shapes = _joined(_rigid_shapes(layout, slow, L), elastic)
     norm = 1 / np.sqrt(beam.m * squares(shapes))  # (16), (17)
     shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
@@ -102,18 +102,18 @@ def _at_tip(shapes: BeamFunctions, beta: FloatArray) -> FloatArray:
     return np.where(elastic, shapes(tip)[:, 0] + shapes(tip, 3)[:, 0] / cube, 1.0)
 
 
-def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:
+def elastic_shapes(layout: Layout, z: FloatArray, L: float, few_spans: int = FEW_SPANS) -> BeamFunctions:
     """The shapes of the roots z = beta L, not yet normalised: null vectors of the boundary matrix."""
     waves, spans = mode_waves(z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
         bands = boundary_band(layout, waves)
-        if spans <= _FEW_SPANS:
-            amplitudes = _null_vectors(whole(bands))
+        if spans <= few_spans:
+            amplitudes = null_vectors(whole(bands))
         # Roots that coincide to rounding share a null space of as many dimensions: take one vector each.
         for members in np.split(np.arange(z.size), np.flatnonzero(np.diff(z) > _TWIN * z[1:]) + 1):
-            if spans > _FEW_SPANS or members.size > 1:
-                amplitudes[members] = _null_space_of_band(bands[members[members.size // 2]], members.size)
+            if spans > few_spans or members.size > 1:
+                amplitudes[members] = null_space_of_band(bands[members[members.size // 2]], members.size)
         _refuse_what_meets_no_conditions(bands, amplitudes, z)
     return waves.functions(layout.x * L, amplitudes.reshape(z.size, spans, 4), L)
 
@@ -130,7 +130,7 @@ def _refuse_what_meets_no_conditions(bands: FloatArray, amplitudes: FloatArray, 
         raise SolverError(f"no shape at beta L = {z[wrong[0]]:.6g} meets the conditions at all supports")
 
 
-def _null_vectors(matrix: FloatArray) -> FloatArray:
+def null_vectors(matrix: FloatArray) -> FloatArray:
     """The null vector of each of ``n`` matrices that are singular to rounding, ``(n, m, m)``; gives ``(n, m)``."""
     m = matrix.shape[1]
     start = np.broadcast_to(np.cos(np.arange(m))[:, None], (*matrix.shape[:2], 1))
@@ -158,7 +158,7 @@ def _of_size_one(found: FloatArray, axis: int) -> FloatArray:
     return np.asarray(found / np.abs(found).max(axis=axis, keepdims=True), dtype=float)
 
 
-def _null_space_of_band(band: FloatArray, count: int) -> FloatArray:
+def null_space_of_band(band: FloatArray, count: int) -> FloatArray:
     """Orthonormal null vectors of one matrix by its diagonals, ``(2 BAND + 1, m)``, in a time as m; ``(count, m)``."""
     m = band.shape[1]
     transposed = np.zeros_like(band)

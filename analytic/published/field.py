@@ -19,7 +19,7 @@ class PublishedField(field.ModalField):
 
     motion: PublishedMarch
 
-    def _rest(self, part: field.TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+    def rest(self, part: field.TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
         """The x-derivative of order `dx` of the segments' frozen shapes, m^(1 - dx); 0 for time derivatives."""
         joint, total = self.joint, np.zeros((x.size, t.size))
         assert isinstance(joint, PublishedJoint)

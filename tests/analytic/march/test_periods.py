@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -24,8 +22,7 @@ PROBLEMS = {
 
 
 def period_of(problem: Problem) -> float:
-    assert problem.excitation_frequency is not None
-    return 2 * math.pi / problem.excitation_frequency
+    return problem.require_excitation_period("test")
 
 
 def same(one: Coordinates, other: Coordinates) -> bool:
