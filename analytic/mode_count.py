@@ -140,7 +140,7 @@ def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
 
 def _error(criterion: _Criterion, pool: int) -> FloatArray:
     """See `truncation_error`."""
-    parts = _parts(criterion.loaded, pool)
+    parts = _modal_sums(criterion.loaded, pool)
     driven = max(parts.elastic, criterion.fastest) ** 2
     error = np.asarray(driven * parts.loads)
     for x, omega, share in criterion.sudden:
@@ -152,7 +152,7 @@ def _error(criterion: _Criterion, pool: int) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class _Start:
+class _SuddenAnswer:
     """The answer of a state's modes to a load of unit size that is there at once."""
 
     parts: FloatArray
@@ -172,7 +172,7 @@ class _Start:
 
 
 @dataclass(frozen=True)
-class _Parts:
+class _ModalSums:
     """The sums of the criterion apart from the excitation."""
 
     elastic: float
@@ -181,22 +181,25 @@ class _Parts:
     """e_N over omega_c^2 of each stop, s^2, shape ``(stops, pool - 1)``."""
     loads: FloatArray
     """e_N over the square of the fastest frequency of what answers the loads, s^2, shape ``(pool - 1,)``."""
-    starts: dict[float | None, tuple[_Start, _Start]]
+    starts: dict[float | None, tuple[_SuddenAnswer, _SuddenAnswer]]
     """Answers of the two states to a load at each position, m, or, under None, to a uniform load."""
 
 
 @lru_cache(maxsize=32)
-def _parts(loaded: LoadedStructure, pool: int) -> _Parts:
+def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
     problem = loaded.problem
     both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
     elastic, constant = both[-1].omega[both[-1].omega > 0], problem.forces.constant
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
     least = np.arange(1, pool, dtype=float) ** -4
-    return _Parts(
+    return _ModalSums(
         elastic=float(elastic[0]),
         contacts=np.max([_over_square(modes, _shares(problem, modes)) for modes in both], axis=0),
         loads=np.max([_over_square(modes, least) for modes in both], axis=0),
-        starts={x: (_start(both[0], x), _start(both[-1], x)) for x in (*(f.x for f in constant), *loaded.positions)},
+        starts={
+            x: (_sudden_answer(both[0], x), _sudden_answer(both[-1], x))
+            for x in (*(f.x for f in constant), *loaded.positions)
+        },
     )
 
 
@@ -214,7 +217,7 @@ def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
     return np.asarray(np.divide(share, square, out=np.full(share.shape, np.inf), where=square > 0))
 
 
-def _start(modes: NormalModes, x: float | None) -> _Start:
+def _sudden_answer(modes: NormalModes, x: float | None) -> _SuddenAnswer:
     """The answer of one state's modes to a load at a position, m, or to a uniform load."""
     if x is None:
         along = modes.shapes(np.linspace(0.0, modes.shapes.nodes[-1], _POSITIONS))
@@ -223,7 +226,7 @@ def _start(modes: NormalModes, x: float | None) -> _Start:
         parts = modes.shapes(np.array([x])) ** 2
     square = modes.omega**2
     tail = np.abs(parts / np.where(square > 0, square, np.inf)[:, None])[::-1].cumsum(axis=0)[::-1].max(axis=1)
-    return _Start(parts, square, tail[1:])
+    return _SuddenAnswer(parts, square, tail[1:])
 
 
 def _enough(criterion: _Criterion, tolerance: float, pool: int) -> int:

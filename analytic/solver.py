@@ -180,8 +180,8 @@ class Solver:
         duration : float
             How long, s.
         errors : bool
-            Whether to estimate the numerical errors of the contacts, from a march by a finer self of this solver; it
-            takes about as long again.
+            Whether to estimate the numerical errors of the contacts, from a march with more modes; it takes about as
+            long again.
         progress : callable, optional
             Called with (done, total), in the same unit.
 
@@ -229,13 +229,13 @@ class Solver:
         problem : Problem
             What is solved; its excitation has a period.
         start : SectionPoint, optional
-            Where to begin instead of at the initial state: a section point of this solver.  Modes that it lacks are at
-            rest, and those that it has too many are left out; a stop is closed at first where it is pressed.
+            Where to begin instead of at the initial state: a section point of this solver.  Modes that it lacks follow
+            the loads, and modes that it has too many are left out; a stop is closed at first where it is pressed.
         sensitivity : bool
             Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
         errors : bool
-            Whether to estimate the numerical errors of the impulses and of the contacts, from a finer self of this
-            solver; it takes less than as long again.
+            Whether to estimate the numerical errors of the impulses and of the contacts, from a motion with more
+            modes; it takes less than as long again.
         progress : callable, optional
             Called with the periods marched, and the most allowed.
 

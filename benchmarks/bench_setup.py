@@ -36,7 +36,7 @@ CASES = {
 
 def _forget() -> None:
     ours = (modal_state._loaded_structure, modal_state._modal_state, modal_state.passage, modal_state._products)
-    for known in (*ours, tables.flat_state, tables.unit_tables, normal_modes._exact_modes, mode_count._parts):
+    for known in (*ours, tables.flat_state, tables.unit_tables, normal_modes._exact_modes, mode_count._modal_sums):
         known.cache_clear()
 
 

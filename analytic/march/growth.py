@@ -16,6 +16,7 @@ from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, WITH_ALL_AT_ONCE, begun, ended
 from analytic.march.periods import Periods, march_on, room_for
+from analytic.march.tables import IntArray
 from lapjoint.problem import FloatArray
 
 
@@ -25,6 +26,10 @@ class Growth(Periods):
 
     penetrations: FloatArray
     """Time integral of each stop's penetration over each period, m s, shape ``(count, P)``."""
+    slots: IntArray
+    """State at the end of each period, as its slot, shape ``(count,)``."""
+    coordinates: FloatArray
+    """q, kg^1/2 m, and v, kg^1/2 m/s, there, padded with 0, shape ``(count, 2, N)``."""
     growth: FloatArray
     """Natural logarithm of the growth of the deviation in each period, at least that of `LEAST_GROWTH`, without unit,
     shape ``(count,)``."""
@@ -63,5 +68,4 @@ def measure_growth(
     record, now = room_for(motion, count, count), deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
     now = march_on(joint, motion, period, count, record, now, growth, max_switches=max_switches)
     total, switches = record.penetration.sum(axis=0), int(motion.counts[SWITCHES])
-    whole = joint, ended(joint, motion), total, switches, record.slots, record.coordinates
-    return Growth(*whole, record.penetration, growth, now[:, 0].copy())
+    return Growth(joint, ended(joint, motion), total, switches, *record, growth, now[:, 0].copy())

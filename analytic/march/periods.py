@@ -26,42 +26,6 @@ class Periods:
     """Time integral of each stop's penetration over all periods, m s, shape ``(P,)``."""
     switches: int
     """Switches made."""
-    slots: IntArray
-    """State at the end of each period, as its slot, shape ``(count,)``; ``(0,)`` if not recorded."""
-    coordinates: FloatArray
-    """q, kg^1/2 m, and v, kg^1/2 m/s, there, padded with 0, shape ``(count, 2, N)``; ``(0, 2, N)`` if not recorded."""
-
-    @property
-    def sections(self) -> tuple[Coordinates, ...]:
-        """The section points at the end of each period, if recorded."""
-        return tuple(self.section(i) for i in range(self.slots.size))
-
-    def section(self, i: int) -> Coordinates:
-        """A copy of the section point at the end of period `i`, counted from 0, of a motion that was recorded."""
-        state = self.joint.state_in(int(self.slots[i]))
-        n = self.joint.count(state)
-        return Coordinates(state, self.coordinates[i, 0, :n].copy(), self.coordinates[i, 1, :n].copy())
-
-
-def march_periods(
-    joint: Joint,
-    begin: Coordinates,
-    period: float,
-    count: int,
-    record: bool = False,
-    *,
-    max_switches: int = MOST_SWITCHES,
-) -> Periods:
-    """March over `count` periods, s, from the time 0, to the bits of as many calls of `march` from 0 to `period`.
-
-    `record` keeps the section point at the end of every period.  `SolverError` is raised where more than `max_switches`
-    switches occur, or the march makes no progress.
-    """
-    motion = begun(joint, begin, 0.0)
-    record_of = room_for(motion, 1, count if record else 0)
-    march_on(joint, motion, period, count, record_of, np.zeros((2 * motion.q.size, 0)), max_switches=max_switches)
-    end, switches = ended(joint, motion), int(motion.counts[SWITCHES])
-    return Periods(joint, end, record_of.penetration[0], switches, record_of.slots, record_of.coordinates)
 
 
 class PeriodRecord(NamedTuple):
@@ -105,3 +69,16 @@ def march_on(
         status, now = advance_periods(joint.tables, motion, work, period, count, *record, now, level, growth, most)
         settle_status(joint, motion, status, max_switches)
     return now
+
+
+def march_periods(
+    joint: Joint, begin: Coordinates, period: float, count: int, *, max_switches: int = MOST_SWITCHES
+) -> Periods:
+    """March over `count` periods, s, from the time 0, to the bits of as many calls of `march` from 0 to `period`.
+
+    `SolverError` is raised where more than `max_switches` switches occur, or the march makes no progress.
+    """
+    motion = begun(joint, begin, 0.0)
+    record, none = room_for(motion, 1, 0), np.zeros((2 * motion.q.size, 0))
+    march_on(joint, motion, period, count, record, none, max_switches=max_switches)
+    return Periods(joint, ended(joint, motion), record.penetration[0], int(motion.counts[SWITCHES]))

@@ -26,7 +26,7 @@ def forget() -> None:
     """What a fresh process does not know, of either solver."""
     ours = (modal_state._loaded_structure, modal_state._modal_state, modal_state.passage, modal_state._products)
     ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, published._products)
-    ours += (normal_modes._exact_modes, mode_count._parts)
+    ours += (normal_modes._exact_modes, mode_count._modal_sums)
     for known in (*ours, _eigenmodes, unit_element):
         known.cache_clear()
 
