@@ -17,7 +17,7 @@ from fe_lapjoint.march.system import System
 from lapjoint.problem import FloatArray
 
 LONGEST = 64
-"""Most knots of a piece of the motion: it is kept by where it begins, and marched again to be evaluated."""
+"""Most knots of a piece of the motion; a piece keeps its start alone, and is marched again when it is evaluated."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class RampMotion:
     tables: RampTables
     knots: Knots
     start: float
-    """s."""
+    """Start of the motion, s."""
     y: FloatArray
     """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
 
@@ -45,23 +45,10 @@ class RampMotion:
     def accounted(
         self, end: float, depth: bool, closed: BoolArray, deepest: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Integrals and peaks of the displacements of ``P`` stops up to a time.
+        """Time integral of z at each stop up to `end`, m s, and the deepest penetration so far, m, each ``(P,)``.
 
-        Parameters
-        ----------
-        end : float
-            Until when, s.
-        depth : bool
-            Whether to find the peaks.
-        closed : BoolArray, shape (P,)
-            Of which stops.
-        deepest : FloatArray, shape (P,)
-            Deepest penetration of each before, m.
-
-        Returns
-        -------
-        FloatArray, FloatArray, each of shape (P,)
-            Time integral of z at each stop, m s, and the deepest penetration until then, m.
+        `closed` says which stops count, ``(P,)``; `deepest` holds their deepest penetration before, m, ``(P,)``;
+        `depth` says whether penetrations are looked at.
         """
         areas, deepest = np.zeros(closed.size), deepest.copy()
         account(
@@ -80,22 +67,7 @@ class RampMotion:
 
 
 def motion_of(system: System, t: float, y: FloatArray) -> RampMotion:
-    """The motion of a contact state under its sampled forces, whatever its stops do, up to the end of a block of them.
-
-    Parameters
-    ----------
-    system : System
-        The contact state of ``n`` modes.
-    t : float
-        Where it begins, s.
-    y : FloatArray, shape (2 n,)
-        (q, q') then, kg^1/2 m and kg^1/2 m/s.
-
-    Returns
-    -------
-    RampMotion
-        From then on.
-    """
+    """The motion in one contact state from (q, q') at time `t`, s, to the end of a block of sampled forces."""
     assert system.ramps is not None
     unused = np.zeros(len(system.stops))
     return RampMotion(ramp_tables(system, unused, unused, np.inf), knots_of(system.ramps.ramps.block_at(t)), t, y)
@@ -108,7 +80,7 @@ class RampGaps:
     tables: RampTables
     interval: Interval
     start: float
-    """s."""
+    """Start of the interval, s."""
 
     def at(self, k: int, t: float) -> tuple[float, float]:
         """One gap function and its rate. See `fe_lapjoint.march.events.BoundedGaps.at`."""
@@ -138,32 +110,19 @@ class RampGaps:
         return np.asarray((side * ends - above).max(axis=0) + self.from_chord(t, width)[k])
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
-        """Bounds on what lies ahead. See `fe_lapjoint.march.events.BoundedGaps.from_tangent`."""
+        """Bounds on the time ahead. See `fe_lapjoint.march.events.BoundedGaps.from_tangent`."""
         return self._envelope.from_tangent(int(self.tables.place_of[k]), t, width)
 
 
 def follow(
     motion: RampMotion, end: float, fresh: BoolArray, shift: FloatArray, rounding: FloatArray
 ) -> tuple[float, FloatArray, int]:
-    """Follow a motion up to the first switch, to a time, or over `LONGEST` knots.
+    """Follow a motion to its first switch, to `end`, s, or over `LONGEST` knots.
 
-    Parameters
-    ----------
-    motion : RampMotion
-        The motion of ``n`` modes, with ``P`` stops.
-    end : float
-        Until when at the latest, s.
-    fresh : BoolArray, shape (P,)
-        Whether each stop may have switched where it starts.
-    shift : FloatArray, shape (P,)
-        How far above 0 each gap function was when its stop switched, m, until it has been below; changed in place.
-    rounding : FloatArray, shape (P,)
-        What rounding made of each gap function before, m; replaced by what it makes at the end.
-
-    Returns
-    -------
-    float, FloatArray, int
-        When that is, s; (q, q') then, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``; the stop that switches, -1 for none.
+    Given back are the time reached, s, (q, q') there, ``(2 n,)``, and the stop that switches, -1 for none. `fresh`,
+    ``(P,)``, says whether each stop may have switched at the start. `shift`, m, ``(P,)``, says how far above 0 each gap
+    function was when its stop switched, until it has been below 0; it is changed in place. `rounding`, m, ``(P,)``, is
+    the rounding error of each gap function before; the error at the end replaces it.
     """
     tables, knots, y = motion.tables, motion.knots, motion.y.copy()
     held, unclear = np.zeros((2, fresh.size), dtype=bool)

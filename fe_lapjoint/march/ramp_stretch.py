@@ -1,8 +1,8 @@
-"""A march along ramps from knot to knot, compiled, as far as no stop can have switched.
+"""A march along ramps from knot to knot, compiled, up to the first time when a stop may switch.
 
 On every interval the gap functions are bounded as in `fe_lapjoint.march.events`: by a chord where both ends are known,
-and by the tangent where it begins.  An interval that neither clears is halved, some times.  What is left may hold a
-switch; there this stops, and `fe_lapjoint.march.events` has the word.
+and by the tangent where it begins.  An interval that neither clears is halved, up to `_HALVINGS` times.  The march
+stops at an interval that may still hold a switch, which `fe_lapjoint.march.events` then searches.
 
 Arrays are named as in `fe_lapjoint.march.ramp_interval`.
 """
@@ -32,24 +32,27 @@ from lapjoint.compiled.by_reference import by_reference
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
-_HALVINGS = 6  # of an interval before it is searched: 64 steps of a window, about as many as without ramps
-_ROUNDINGS = 1e-15  # of the time: two knots that are the spacing apart may be so much nearer or further
+_HALVINGS = 6
+"""Halvings of an interval before it is searched: 64 steps of a window, about as many as without ramps."""
+_ROUNDINGS = 1e-15
+"""Relative to the time: two knots may be this much nearer or further than the spacing."""
 _EPS = float(np.finfo(float).eps)
-_CLEAR, _UNCLEAR, _RISING = 0, 1, 2  # no switch; perhaps one; one, on a gap function that rises all the way
+_CLEAR, _UNCLEAR, _RISING = 0, 1, 2
+"""No switch; perhaps a switch; one switch, on a gap function that rises all the way."""
 
 
 @by_reference
 class Watch(NamedTuple):
-    """What a march knows of its ``P`` stops; all but `fresh` is changed in place."""
+    """The state of the search for switches of ``P`` stops in a march; all but `fresh` is changed in place."""
 
     fresh: BoolArray
     """Whether each stop may have switched where the march begins, shape ``(P,)``."""
     shift: FloatArray
     """How far above 0 each gap function was on entering the state, m, shape ``(P,)``; 0 once it has been below."""
     before: FloatArray
-    """What rounding made of each gap function in the interval before, m, shape ``(P,)``."""
+    """Rounding error of each gap function in the interval before, m, shape ``(P,)``."""
     level: FloatArray
-    """What it must exceed for the stop to switch, m, shape ``(P,)``."""
+    """Level that each gap function must exceed for its stop to switch, m, shape ``(P,)``."""
     held: BoolArray
     """Whether each stop has switched where the unclear part begins, shape ``(P,)``."""
     unclear: BoolArray
@@ -60,26 +63,13 @@ class Watch(NamedTuple):
 
 @njit_inner()
 def interval_of(knots: Knots, t: float) -> int:
-    """Between which knots a time is; at a knot, after it.
-
-    Parameters
-    ----------
-    knots : Knots
-        The forces.
-    t : float
-        The time, s.
-
-    Returns
-    -------
-    int
-        From 0 to K - 2: before the first knot and after the last one the nearest ramp goes on.
-    """
+    """Index j, 0 to K - 2, of the ramp at time `t`, s; at a knot the later ramp; outside all knots the nearest."""
     return min(max(int(np.searchsorted(knots.time, t, side="right")) - 1, 0), knots.time.size - 2)
 
 
 @njit_inner()
 def _next(tables: RampTables, knots: Knots, j: int, t: float, end: float) -> tuple[float, float, int]:
-    """Until when one closed form is followed, how long that is, and between which knots the next one begins."""
+    """End and length of the time that a closed form is followed, s, and the index of the ramp where the next begins."""
     knot = knots.time[j + 1] if j < knots.time.size - 2 else np.inf
     until = min(knot, end, t + tables.window)
     width = until - t
@@ -99,32 +89,12 @@ def over_knots(
     it: Interval,
     watch: Watch,
 ) -> tuple[float, float, float, int]:
-    """March on until a stop may switch, to a time, or over a number of closed forms.
+    """March on until a stop may switch, to `end`, s, or over `most` closed forms.
 
-    Parameters
-    ----------
-    tables, knots : RampTables, Knots
-        The contact state, and the forces.
-    t : float
-        Where a closed form begins, s.
-    since : float
-        Up to here no stop switches, s from there.
-    end : float
-        Until when at the latest, s.
-    most : int
-        Over how many closed forms at most.
-    y : FloatArray, shape (2 n,)
-        (q, q') at `t`, kg^1/2 m and kg^1/2 m/s; replaced by that where the last closed form begins.
-    it : Interval
-        Takes the last closed form that is begun.
-    watch : Watch
-        The stops.
-
-    Returns
-    -------
-    float, float, float, int
-        Where the last closed form begins, s; from when to when in it a stop may switch, s from there, both 0 if none
-        can; how many closed forms lie behind.
+    `t`, s, is where a closed form begins, and no stop switches in its first `since` seconds.  `y`, ``(2 n,)``, holds
+    (q, q') at `t`, and is replaced by (q, q') where the last closed form begins; `it` takes that closed form. Given
+    back are where it begins, s; from when to when after its beginning a stop may switch, s, both 0 if none can; and how
+    many closed forms lie behind.
     """
     p, stops = tables.places.shape[0], watch.fresh.size
     waves, inner = complex_zeros(tables.rates.shape), complex_zeros(tables.rates.shape)
@@ -166,7 +136,7 @@ def _gap(tables: RampTables, k: int, z: FloatArray) -> tuple[float, float]:
 
 @njit_inner()
 def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, watch: Watch) -> None:
-    """Write what each gap function must exceed in an interval that begins."""
+    """Write the level that each gap function must exceed in an interval that begins."""
     for k in range(watch.fresh.size):
         h, _ = _gap(tables, k, z)
         now = it.rounding[tables.place_of[k]] + _EPS * abs(tables.offset[k])
@@ -183,10 +153,10 @@ def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, wa
 def _look(
     tables: RampTables, it: Interval, since: float, width: float, waves: ComplexArray, z: FloatArray, watch: Watch
 ) -> tuple[float, float]:
-    """From when to when in an interval a stop may switch, both 0 if none can.
+    """From when to when in an interval a stop may switch, s, both 0 if none can.
 
-    `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end; the rest is room
-    for what lies between, the nearest last.
+    `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end; its other rows are
+    room for the motion between, the nearest last.
     """
     ends, halvings = zeros(_HALVINGS + 2), int_zeros(_HALVINGS + 2)
     bounds = zeros((3, z.shape[1]))
@@ -263,26 +233,11 @@ def account(
     areas: FloatArray,
     deepest: FloatArray,
 ) -> None:
-    """Integrals and peaks of the displacements of the stops over a march without switches.
+    """Integrals and deepest penetrations of the stops over a march from `t` to `end`, s, without switches.
 
-    Parameters
-    ----------
-    tables, knots : RampTables, Knots
-        The contact state, and the forces.
-    t, end : float
-        From when to when, s.
-    y : FloatArray, shape (2 n,)
-        (q, q') at `t`, kg^1/2 m and kg^1/2 m/s; replaced by that at the end.
-    it : Interval
-        Room for a closed form.
-    depth : bool
-        Whether to find the peaks.
-    closed : BoolArray, shape (P,)
-        Of which stops.
-    areas : FloatArray, shape (P,)
-        Takes the time integral of z at each stop, m s.
-    deepest : FloatArray, shape (P,)
-        Deepest penetration of each so far, m; raised.
+    `y`, ``(2 n,)``, holds (q, q') at `t`, and is replaced by (q, q') at the end; `it` is room for a closed form.
+    `areas`, m s, ``(P,)``, takes the time integral of z at each stop; `deepest`, m, ``(P,)``, is raised for the
+    `closed` stops if `depth`.
     """
     p, stops = tables.places.shape[0], closed.size
     sums, waves, z = zeros(p), complex_zeros(tables.rates.shape), zeros((2, p, 3))
@@ -307,9 +262,12 @@ def account(
         areas[k] = sums[tables.place_of[k]]
 
 
-_RELATIVE = 1e-12  # of the deepest: what is left to be found; a maximum is flat, so its place is known to 1e-6
-_DEEP = 48  # halvings, at most: more than leave the last digit of an interval
-_NEWTON = 30  # steps, at most
+_RELATIVE = 1e-12
+"""Error of the deepest penetration, relative to it; a maximum is flat, so its time is known to 1e-6."""
+_DEEP = 48
+"""Most halvings: more than reach the last digit of an interval."""
+_NEWTON = 30
+"""Most steps of Newton's method."""
 
 
 @njit_inner()
@@ -322,12 +280,11 @@ def _put_depth(target: FloatArray, sign: float, values: FloatArray, offset: floa
 
 @njit_inner()
 def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: FloatArray, found: float) -> float:
-    """The larger of what has been found, and the deepest penetration of a stop in an interval, m.
+    """The larger of `found` and the deepest penetration of a stop in an interval, m.
 
-    `limits`, shape ``(2, p, 3)``, holds the motion of the places at both ends.
-
-    A part is left out where a bound says that it holds nothing deeper, or where the penetration has no inflection: then
-    its maximum is at an end, or where its rate passes through 0.  The others are halved.
+    `limits`, shape ``(2, p, 3)``, holds the motion of the places at both ends. A part is left out where a bound says
+    that it holds nothing deeper, or where the penetration has no inflection: then its maximum is at an end, or where
+    its rate passes through 0.  The other parts are halved.
     """
     u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
     waves, z = complex_zeros(tables.rates.shape), zeros((tables.places.shape[0], 3))
@@ -389,24 +346,10 @@ def coordinates_at(
     order: int,
     result: FloatArray,
 ) -> None:
-    """Write a time derivative of the modal displacements at ``m`` times of a march without switches.
+    """Write the time derivative of q of an order (0 to 2) at ascending `times`, s, ``(m,)``, into `result`, ``(m, n)``.
 
-    Parameters
-    ----------
-    tables, knots : RampTables, Knots
-        The contact state, and the forces.
-    t : float
-        Where the march begins, s.
-    y : FloatArray, shape (2 n,)
-        (q, q') then, kg^1/2 m and kg^1/2 m/s; replaced by that where the last closed form begins.
-    it : Interval
-        Room for a closed form.
-    times : FloatArray, shape (m,)
-        The times, s, ascending.
-    order : int
-        Which derivative, 0 to 2.
-    result : FloatArray, shape (m, n)
-        kg^1/2 m over s^order; written.
+    The march begins at `t`, s, and has no switches.  `y`, ``(2 n,)``, holds (q, q') at `t`, and is replaced by (q, q')
+    where the last closed form begins; `it` is room for a closed form.
     """
     m, i, waves = times.size, 0, complex_zeros(tables.rates.shape)
     j = interval_of(knots, t)

@@ -32,19 +32,19 @@ class RampTables(NamedTuple):
     which: IndexArray
     """The modes that oscillate, shape ``(o,)``."""
     others: IndexArray
-    """Those that do not, shape ``(e,)``."""
+    """The modes that do not oscillate, shape ``(e,)``."""
     rigid: IndexArray
     """The rigid-body modes, shape ``(r,)``."""
     rates: ComplexArray
     """Rates of the terms, 1/s: of the modes that oscillate, and of the loads; shape ``(o + H,)``."""
     swinging: FloatArray
-    """Their moduli where the amplitude bounds the term, else 0, 1/s; shape ``(o + H,)``."""
+    """Moduli of `rates` where the amplitude bounds the term, else 0, 1/s, shape ``(o + H,)``."""
     driven: FloatArray
     """Angular frequencies of the harmonic loads, rad/s, shape ``(H,)``."""
     phase: FloatArray
-    """Their phases, rad, shape ``(H,)``."""
+    """Phases of the harmonic loads, rad, shape ``(H,)``."""
     forced: ComplexArray
-    """Complex amplitudes P of the modes under them, Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
+    """Complex amplitudes P of the modes under the harmonic loads, Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
     places: FloatArray
     """Modes at the places, kg^-1/2, shape ``(p, n)``."""
     forced_places: ComplexArray
@@ -60,7 +60,7 @@ class RampTables(NamedTuple):
     fast: FloatArray
     """The higher rate of each creeping mode, 1/s."""
     shares: FloatArray
-    """Moduli of what each bounded term is in the motion of the places, shape ``(p, b)``."""
+    """Moduli of the factor of each bounded term in the motion of the places, shape ``(p, b)``."""
     fading: FloatArray
     """Rates at which the bounds fall, 1/s, shape ``(b,)``."""
     place_of: IndexArray
@@ -76,34 +76,17 @@ class RampTables(NamedTuple):
     whole: ComplexArray
     """exp(rate spacing) of each term, shape ``(o + H,)``."""
     whole_areas: ComplexArray
-    """The integral of exp(rate s) over that time, s, shape ``(o + H,)``."""
+    """The integral of exp(rate s) over `spacing`, s, shape ``(o + H,)``."""
 
 
 def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, window: float) -> RampTables:
-    """The tables of a contact state.
-
-    Parameters
-    ----------
-    system : System
-        The contact state, with sampled forces.
-    orientation : FloatArray, shape (P,)
-        +1 or -1; see `Model.orientation`.
-    offset : FloatArray, shape (P,)
-        m; see `Model.offset`.
-    window : float
-        Longest time that one closed form is searched for, s.
-
-    Returns
-    -------
-    RampTables
-        The same in flat arrays.
-    """
+    """The tables of a contact state with sampled forces; signs and gaps ``(P,)`` as in `Model`; `window` in s."""
     assert system.ramps is not None
     spacing = system.ramps.ramps.block_at(0.0).spacing
     omega, H = system.omega, system.driven.size
     rates, rigid = system.rates_of_terms[:-1].copy(), np.flatnonzero(omega == 0)
     ringing, near, creeping = system.bounded
-    bounded = ringing.size + near.size + 2 * creeping.size + H  # what constant forces do is left out
+    bounded = ringing.size + near.size + 2 * creeping.size + H  # without the last term, of constant forces
     made = RampTables(
         omega=omega,
         damping_rate=system.damping_rate,
