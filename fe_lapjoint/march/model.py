@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from fe_lapjoint.march.ramp_interval import Knots, knots_of
 from fe_lapjoint.march.ramp_tables import RampTables, ramp_tables
-from fe_lapjoint.march.system import DETUNE, System, build_system, harmonic_loads
+from fe_lapjoint.march.system import System, build_system, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.ramps import Ramps
-
-_OF_FREE_MOTION = {
-    *("oscillating", "all_oscillate", "which", "slowest_decay", "roots", "parts_of_roots"),
-    *("equilibrium", "drift", "polynomial", "exponentials", "_distinct"),
-}
-"""What a `System` keeps that depends on no harmonic load."""
 
 
 @dataclass
@@ -28,6 +22,7 @@ class Model:
 
     problem: Problem
     assembly: Assembly
+    """The mesh; its own problem may have harmonic loads of other sizes or frequencies."""
     method: str
     """"exact", or a method of `solve_ivp`."""
     rtol: float
@@ -50,9 +45,8 @@ class Model:
 
     def driven(self, problem: Problem) -> Model:
         """This mesh, with all its matrices, for a problem with another size or frequency of the excitation."""
-        assembly = replace(self.assembly, problem=problem)
-        assembly.__dict__.update({**self.assembly.__dict__, "problem": problem})
-        return Model(problem, assembly, self.method, self.rtol, self.atol, _maps=self._maps, _alike=self._alike or self)
+        alike = self._alike or self
+        return Model(problem, self.assembly, self.method, self.rtol, self.atol, _maps=self._maps, _alike=alike)
 
     def system(self, state: ContactState) -> System:
         """One contact state in modal form."""
@@ -61,7 +55,7 @@ class Model:
             if self._alike is None:
                 system = build_system(self.assembly, state)
             else:
-                system = _driven(self._alike.system(state), self.assembly)
+                system = under_other_loads(self._alike.system(state), self.assembly, self.problem.forces.harmonic)
             self._systems[state] = system
         return system
 
@@ -107,13 +101,3 @@ class Model:
             direction = np.where(closed, -1.0, 1.0)
             signs = self._gaps[state] = direction * self.sign, direction * self.gap
         return signs
-
-
-def _driven(alike: System, assembly: Assembly) -> System:
-    """A contact state under harmonic loads of other sizes or frequencies; quantities of its free motion are shared."""
-    if (alike.damping_rate < DETUNE * alike.omega).any():  # a load may meet its frequency
-        return build_system(assembly, alike.state)
-    harmonic, driven = harmonic_loads(assembly, alike.vectors)
-    system = replace(alike, harmonic=harmonic, driven=driven)
-    vars(system).update({name: kept for name, kept in vars(alike).items() if name in _OF_FREE_MOTION})
-    return system

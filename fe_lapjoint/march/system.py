@@ -9,7 +9,8 @@ mode of the state has its ratio; under viscous damping C = (C / m) M.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +20,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
+from lapjoint.problem.forces import HarmonicForce
 from lapjoint.problem.ramps import RampBlocks
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -69,8 +71,10 @@ class System:
     """Phases of the harmonic loads, rad, shape ``(H,)``."""
     stops: FloatArray
     """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
-    positions: FloatArray
-    """Where the stops are, m, shape ``(P,)``."""
+    places: FloatArray
+    """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
+    place_of: IndexArray
+    """Which of the `places` each stop is at, shape ``(P,)``."""
     ramps: ModalRamps | None = None
     """The sampled forces, if there are any."""
 
@@ -117,21 +121,6 @@ class System:
         """Complex amplitudes P of the forced motion Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
         a, w, omega = self.damping_rate[:, None], self.driven, self.omega[:, None]
         return np.asarray(self.harmonic / (omega**2 - w**2 + 2j * a * w))
-
-    @cached_property
-    def _distinct(self) -> tuple[FloatArray, IndexArray]:
-        _, first, index = np.unique(self.positions, return_index=True, return_inverse=True)
-        return self.stops[first], np.asarray(index).ravel()
-
-    @property
-    def places(self) -> FloatArray:
-        """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
-        return self._distinct[0]
-
-    @cached_property
-    def place_of(self) -> IndexArray:
-        """Which of the `places` each stop is at, shape ``(P,)``."""
-        return self._distinct[1]
 
     @cached_property
     def place_amplitudes(self) -> ComplexArray:
@@ -319,13 +308,15 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     """The modal form of a contact state on a mesh."""
     problem, loads = assembly.problem, assembly.problem.forces.harmonic
     omega, vectors = eigenmodes(assembly, state)
-    harmonic, driven = harmonic_loads(assembly, vectors)
+    harmonic, driven = _harmonic_loads(assembly, vectors, loads)
     damping_rate = _damping_rates(assembly, omega)
     omega = _away_from_resonance(omega, damping_rate, driven.tolist())
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
+    stops = assembly.stop_rows @ vectors
+    _, first, place_of = np.unique(assembly.stop_places, return_index=True, return_inverse=True)
     for step in problem.forces.constant:
         f0 += step.force * assembly.reading(step.x)
     return System(
@@ -337,16 +328,28 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         harmonic=harmonic,
         driven=driven,
         phase=np.array([load.phase for load in loads]),
-        stops=assembly.stop_rows @ vectors,
-        positions=assembly.stop_places,
+        stops=stops,
+        places=stops[first],
+        place_of=place_of.ravel(),
         ramps=_modal_ramps(assembly, vectors),
     )
 
 
-def harmonic_loads(assembly: Assembly, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Modal amplitudes, kg^1/2 m/s2, ``(n, H)``, and angular frequencies, rad/s, ``(H,)``, of the harmonic loads."""
-    loads, n = assembly.problem.forces.harmonic, vectors.shape[0]
-    forces = np.array([load.amplitude * _shape(assembly, load.x) for load in loads]).reshape(len(loads), n).T
+def under_other_loads(alike: System, assembly: Assembly, loads: Sequence[HarmonicForce]) -> System:
+    """A contact state under harmonic loads that differ from those of `alike` by size or frequency alone."""
+    harmonic, driven = _harmonic_loads(assembly, alike.vectors, loads)
+    omega = alike.omega
+    if (alike.damping_rate < DETUNE * omega).any():
+        omega = _away_from_resonance(eigenmodes(assembly, alike.state)[0], alike.damping_rate, driven.tolist())
+    return replace(alike, omega=omega, harmonic=harmonic, driven=driven)
+
+
+def _harmonic_loads(
+    assembly: Assembly, vectors: FloatArray, loads: Sequence[HarmonicForce]
+) -> tuple[FloatArray, FloatArray]:
+    """Modal amplitudes, kg^1/2 m/s2, ``(n, H)``, and angular frequencies, rad/s, ``(H,)``, of harmonic loads."""
+    shape = len(loads), vectors.shape[0]
+    forces = np.array([load.amplitude * _shape(assembly, load.x) for load in loads]).reshape(shape).T
     return vectors.T @ forces, np.array([load.angular_frequency for load in loads])
 
 
