@@ -22,7 +22,7 @@ from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Coordinates, Flow
-from fe_lapjoint.march.ramp_motion import RampMotion, follow
+from fe_lapjoint.march.ramp_march import RampMotion, follow
 from fe_lapjoint.march.system import SAMPLES, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState

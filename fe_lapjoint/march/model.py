@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fe_lapjoint.march.ramp_interval import Knots, knots_of
-from fe_lapjoint.march.ramp_tables import RampTables, ramp_tables
+from fe_lapjoint.march.ramp_interval import Knots, RampTables, knots_of, ramp_tables
 from fe_lapjoint.march.system import System, build_system, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted

@@ -22,7 +22,7 @@ from scipy.integrate import DenseOutput, OdeSolver
 
 from fe_lapjoint.march.compiled import above_troughs, at_place, at_row, integrals, moved_on, start_terms
 from fe_lapjoint.march.envelope import Envelope
-from fe_lapjoint.march.ramp_motion import motion_of
+from fe_lapjoint.march.ramp_march import motion_of
 from fe_lapjoint.march.system import ComplexArray, System
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
