@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lapjoint.answers.steady_state import Acceptance, Outcome, SectionPoint
-from lapjoint.orbits.exponent import exponent_of, largest_growth, standard_error
+from lapjoint.orbits.exponent import exponent_of, largest_growth
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
@@ -39,6 +39,7 @@ from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_return, outcome_of
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
+from lapjoint.summaries.correlated_series import standard_error
 
 FIRST_LOOK = 8
 """Periods after which Newton's method is first tried from rest: most motions are then near enough to their orbit."""
