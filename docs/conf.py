@@ -40,6 +40,9 @@ html_title = "lapjoint"
 html_show_sourcelink = False
 html_show_copyright = False  # LICENSE has it
 html_copy_source = False
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+smartquotes = False  # `--plane` in a help text is an option, not a dash
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
