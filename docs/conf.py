@@ -85,8 +85,8 @@ def _included(app: Any, relative_path: Any, parent_docname: str, content: list[s
 def _finished(app: Any, error: Exception | None) -> None:
     """What Sphinx leaves out for those who do not see, or use no mouse.
 
-    Levels of headings, names of what stands beside a page, boxes that scroll by the keyboard, and options that are not cut
-    after their dashes.
+    Levels of headings, names of what stands beside a page, boxes that scroll by the keyboard, and options that are not
+    cut after their dashes.
     """
     for page in () if error else Path(app.outdir).rglob("*.html"):
         text = page.read_text(encoding="utf-8")

@@ -27,7 +27,7 @@ def offered(*words: str, begun: str = "") -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_the_script_for_each_shell_is_made_as_the_readme_says(shell: str) -> None:
+def test_the_script_for_each_shell_is_made_as_the_page_says(shell: str) -> None:
     assert f"_LAPJOINT_COMPLETE={shell}_source lapjoint" in PAGE
     code = "import sys; sys.argv = ['lapjoint']; from lapjoint.cli.start import main; main()"
     environment = os.environ | {"_LAPJOINT_COMPLETE": f"{shell}_source"}
