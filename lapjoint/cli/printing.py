@@ -17,6 +17,7 @@ from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
 from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
 from lapjoint.files.writing import write_file
+from lapjoint.summaries import summarise
 from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
 
 def _print_summary(found: SteadyState, at: list[float] | None) -> None:
     """Print peaks and root mean squares at places, and of the stops' forces and contacts."""
-    summary = found.summary(at=at)
+    summary = summarise(found, at=at)
     what, values, errors = summary.selection, summary.values, summary.errors
     over = "" if found.period_multiple else f" over {WANDERING} periods"
 
@@ -235,7 +236,7 @@ def steady_state_summary(found: SteadyState, at: list[float] | None = None) -> d
 
 def summary_of(found: SteadyState, at: list[float] | None) -> dict[str, Any]:
     """Peaks, RMS and contacts of a steady state as JSON holds them."""
-    summary = found.summary(at=at)
+    summary = summarise(found, at=at)
     what, content = summary.selection, dict[str, Any]()
     for one in what.quantities:
         for kind in ("peak", "rms"):

@@ -18,12 +18,12 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     even harmonics, and if the stops of both sides agree in position, gap and stiffness. A problem without an excitation
     frequency has no half period, and no mirror image.
     """
-    return _twins(problem.structure) if problem.forces.change_sign else None
+    return stop_twins(problem.structure) if problem.forces.change_sign else None
 
 
 @lru_cache(maxsize=_KEPT)
-def _twins(structure: Structure) -> tuple[int, ...] | None:
-    """The twin of each stop, if both sides agree."""
+def stop_twins(structure: Structure) -> tuple[int, ...] | None:
+    """The twin of each stop on the other side, if both sides agree in position, gap and stiffness; else None."""
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(structure.stops):
         sides[stop.side].append(((stop.x, stop.gap, stop.stiffness), k))

@@ -34,16 +34,16 @@ ANALYTIC = (
         "an input ignored",
         "analytic.march.loads",
         "Every load begins at phase zero, whatever its own.",
-        old="np.array([it.phase for it in forces])",
-        new="np.array([0.0 * it.phase for it in forces])",
+        old="np.array([wave.phase for wave in waves])",
+        new="np.array([0.0 * wave.phase for wave in waves])",
     ),
     Fault(
         "analytic-base-load",
         "a factor",
         "analytic.march.loads",
         "The inertia load of the moving base is a thousandth too large.",
-        old="*(force.amplitude for force in",
-        new="*((1.001 if force.x is None else 1.0) * force.amplitude for force in",
+        old="*(wave.amplitude for wave in",
+        new="*((1.001 if wave.x is None else 1.0) * wave.amplitude for wave in",
     ),
     Fault(
         "analytic-sine-load-sign",
@@ -130,9 +130,9 @@ ANALYTIC = (
         "a stale cache",
         "analytic.march.modal_state",
         "Contact states are kept for all problems that differ in their damping, too.",
-        old="return Family(still, places)",
-        new="key = structure.beam, structure.supports, structure.stops, steps, places\n"
-        "    return globals().setdefault('_KEPT', {}).setdefault(key, Family(still, places))",
+        old="return LoadedStructure(still, positions)",
+        new="key = structure.beam, structure.supports, structure.stops, steps, positions\n"
+        "    return globals().setdefault('_KEPT', {}).setdefault(key, LoadedStructure(still, positions))",
     ),
     Fault(
         "analytic-initial-velocity",
@@ -195,8 +195,8 @@ ANALYTIC = (
         "counted twice",
         "analytic.period_map",
         "Mean impulses of a motion that never repeats are twice what they are.",
-        old="for stop in self.joint.family.problem.stops]) * penetration",
-        new="for stop in self.joint.family.problem.stops]) * (2 * penetration)",
+        old="for stop in self.joint.loaded.problem.stops]) * penetration",
+        new="for stop in self.joint.loaded.problem.stops]) * (2 * penetration)",
     ),
     Fault(
         "analytic-saltation-without-jump",

@@ -1,29 +1,30 @@
 r"""How many modes are enough: a criterion, evaluated for the problem at hand.
 
-With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  What remains
-in error is their inertia: relative to the force of a closed stop of stiffness k,
+With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  The error left
+is that their inertia is neglected: relative to the force of a closed stop of stiffness k,
 
     e_N = k sum_{i > N} Phi_i(x_stop)^2 / omega_i^2 . (omega_c / omega_N)^2
 
 The first factor is the share of the left-out modes in the compliance that the stop feels, the second the inertia
-neglected at the fastest frequency omega_c that drives the contact.  That is the excitation's (of a record its usual
-rate), the lowest elastic one with the stops closed, or the contact's own: a beam that meets a stop with the speed v
-takes the modal speeds k Phi_i v / omega_i^2 from it, so the modes left out of the contact lack the force
-k^2 v sum Phi_i^2 sin(omega_i t) / omega_i^3, whose impulse, over that of the impact, is e_N with
+neglected at the fastest frequency omega_c that drives the contact.  omega_c is the largest of three: the excitation's
+frequency (of a record its usual rate), the lowest elastic frequency with the stops closed, and the contact's own.  A
+beam that meets a stop with the speed v takes the modal speeds k Phi_i v / omega_i^2 from it.  The modes left out of the
+contact lack the force k^2 v sum Phi_i^2 sin(omega_i t) / omega_i^3, whose impulse, over that of the impact, is e_N with
 
     omega_c^2 = 4 k c / M,
 
-as Phi^2 is at most 4 / M, M being the beam's mass.  So e_N falls as k^2 N^-7.  That is for one impact; an error goes on
-into the next ones, and c is 3.  Where damping is viscous or none, so that no modal ratio damps the modes left out
-before the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's
-motion Y the beam is more pressed than thrown against a stop: there c is the ratio of the two impulses, 2 sqrt(g / Y)
-with half the room for g, if that is below 3.  Both constants are measured, on random joints of one to four stops
-anywhere, 1 to 1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
+as Phi^2 is at most 4 / M, M being the beam's mass.  Hence e_N falls as k^2 N^-7.  The factor c is above 1, as the error
+of one impact goes on into the next ones: c is 3.  Without a modal damping ratio, which damps the modes left out before
+the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's motion Y the
+beam is pressed rather than thrown against a stop: there c is the ratio of the two impulses, 2 sqrt(g / Y) with half the
+room for g, if this is below 3.  Both constants are measured, on random joints of one to four stops anywhere, 1 to
+1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
 
 A load that is there at once excites every mode, and inertia does not help: the left-out modes, at rest in truth, start
-from their equilibrium here.  For a step load their share in the compliance at the load, sum_{i > N} Phi_i^2 / omega_i^2
-over the sum of all, has to be small by itself; for the inertia of a base that starts with an acceleration their share
-in the largest deflection under it.  Of a sine or a record counts how large it is at t = 0, over its largest.
+from their equilibrium here.  For a step load the share of the left-out modes in the compliance at the load,
+sum_{i > N} Phi_i^2 / omega_i^2 over the sum of all, has to be small by itself.  For the inertia of a base that starts
+with an acceleration, their share in the largest deflection has to be small.  A sine or a record counts with its size
+at t = 0 over its largest.
 
 An initial shape that is not straight and still also asks that the modes hold all but a thousandth of it.
 """
@@ -37,8 +38,7 @@ from functools import lru_cache
 import numpy as np
 
 from analytic.march.initial_state import initial_coordinates
-from analytic.march.loads import harmonics_of
-from analytic.march.modal_state import Family, family_of
+from analytic.march.modal_state import LoadedStructure, loaded_structure
 from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState
@@ -48,26 +48,16 @@ LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
 _IMPACTS, _RINGING = 3.0, 2.0
 """c of free impacts, and its factor where the modes left out ring on to the next one; see the module's head."""
-_DAMPED = 1e-3  # modal damping ratio from which they do not, without unit: the least of the problems measured
-_PLACES = 33  # along the beam, at which the deflection under a uniform load is looked at
+_DAMPED = 1e-3  # modal damping ratio from which they do not ring on: the least of the problems measured
+_POSITIONS = 33  # positions along the beam at which the deflection under a uniform load is looked at
 _SHAPE_REMAINDER = 1e-3
 """Largest share of an initial shape, in the norm of its coordinates, that the modes may leave out."""
 
 
 def default_count(problem: Problem, tolerance: float) -> int:
-    """The least number of modes for which e_N is small enough, in the free state and in the one with most stops closed.
+    """The least number of modes, from `LEAST` to `MOST`, for which e_N is at most `tolerance`.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    tolerance : float
-        The largest e_N allowed, without unit.
-
-    Returns
-    -------
-    int
-        From `LEAST` to `MOST`.
+    e_N counts in the free state and in the state with most stops closed.
     """
     pool, criterion = 40, _criterion(problem)
     while True:
@@ -78,35 +68,15 @@ def default_count(problem: Problem, tolerance: float) -> int:
 
 
 def truncation_error(problem: Problem, pool: int) -> FloatArray:
-    """e_N of every N below a number of modes at which its sums are cut; of the two states the larger.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    pool : int
-        Number of modes at which the sums are cut.
-
-    Returns
-    -------
-    FloatArray, shape (pool - 1,)
-        e_N for N = 1 ... pool - 1, without unit.
+    """e_N for N = 1 ... pool - 1, shape ``(pool - 1,)``, with sums cut at `pool` modes; of the two states the
+    larger.
     """
     return _error(_criterion(problem), pool)
 
 
 def most_closed(problem: Problem) -> ContactState:
-    """The contact state with the stiffer side's stops closed at every position.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-
-    Returns
-    -------
-    ContactState
-        Stops on both sides of one position are never closed together.
+    """The contact state with the stiffer side's stops closed at every position, and so never both sides of one
+    position.
     """
     sides: dict[float, dict[str, float]] = {}
     for stop in problem.stops:
@@ -118,17 +88,17 @@ def most_closed(problem: Problem) -> ContactState:
 
 @dataclass(frozen=True)
 class _Criterion:
-    """What the criterion needs of a problem, whatever the number of modes at which its sums are cut."""
+    """The problem as the criterion needs it, for any number of modes at which its sums are cut."""
 
     problem: Problem
-    family: Family
+    loaded: LoadedStructure
     fastest: float
     """The highest frequency of the loads, rad/s; 0 without any."""
     contact_squares: tuple[float, ...]
-    """omega_c^2 of each stop's own, (rad/s)^2."""
+    """omega_c^2 of each stop's own contacts, (rad/s)^2."""
     sudden: tuple[tuple[float | None, float, float], ...]
-    """Loads that are there at t = 0: where, their lowest frequency, rad/s, and how large they are then over the largest
-    that all at this place can be, without unit."""
+    """Loads that are there at t = 0: their position, m, or None if uniform; their lowest frequency, rad/s; and their
+    size at t = 0 over the largest size that all loads at this position can have."""
 
 
 def _criterion(problem: Problem) -> _Criterion:
@@ -136,8 +106,8 @@ def _criterion(problem: Problem) -> _Criterion:
     damped = isinstance(damping, ModalDamping) and bool(damping.ratios(MOST + 1)[-1] >= _DAMPED)
     return _Criterion(
         problem=problem,
-        family=family_of(problem),
-        fastest=float(harmonics_of(problem).omega.max(initial=problem.forces.usual_rate)),
+        loaded=loaded_structure(problem),
+        fastest=max([problem.forces.usual_rate, *(force.angular_frequency for force in problem.forces.harmonic)]),
         contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
         sudden=_sudden(problem),
     )
@@ -170,7 +140,7 @@ def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
 
 def _error(criterion: _Criterion, pool: int) -> FloatArray:
     """See `truncation_error`."""
-    parts = _parts(criterion.family, pool)
+    parts = _modal_sums(criterion.loaded, pool)
     driven = max(parts.elastic, criterion.fastest) ** 2
     error = np.asarray(driven * parts.loads)
     for x, omega, share in criterion.sudden:
@@ -182,8 +152,8 @@ def _error(criterion: _Criterion, pool: int) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class _Start:
-    """What the modes of a state answer to a load of unit size that is there at once."""
+class _SuddenAnswer:
+    """The answer of a state's modes to a load of unit size that is there at once."""
 
     parts: FloatArray
     """Phi_i (Phi_i, p) at the load, or along the beam, kg^-1 or kg^-1 m, shape ``(pool, places)``."""
@@ -193,17 +163,8 @@ class _Start:
     """The most that the modes from each on may sum to, m for a unit load, shape ``(pool - 1,)``."""
 
     def error(self, omega: float) -> FloatArray:
-        """Share of the left-out modes in the largest deflection.
-
-        Parameters
-        ----------
-        omega : float
-            Angular frequency of the load, rad/s; 0 if it is constant.
-
-        Returns
-        -------
-        FloatArray, shape (pool - 1,)
-            Without unit.
+        """Share of the left-out modes in the largest deflection, ``(pool - 1,)``, under a load of frequency `omega`,
+        rad/s.
         """
         slowed = np.maximum(self.square, omega**2)  # inertia makes the answer of the modes below it smaller
         most = np.abs((1 / np.where(slowed > 0, slowed, np.inf)) @ self.parts).max()
@@ -211,8 +172,8 @@ class _Start:
 
 
 @dataclass(frozen=True)
-class _Parts:
-    """What the criterion needs apart from the excitation."""
+class _ModalSums:
+    """The sums of the criterion apart from the excitation."""
 
     elastic: float
     """The lowest elastic frequency with the stops closed, rad/s."""
@@ -220,22 +181,25 @@ class _Parts:
     """e_N over omega_c^2 of each stop, s^2, shape ``(stops, pool - 1)``."""
     loads: FloatArray
     """e_N over the square of the fastest frequency of what answers the loads, s^2, shape ``(pool - 1,)``."""
-    starts: dict[float | None, tuple[_Start, _Start]]
-    """What the two states answer to a load at each place, and to a uniform one if there is one."""
+    starts: dict[float | None, tuple[_SuddenAnswer, _SuddenAnswer]]
+    """Answers of the two states to a load at each position, m, or, under None, to a uniform load."""
 
 
 @lru_cache(maxsize=32)
-def _parts(family: Family, pool: int) -> _Parts:
-    problem = family.problem
+def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
+    problem = loaded.problem
     both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
     elastic, constant = both[-1].omega[both[-1].omega > 0], problem.forces.constant
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
     least = np.arange(1, pool, dtype=float) ** -4
-    return _Parts(
+    return _ModalSums(
         elastic=float(elastic[0]),
         contacts=np.max([_over_square(modes, _shares(problem, modes)) for modes in both], axis=0),
         loads=np.max([_over_square(modes, least) for modes in both], axis=0),
-        starts={x: (_start(both[0], x), _start(both[-1], x)) for x in (*(f.x for f in constant), *family.places)},
+        starts={
+            x: (_sudden_answer(both[0], x), _sudden_answer(both[-1], x))
+            for x in (*(f.x for f in constant), *loaded.positions)
+        },
     )
 
 
@@ -253,16 +217,16 @@ def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
     return np.asarray(np.divide(share, square, out=np.full(share.shape, np.inf), where=square > 0))
 
 
-def _start(modes: NormalModes, x: float | None) -> _Start:
-    """What the modes of one state answer to a load at a place, or to a uniform one."""
+def _sudden_answer(modes: NormalModes, x: float | None) -> _SuddenAnswer:
+    """The answer of one state's modes to a load at a position, m, or to a uniform load."""
     if x is None:
-        along = modes.shapes(np.linspace(0.0, modes.shapes.nodes[-1], _PLACES))
+        along = modes.shapes(np.linspace(0.0, modes.shapes.nodes[-1], _POSITIONS))
         parts = along * integral(modes.shapes)[:, None]
     else:
         parts = modes.shapes(np.array([x])) ** 2
     square = modes.omega**2
     tail = np.abs(parts / np.where(square > 0, square, np.inf)[:, None])[::-1].cumsum(axis=0)[::-1].max(axis=1)
-    return _Start(parts, square, tail[1:])
+    return _SuddenAnswer(parts, square, tail[1:])
 
 
 def _enough(criterion: _Criterion, tolerance: float, pool: int) -> int:
