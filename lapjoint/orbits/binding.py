@@ -26,7 +26,7 @@ from lapjoint.orbits.ensemble import Ensemble, ensemble_of
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.period_map import PeriodMap, decay_periods
-from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, Search, as_linearised
+from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, SteadyStateSearch, as_linearised
 from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
 
@@ -123,7 +123,7 @@ class Binder:
         effort = Effort(self._effort.max_period_multiple, left, self._effort.max_switches, growth=False)
         first_look = FIRST_LOOK_NEAR if party.periods(i) else FIRST_LOOK
         try:
-            found = Search(self._map, effort).run(party.ensemble.point(i), min(first_look, left))
+            found = SteadyStateSearch(self._map, effort).run(party.ensemble.point(i), min(first_look, left))
         except SolverError as error:
             party.fail(i, str(error))
             return False

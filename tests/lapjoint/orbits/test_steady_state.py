@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from settled import amplification
 from toy import Bar, bar
 
 import analytic
@@ -140,7 +141,7 @@ def test_a_random_bar_is_where_its_march_leads(seed: int) -> None:
     """One stop or two, near what the motion without contact reaches; damped so that all of it is over soon."""
     rng = np.random.default_rng(seed)
     omega, ratio = rng.uniform(0.5, 4.5), rng.uniform(0.04, 0.1)
-    amplitude = omega**2 / abs(1 - omega**2 + 2j * ratio * omega)
+    amplitude = abs(amplification(omega, ratio))
     gaps = rng.uniform(0.5, 1.6, 2) * amplitude * [1, -1]
     stops = [(float(gap), float(np.exp(rng.uniform(1, 5)))) for gap in gaps[: rng.integers(1, 3)]]
     problem = bar(omega, *stops, ratio=ratio)
