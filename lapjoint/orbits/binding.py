@@ -31,8 +31,7 @@ from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
 
 _STRIDE = 4
-"""Periods between the first two comparisons; later an eighth of the periods marched, so that comparisons cost
-little."""
+"""Periods between the first two comparisons; later an eighth of the periods marched, which costs little."""
 _PATIENCE = 64
 """Least number of periods after which a start that is bound to no known motion is searched alone."""
 _DECAY_TIMES = 8.0
@@ -56,8 +55,7 @@ class End:
 
 
 class Binder:
-    """The motions of one problem that are known so far, and what binds starts to them; the growth of deviations is not
-    measured."""
+    """The known motions of one problem, to which starts are bound; the growth of deviations is not measured."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, motions: Iterable[CertifiedMotion] = ()) -> None:
         self._map, self._effort, self._half_periods = period_map, effort, HalfPeriods(period_map)

@@ -70,8 +70,7 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
 
 
 def without_contact_errors(history: History, reason: str) -> History:
-    """A motion with infinite errors of its contacts, as none can be stated for some reason, though they were asked
-    for."""
+    """A motion with infinite errors of its contacts: errors were asked for, but a reason forbids to state them."""
     contacts = tuple(
         replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
     )
@@ -79,8 +78,7 @@ def without_contact_errors(history: History, reason: str) -> History:
 
 
 def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: float | None = None) -> Differences:
-    """How far contacts are from their partners in another motion; with a `period`, s, of both, times are compared
-    modulo it."""
+    """Distances of contacts from their partners in another motion, modulo a `period`, s, if both have one."""
     start, impulse, peak = np.full((3, len(contacts)), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
@@ -114,8 +112,7 @@ def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tup
 
 
 def parting(contacts: Sequence[Contact], found: Differences) -> int:
-    """Index of the first contact, in the order of time, at which two marches have parted; the number of contacts if
-    none."""
+    """Index of the first contact, by time, at which two marches have parted; the number of contacts if none."""
     near = PARTED * _spacings(contacts)
     beyond = np.isfinite(found.start) & (found.start > near)
     return int(np.argmax(beyond)) if beyond.any() else len(contacts)

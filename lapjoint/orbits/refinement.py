@@ -30,8 +30,7 @@ LEAST_ORDER = 1.0
 """Least order of convergence of any derivative: after a kink of a force the acceleration of mode k goes with k^-2, and
 the sum of the truncated modes with k^-1."""
 ROUNDING = 1e-12
-"""Relative error that refinement does not show: switches are located to some 1e-13 of a period, and arithmetic is as
-exact."""
+"""Relative error that refinement does not show: that of located switches, and of arithmetic."""
 
 
 @dataclass(frozen=True)

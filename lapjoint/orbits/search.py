@@ -70,8 +70,7 @@ of switches make some 1e-13."""
 MULTIPLES_AT_A_LOOK = 8
 """Periods marched each time Newton's method is tried, to see after how many the march comes back."""
 DECAY_TIMES = 20.0
-"""Least length of the second stretch, in decay times of the slowest free vibration: exp(-20) = 2e-9 of a transient is
-left."""
+"""Least length of the second stretch, in decay times of the slowest free vibration: exp(-20) = 2e-9."""
 SUSPECT = 5
 """Factor of that length where a stable orbit is known: chaos may then be a long transient."""
 _WATCHED = 192
@@ -110,8 +109,7 @@ class SearchResult:
 
 
 def near(half_periods: HalfPeriods, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
-    """Whether a deviation, (n,), is within a share of the orbit's size, or within some residuals of an orbit that does
-    not close."""
+    """Whether a deviation, (n,), is within a share of the orbit's size, or within ten residuals of the orbit."""
     return half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
 
@@ -152,8 +150,7 @@ class SteadyStateSearch:
         self._closest = (np.inf, 2)  # how closely the march came back at the last look, and after how many half periods
 
     def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> SearchResult:
-        """March until a motion is certified, or the effort allowed is spent; Newton's method is first tried after
-        `first_look` periods."""
+        """March until a motion is certified, or effort is spent; Newton's method begins after `first_look` periods."""
         self.point, look = start, first_look
         while self.marched < TRANSIENT and not self._spent:
             self._advance(min(look, TRANSIENT, self._effort.max_periods) - self.marched)

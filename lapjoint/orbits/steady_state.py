@@ -118,8 +118,7 @@ def _certified(period_map: PeriodMap, solver: str, found: SearchResult, effort: 
 
 
 def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance: Acceptance | None) -> SteadyState:
-    """A periodic motion with its certificate, stable or not, without errors; `acceptance` is None where nothing was
-    marched."""
+    """A periodic motion, stable or not, with its certificate; `acceptance` is None where nothing was marched."""
     history = period_map.history(orbit.point, orbit.period_multiple)
     return SteadyState(
         problem=period_map.problem,

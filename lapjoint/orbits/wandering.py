@@ -25,8 +25,7 @@ class Wandering:
     point: SectionPoint
     """Where the stretch ends."""
     breadth: float
-    """How far it is from repeating, over its size: its farthest return, at the period multiple that makes this
-    least."""
+    """Farthest return of its last points, over their size, at the period multiple that makes it least."""
     residual: float
     """Distance of its last return, over its size, at the period multiple that makes this least."""
     impulses: FloatArray
@@ -80,7 +79,6 @@ def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoin
 
 
 def nearest_return(half_periods: HalfPeriods, points: Sequence[SectionPoint]) -> float:
-    """The least distance of the last point of a march from one in its later half, over the size; inf without another
-    point."""
+    """The least distance of a march's last point from its later half, over the size; inf without another point."""
     later = points[len(points) // 2 : -1]
     return min((half_periods.apart(point, points[-1]) for point in later), default=float("inf"))

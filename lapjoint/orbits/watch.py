@@ -97,8 +97,7 @@ class Watch(Protocol):
         """Pairs of a stop and an interval, for all stops and all its intervals."""
 
     def deviated(self, deviations: FloatArray) -> Deviated:
-        """What deviations come to along the orbit, (n, K), as columns in the coordinates that belong to its section
-        point."""
+        """The motion of deviations, (n, K), columns in the coordinates of its section point, along the orbit."""
 
 
 def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
@@ -112,8 +111,7 @@ def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops
 
 
 class SegmentWatch:
-    """The watch over an orbit whose segments are known in closed form; with `twins` it goes on mirrored after the
-    last."""
+    """The watch over an orbit with segments in closed form; with `twins` the orbit goes on mirrored."""
 
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0

@@ -83,8 +83,7 @@ class Problem(Part):
 
     @property
     def excitation_frequency(self) -> float | None:
-        """The fundamental of all periodic excitation, rad/s: its lowest angular frequency, if all are multiples of
-        it."""
+        """The lowest frequency of the periodic excitation, rad/s, if all others are multiples of it; else None."""
         return self.forces.fundamental
 
     def require_excitation_frequency(self, purpose: str) -> float:

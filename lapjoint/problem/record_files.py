@@ -144,8 +144,7 @@ def _is_name(cell: str, decimal: str) -> bool:
 
 
 def _check_widths(source: Source, first: _Line, width: int, rows: list[_Line]) -> None:
-    """Refuse lines of samples that differ in their number of fields, or have fewer than the `width` of the first
-    line."""
+    """Refuse lines of samples that differ in their number of fields, or have fewer than the first line's `width`."""
     for row in rows:
         if len(row.cells) < width or any(row.cells[width:]):
             other, number = first, width
