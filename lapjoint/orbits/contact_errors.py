@@ -12,14 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from lapjoint.answers.history import Contact, History
 from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
-
-IndexArray = npt.NDArray[np.intp]
 
 PARTED = 0.1
 """Time between partners, over the time to the stop's nearest other contact, above which two motions have parted."""
@@ -51,22 +49,30 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         finite = np.where(np.isfinite(values), values, 0.0)
         bounds = refinement.bounds(values, np.maximum.accumulate(finite))
         errors.append(np.where(together, bounds, np.inf))
+    ends = np.array([contact.end for contact in history.contacts])
     sizes = np.array([(abs(contact.impulse), contact.peak_force) for contact in history.contacts]).reshape(-1, 2)
-    contacts = tuple(
-        replace(
-            contact,
-            start_error=0.0 if contact.open_start else float(start + ROUNDING * contact.end),
-            impulse_error=float(impulse + ROUNDING * largest[0]),
-            peak_force_error=float(peak + ROUNDING * largest[1]),
-        )
-        for contact, start, impulse, peak, largest in zip(
-            history.contacts, *errors, np.maximum.accumulate(sizes), strict=True
-        )
-    )
+    impulses, peaks = ROUNDING * np.maximum.accumulate(sizes).T
+    start, impulse, peak = errors
+    contacts = with_errors(history.contacts, start + ROUNDING * ends, impulse + impulses, peak + peaks)
     source = f"compared with {refinement.name}"
     if parted < len(contacts):
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
     return replace(history, contacts=contacts, error_source=source)
+
+
+def with_errors(
+    contacts: Sequence[Contact], start: FloatArray, impulse: FloatArray, peak: FloatArray
+) -> tuple[Contact, ...]:
+    """Contacts with errors, s, N s and N, (contacts,) each; a contact that is closed at the start begins exactly."""
+    return tuple(
+        replace(
+            contact,
+            start_error=0.0 if contact.open_start else float(start[i]),
+            impulse_error=float(impulse[i]),
+            peak_force_error=float(peak[i]),
+        )
+        for i, contact in enumerate(contacts)
+    )
 
 
 def without_contact_errors(history: History, reason: str) -> History:

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.contact_errors import Differences, differences, without_contact_errors
+from lapjoint.orbits.contact_errors import Differences, differences, with_errors, without_contact_errors
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import PeriodMap
@@ -139,15 +139,7 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
     impulse += floor * max((abs(contact.impulse) for contact in whole), default=0.0)
     peak += floor * max((contact.peak_force for contact in whole), default=0.0)
     start += floor * period
-    contacts = tuple(
-        replace(
-            one,
-            start_error=0.0 if one.open_start else float(start[i]),
-            impulse_error=float(impulse[i]),
-            peak_force_error=float(peak[i]),
-        )
-        for one, i in zip(history.contacts, number, strict=True)
-    )
+    contacts = with_errors(history.contacts, start[number], impulse[number], peak[number])
     return replace(history, contacts=contacts)
 
 
