@@ -55,16 +55,14 @@ class DisplacedStarts(Protocol):
         """The static shapes of unit forces at `places`, m, (p,), as deviations in the coordinates of `origin`."""
 
     def energy(self, origin: SectionPoint) -> FloatArray:
-        """The matrix A, (n, n), of the energy e . A e / 2, J, of a deviation e from `origin` in the joint without
-        contact.
+        """The matrix A, (n, n), of the energy e . A e / 2, J, of a deviation e from `origin` without contact.
 
         It is symmetric and positive definite.
         """
 
 
 def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint, plane: Plane) -> FloatArray:
-    """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by none in the other, (2,
-    n).
+    """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by 0 in the other, (2, n).
 
     An `InputError` says that the joint without contact is not held, a support holds a place, or both places move alike.
     """
@@ -96,8 +94,7 @@ def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) ->
 
 
 def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint) -> FloatArray:
-    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint without contact must be
-    held.
+    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint must be held.
 
     It takes the unit ball to the deviations from `origin` of an energy of at most 1/2 J.
     """

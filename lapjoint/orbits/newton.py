@@ -107,8 +107,7 @@ class Orbit:
 
 
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
-    """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none from the
-    guess.
+    """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none.
 
     Newton's method is not tried from a residual above `farthest`, over the size of the motion, nor for a map that makes
     deviations grow beyond rounding, of which no fixed point can be known.

@@ -54,8 +54,7 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
 def disturbed(
     half_periods: HalfPeriods, now: SectionPoint, wander: float, deviation: FloatArray, times: int
 ) -> SectionPoint:
-    """An aperiodic march, moved along a deviation of unit size, (n,), that has grown with it: chaos must go on after
-    that.
+    """An aperiodic march, moved along a unit deviation, (n,), that has grown with it: chaos must go on after it.
 
     `wander` is how far the march is from repeating, over its size. Up to `NARROW` it may be unable to leave an unstable
     motion, and is pushed as far as a march that is; it has been pushed `times` before.

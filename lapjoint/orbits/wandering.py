@@ -62,8 +62,7 @@ def outcome_of(
 
 
 def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoint], most: int) -> tuple[float, float]:
-    """How far the last points of a march are from repeating: the farthest of all returns, and the last one, over their
-    size.
+    """How far a march is from repeating: its farthest and its last return among the last points, over their size.
 
     Each is that of the period multiple, up to `most`, that makes it least.
     """

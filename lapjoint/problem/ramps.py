@@ -182,8 +182,7 @@ class Ramps:
 
 
 class RampBlocks:
-    """The knots and values of ``R >= 1`` sampled forces, in blocks, up to the time at which the first of the forces
-    ends.
+    """The knots and values of ``R >= 1`` sampled forces, in blocks, up to the end of the force that ends first.
 
     Recorded forces are one block. With random forces a block has `KNOTS` intervals of the random force with the highest
     rate, and begins and ends with one of its knots; the other forces get a knot there, on their ramps. A time on the

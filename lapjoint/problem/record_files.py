@@ -54,8 +54,7 @@ class _Line(NamedTuple):
 
 
 def read_columns(source: Source) -> tuple[Samples, Samples | None, IntArray]:
-    """The values of a record and their times, each in its own unit, and the line of the file of each, from 1, shape
-    (n,).
+    """The values of a record, their times, each in its own unit, and the lines of the file, from 1, (n,) each.
 
     The times are None without a column of them. A `ValueError` names the line of a cell that is no number, or that can
     be read in two ways.

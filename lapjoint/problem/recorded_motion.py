@@ -53,8 +53,7 @@ class RecordedMotion:
         return np.asarray(y[j] + s * (v[j] + s * (a / 2 + s * slope / 6)))
 
     def line(self, derivative: int) -> tuple[float, float]:
-        """The straight line nearest to a derivative of the motion in the mean square over time: its value half-way, and
-        its slope.
+        """The line nearest to a derivative of the motion, in the mean square over time: its value half-way, and slope.
 
         The value is the mean of the derivative; both are in m over powers of s.
         """
