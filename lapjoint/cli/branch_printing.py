@@ -100,8 +100,7 @@ def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
 
 
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
-    """Bifurcation `j` in a line: its value with its error and its name; of a graze also the stop, and how the branch
-    goes on."""
+    """Bifurcation `j` in a line: value, error and name; of a graze also the stop, and how the branch goes on."""
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])

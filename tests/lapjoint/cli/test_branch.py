@@ -6,44 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from amplitude_ranges import docs_cantilever
 from command_line import assert_refused, run, run_well
 
+from lapjoint import write_problem
 from lapjoint.campaigns.branches.table import KINDS, read_branches
 from lapjoint.cli.branch_printing import bifurcation_text, print_branches
 
-PROBLEM = """
-[beam]
-length = 1.0
-bending_stiffness = 1.0
-mass_per_length = 1.0
-
-[[supports]]
-x = 0.0
-translational = inf
-torsional = inf
-
-[[stops]]
-name = "tip"
-x = 1.0
-side = "top"
-gap = 1e-3
-stiffness = 50.0
-
-[damping]
-kind = "viscous"
-coefficient = 0.8
-
-[base_motion]
-amplitude = 3e-4
-angular_frequency = 5.0
-"""
 OVER = ("--over", "base_motion.amplitude", "--modes", "3", "--no-errors")
 
 
 @pytest.fixture(autouse=True)
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("bar.toml").write_text(PROBLEM)
+    joint = docs_cantilever()
+    (stop,) = joint.stops
+    write_problem(joint.replace(stops=(stop.model_copy(update={"name": "tip"}),)), "bar.toml")
 
 
 def test_branch_writes_a_dataset_once_and_plot_draws_it() -> None:
