@@ -47,9 +47,7 @@ class JointEnsemble:
         return failed
 
     def deviations(self, which: IntArray, origin: SectionPoint) -> FloatArray:
-        """Deviations of the members `which` from a section point. See
-        `lapjoint.orbits.ensemble.Ensemble.deviations`.
-        """
+        """Deviations of members from a section point. See `lapjoint.orbits.ensemble.Ensemble.deviations`."""
         joint, n = self._joint, self._joint.count(origin.state)
         found: FloatArray = np.zeros((len(which), 2, n))
         slots = self._slots[which]

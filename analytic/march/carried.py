@@ -34,9 +34,7 @@ _WITHIN_REACH = 1e100
 
 @njit_called()
 def size_of(deviation: FloatArray, period: float) -> float:
-    """The size |dq| + |dv| period / 2 pi of a deviation (dq, dv), ``(2 N, 1)``, kg^1/2 m; `period` is the excitation's,
-    s.
-    """
+    """The size |dq| + |dv| period / 2 pi, kg^1/2 m, of a deviation (dq, dv), ``(2 N, 1)``; `period` in s."""
     n = deviation.shape[0] // 2
     q, v = 0.0, 0.0
     for i in range(n):
@@ -145,9 +143,7 @@ def _rescale(deviation: FloatArray, period: float) -> float:
 
 @njit_inner()
 def _next_period(motion: Motion, penetration: FloatArray) -> None:
-    """Begin a period at the time 0, and add the penetrations over time of the ended period, m s, to `penetration`,
-    ``(P,)``.
-    """
+    """Begin a period at the time 0, and add the old one's penetrations over time to `penetration`, m s, ``(P,)``."""
     for k in range(motion.total.size):
         penetration[k] += motion.total[k]
         motion.total[k] = 0.0

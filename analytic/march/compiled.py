@@ -126,8 +126,7 @@ def new_log(rows: int, modes: int, stops: int) -> Log:
 
 
 def new_motion(slot: int, start: float, q: FloatArray, v: FloatArray, modes: int, stops: int) -> Motion:
-    """A march at its beginning at the time `start`, s, from the modal displacements and velocities `q` and `v`,
-    ``(n,)``.
+    """A march at its beginning at `start`, s, from modal displacements and velocities `q` and `v`, ``(n,)``.
 
     There is room for `modes` modes, at least ``n``.  Every stop counts as one that has switched just then.
     """

@@ -113,9 +113,7 @@ def _times(left: FloatArray, since: FloatArray) -> FloatArray:
 
 @njit_inner()
 def _units(rows: int, n: int, live: int) -> FloatArray:
-    """Units of the deviations of the first `live` of ``n`` modes as columns, and a column without deviation for the
-    level.
-    """
+    """Units of the deviations of the first `live` of ``n`` modes as columns, and a zero column for the level."""
     begin = zeros((rows, 2 * live + 1))
     for j in range(live):
         begin[j, j] = begin[n + j, live + j] = 1.0

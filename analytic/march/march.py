@@ -157,8 +157,7 @@ class Marching:
         self._motion.counts[SWITCHES] = 0
 
     def logs_to(self, goal: float) -> Iterator[Log]:
-        """March on to a time, s, at which a segment ends; gives the segments since the last log, none if there is no
-        room.
+        """March on to a time, s, at which a segment ends; gives the new segments, or none if there is no room.
 
         `SolverError` is raised where there are too many switches, or the march makes no progress.
         """
@@ -210,9 +209,7 @@ def ended(joint: Joint, motion: Motion) -> Coordinates:
 
 
 def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) -> None:
-    """Make a switch known that the tables lack, if `status` says so, or raise `SolverError` if the march
-    cannot go on.
-    """
+    """Make a switch known that the tables lack, or raise `SolverError` if the march cannot go on."""
     slot, t = int(motion.counts[SLOT]), float(motion.time[0])
     if status == MISSING_SWITCH:
         joint.connect(slot, int(motion.counts[PENDING]))

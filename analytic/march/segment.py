@@ -304,8 +304,7 @@ def _first_look(
     theta: ComplexArray,
     shift: FloatArray,
 ) -> None:
-    """Write to `shift`, m, ``(P,)``, how far above 0 each gap function starts, as the modes of two states differ in
-    truncation.
+    """Write to `shift`, m, ``(P,)``, how far above 0 each gap function starts: states differ by truncation.
 
     `out`, ``(U, 4)``, has z and its derivatives; `tail`, m, ``(U, T + 1)``, is that of `bound_tails`.
     """
