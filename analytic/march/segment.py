@@ -114,19 +114,15 @@ def follow(
     theta0, term0 = theta.copy(), term[:terms].copy()
     for k in range(stops):
         area[k] = deepest[k] = 0.0
+    base, j, beginning = start, 0, True
     if ramps is None:
-        base, j, beginning, shift, rigid = start, 0, True, zeros(stops), None
+        rigid, shift = None, zeros(stops)
         start_terms(tables, slot, theta, q, v, term, poly)
         drift_at_stops(tables, slot, poly, drift)
     else:
-        base, j, beginning, shift = (
-            start,
-            interval_at(ramps, ramps.interval[0], start),
-            not ramps.goes_on[0],
-            ramps.shift,
-        )
+        j, beginning = interval_at(ramps, ramps.interval[0], start), not ramps.goes_on[0]
         jerk, body = zeros(positions), zeros((2, 4))
-        rigid = Rigid(jerk, ramps.drag[slot])
+        rigid, shift = Rigid(jerk, ramps.drag[slot]), ramps.shift
         start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
     while True:
         until, width, whole = end, end - base, False
