@@ -43,6 +43,7 @@ html_copy_source = False
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
+smartquotes_action = "qe"  # dashes stay: help texts name options, as in --plane
 myst_fence_as_directive = ["math"]
 
 autosummary_generate = True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
@@ -20,20 +20,34 @@ from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
-if TYPE_CHECKING:
-    from fe_lapjoint.solver import Solver
-
 _WINDOWS = 16  # windows of a stretch at most, some tens to hundreds of contacts
 _KNOTS = 32768  # of a stretch, at most: of 64 of them, the motion at one is kept
 _ROUNDINGS = 1e-12  # of the duration: a stretch that ends so near to it is the last one
 
 
-def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> Modes:
+class Options(Protocol):
+    """The numerical options of `fe_lapjoint.Solver`, which says what each is."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def elements(self) -> int: ...
+    @property
+    def nodes(self) -> tuple[float, ...] | None: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def rtol(self) -> float: ...
+    @property
+    def atol(self) -> float: ...
+
+
+def modes(solver: Options, problem: Problem, state: ContactState, count: int) -> Modes:
     """The lowest modes of a contact state.
 
     Parameters
     ----------
-    solver : Solver
+    solver : Options
         The numerical options.
     problem : Problem
         What is solved.
@@ -59,12 +73,12 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
     return Modes(state, omega[:count], ElementShapes(assembly, vectors[:, :count]))
 
 
-def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
+def simulate(solver: Options, problem: Problem, duration: float, progress: Progress | None) -> History:
     """The motion from the initial state.
 
     Parameters
     ----------
-    solver : Solver
+    solver : Options
         The numerical options.
     problem : Problem
         What is solved.
@@ -92,12 +106,12 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
     return history_of(solver.name, model, [motion], duration)
 
 
-def stream(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
+def stream(solver: Options, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
     """The motion from the initial state, stretch by stretch.
 
     Parameters
     ----------
-    solver : Solver
+    solver : Options
         The numerical options.
     problem : Problem
         What is solved.
@@ -126,7 +140,7 @@ def stream(solver: Solver, problem: Problem, duration: float, progress: Progress
             progress(stretch.end, duration)
 
 
-def _marched(solver: Solver, problem: Problem, duration: float) -> Iterator[History]:
+def _marched(solver: Options, problem: Problem, duration: float) -> Iterator[History]:
     """The stretches of a motion that nothing repeats."""
     model = _model(solver, problem)
     state = initial_state(model)
@@ -148,12 +162,12 @@ def _stretch_end(model: Model, t: float, duration: float) -> float:
     return duration if end >= duration * (1 - _ROUNDINGS) else end
 
 
-def period_map(solver: Solver, problem: Problem) -> PeriodMap:
+def period_map(solver: Options, problem: Problem) -> PeriodMap:
     """The period map of a problem whose excitation has a period.
 
     Parameters
     ----------
-    solver : Solver
+    solver : Options
         The numerical options; its `method` is "exact".
     problem : Problem
         What is solved.
@@ -166,9 +180,9 @@ def period_map(solver: Solver, problem: Problem) -> PeriodMap:
     return PeriodMap(_model(solver, problem), solver.name)
 
 
-def _model(solver: Solver, problem: Problem) -> Model:
+def _model(solver: Options, problem: Problem) -> Model:
     return Model(problem, _assembly(solver, problem), solver.method, solver.rtol, solver.atol)
 
 
-def _assembly(solver: Solver, problem: Problem) -> Assembly:
+def _assembly(solver: Options, problem: Problem) -> Assembly:
     return Assembly(problem, mesh_nodes(problem, solver.elements, solver.nodes))

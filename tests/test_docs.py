@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from lapjoint.cli.main import main
+from lapjoint.problem.files import from_toml
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -38,6 +40,49 @@ SNIPPETS = [
 def test_python_prints_what_stands_below_it(code: str, shown: str, capsys: pytest.CaptureFixture[str]) -> None:
     exec(compile(code, "docs", "exec"), {})
     assert capsys.readouterr().out == shown
+
+
+def test_the_problem_files_of_their_page_are_some(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = (f"{i / 1000},{i % 3}" for i in range(9))
+    Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
+    page = (DOCS / "problem-files.md").read_text(encoding="utf-8")
+    whole, *other_bases = re.findall(r"^```toml\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    problem = from_toml(whole)
+    assert len(other_bases) == 3
+    for other_base in other_bases:
+        other = from_toml(whole.split("[base_motion]")[0] + other_base)
+        assert other.replace(base_motion=problem.base_motion) == problem
+    assert problem.stop_names == ("tip",)
+
+
+def test_the_session_of_the_page_on_sweeps_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (DOCS / "sweeps.md").read_text(encoding="utf-8")
+    (session,) = re.findall(r"^```pycon\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    *lines, last = re.findall(r"^>>> (.*)$", session, re.MULTILINE)
+    names: dict[str, object] = {}
+    for line in lines:
+        exec(line, names)
+    assert "impulse" in str(eval(last, names))
+
+
+def test_every_dependency_is_explained() -> None:
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## What it stands on")[1]
+    extras = [one for group in project["optional-dependencies"].values() for one in group]
+    names = {re.split(r"[<>=\[;~ ]", one)[0] for one in [*project["dependencies"], *extras]} - {"lapjoint"}
+    assert {name for name in names if name not in table} <= {"pytest-xdist"}  # "pytest" is
+
+
+def test_the_layout_names_every_folder_two_levels_deep() -> None:
+    root = DOCS.parent
+    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## What it stands on")[0]
+    named = {path.rstrip("/") for path in re.findall(r"`([\w/]+/)`", table)}
+    tops = {path.split("/")[0] for path in named}
+    assert {"lapjoint", "analytic", "fe_lapjoint", "validation", "tests", "benchmarks", "docs"} == tops
+    inner = {path for top in tops for path in (root / top).iterdir() if any(path.rglob("*.py"))}
+    assert named == tops | {path.relative_to(root).as_posix() for path in inner}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)

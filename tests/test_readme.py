@@ -11,7 +11,6 @@ import pytest
 from click.testing import CliRunner
 
 from lapjoint.cli.main import main
-from lapjoint.problem.files import from_toml
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text()
@@ -39,24 +38,15 @@ def test_ci_runs_the_readmes_test_command() -> None:
     subprocess.run(["bash", "-n", str(ROOT / ".ci" / "run")], check=True)
 
 
-@pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.split("\n")[0])
-def test_its_code_runs_and_prints(
-    code: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert len(code.split("\n\n")) == 2
+def test_its_code_takes_ten_lines_and_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    (code,) = blocks("python")
+    assert len(code.strip().splitlines()) <= 10
     exec(compile(code, "README.md", "exec"), {})
     assert re.search(r"\d\.\d", capsys.readouterr().out)
 
 
-def test_its_session_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (session,) = blocks("pycon")
-    lines = re.findall(r"^>>> (.*)$", session, re.MULTILINE)
-    names: dict[str, object] = {}
-    for line in lines[:-1]:
-        exec(line, names)
-    assert "impulse" in str(eval(lines[-1], names))
+def test_it_is_read_in_a_sitting() -> None:
+    assert len(README.splitlines()) <= 150
 
 
 def test_a_problem_of_ones_own_takes_the_commands_that_it_shows(
@@ -73,40 +63,3 @@ def test_a_problem_of_ones_own_takes_the_commands_that_it_shows(
         result = CliRunner().invoke(main, words)
         assert result.exit_code == 0, result.output
     assert Path("report/report.html").is_file()
-
-
-def test_from_problem_to_impulse_takes_five_lines() -> None:
-    for code in blocks("python")[:2]:
-        assert len([line for line in code.splitlines() if line.strip()]) <= 5
-
-
-def test_its_problem_file_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    rows = (f"{i / 1000},{i % 3}" for i in range(9))
-    Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
-    whole, *other_bases = blocks("toml")
-    problem = from_toml(whole)
-    assert len(other_bases) == 3
-    for other_base in other_bases:
-        other = from_toml(whole.split("[base_motion]")[0] + other_base)
-        assert other.replace(base_motion=problem.base_motion) == problem
-    assert problem.stop_names == ("tip",)
-
-
-def test_every_dependency_is_explained() -> None:
-    import tomllib
-
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    table = README.split("## What it stands on")[1].split("\n## ")[0]
-    for requirement in project["dependencies"]:
-        name = re.split(r"[<>=]", requirement)[0]
-        assert name in table, f"{name} is not explained in the README"
-
-
-def test_its_map_names_every_folder_two_levels_deep() -> None:
-    table = README.split("## How it is laid out")[1].split("\n## ")[0]
-    named = {path.rstrip("/") for path in re.findall(r"`([\w/]+/)`", table)}
-    tops = {path.split("/")[0] for path in named}
-    assert {"lapjoint", "analytic", "fe_lapjoint", "validation", "tests", "benchmarks", "docs"} == tops
-    inner = {path for top in tops for path in (ROOT / top).iterdir() if any(path.rglob("*.py"))}
-    assert named == tops | {path.relative_to(ROOT).as_posix() for path in inner}

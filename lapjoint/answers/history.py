@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray, Problem
 
 NO_ERRORS = "no errors were estimated"
@@ -75,7 +76,7 @@ class Field(Protocol):
 
 
 @dataclass(frozen=True)
-class History:
+class History(Shown):
     """A motion from `start` to `end`, with its contacts and the means to evaluate it anywhere."""
 
     problem: Problem
@@ -97,11 +98,6 @@ class History:
     """How the errors of the contacts were estimated, or why there are none."""
     highest_mode: float | None = None
     """Angular frequency of the fastest mode of which the solver made the motion, rad/s; None where it does not say."""
-
-    def _repr_html_(self) -> str:
-        from lapjoint.figures.notebook import html_of_history
-
-        return html_of_history(self)
 
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """z(x, t), the displacement relative to the base.

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.history import NO_ERRORS, History
+from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray, Problem
-
-if TYPE_CHECKING:
-    from lapjoint.summaries.of_orbit import OrbitSummary
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -151,7 +149,7 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class SteadyState:
+class SteadyState(Shown):
     """The motion that remains, and the certificate of how that was established."""
 
     problem: Problem
@@ -188,38 +186,6 @@ class SteadyState:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "march_on": None}
-
-    def summary(self, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None) -> OrbitSummary:
-        """Peaks, root mean squares and contact times, with their numerical errors.
-
-        Parameters
-        ----------
-        at : sequence of float, optional
-            Places, m; by default those of the stops and of the ends that no support fixes.
-        quantities : sequence of str, optional
-            Of `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration,
-            moment and, where the beam has a section, stress.
-
-        Returns
-        -------
-        OrbitSummary
-            The numbers, and their errors where those of the impulses were estimated.
-
-        Raises
-        ------
-        InputError
-            If a place is off the beam, or a quantity is unknown or needs what the problem has not.
-        SolverError
-            If a motion that does not repeat cannot be marched on.
-        """
-        from lapjoint.summaries.of_orbit import summarise
-
-        return summarise(self, at=at, quantities=quantities)
-
-    def _repr_html_(self) -> str:
-        from lapjoint.figures.notebook import html_of_steady_state
-
-        return html_of_steady_state(self)
 
     @property
     def stable(self) -> bool | None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState
+from lapjoint.summaries import summarise
 
 FAILED = "FAILED"
 """Name of the outcome where the solver gave up."""
@@ -108,7 +109,7 @@ def _summary_of(found: SteadyState, names: Sequence[str]) -> dict[str, list[floa
     """Numbers of a steady state as `Point.summary` holds them."""
     from lapjoint.summaries.of_orbit import OF_STOPS, quantities_of
 
-    summary = found.summary(quantities=quantities_of(names) or ["displacement"])
+    summary = summarise(found, quantities=quantities_of(names) or ["displacement"])
     result = {}
     for name in names:
         values = summary.values[name]

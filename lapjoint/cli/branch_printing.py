@@ -1,4 +1,4 @@
-"""What the command line prints of branches."""
+"""Branches as the command line shows them."""
 
 from __future__ import annotations
 
@@ -15,24 +15,18 @@ if TYPE_CHECKING:
 
 ROWS_SHOWN = 40
 _AT_END = 1e-9
-"""Distance from an end of the range, over its size, up to which a point is at it."""
+"""Distance from an end of the range, over the size of the range, within which a point is at the end."""
 
 
 def is_whole(dataset: xr.Dataset) -> bool:
-    """Whether branches were found, and all that began was followed to its end."""
+    """Whether branches were found, and all were followed to their ends."""
     ends = {*dataset.branch_first_end.values, *dataset.branch_last_end.values}
     failed = int(dataset.sizes.get("failure", 0))
     return bool(ends) and not ends & {"lost", "effort", "contacts"} and not int(dataset.left_out.sum()) and not failed
 
 
 def print_branches(dataset: xr.Dataset) -> None:
-    """Print each branch in a line, with its bifurcations below; with a second number, the loci of these instead.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of branches.
-    """
+    """Print each branch in a line, with its bifurcations below it; with a second parameter, their loci instead."""
     if not dataset.branch_first_end.size:
         echo("no periodic motion was found from any start")
     if second_number_of(dataset) is None:
@@ -59,7 +53,7 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
 
 
 def _print_ends_without_motion(dataset: xr.Dataset) -> None:
-    """The ends of the range to which no branch comes, though a march from rest has begun at each."""
+    """Print the ends of the range that no branch reaches, though a march from rest began there."""
     values, most = dataset[number_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
     repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
     missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
@@ -69,7 +63,7 @@ def _print_ends_without_motion(dataset: xr.Dataset) -> None:
 
 
 def _print_loci(dataset: xr.Dataset) -> None:
-    """The longest loci first, each in a line with both its ends."""
+    """Print each locus in a line with both its ends, the longest first."""
     second = dataset[second_number_of(dataset)]
     locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
     found = "loci:" if locus.size else "no bifurcations"
@@ -106,20 +100,8 @@ def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
 
 
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
-    """A bifurcation in a line.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of branches.
-    j : int
-        Which bifurcation.
-
-    Returns
-    -------
-    str
-        Its value with its error, its name and, of a graze, the stop and what the branch does there.
-    """
+    """Bifurcation `j` in a line: its value with its error and its name; of a graze also the stop, and how the branch
+    goes on."""
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])

@@ -6,6 +6,7 @@ import base64
 import html
 import math
 from collections.abc import Iterable, Sequence
+from functools import singledispatch
 
 import numpy as np
 
@@ -24,19 +25,15 @@ _SAMPLES = 800
 _MIDDLE = ' style="text-align: left"'
 
 
-def html_of_modes(modes: Modes) -> str:
-    """Natural frequencies as a table.
+@singledispatch
+def html_of(answer: object) -> str:
+    """An answer as one piece of HTML; `TypeError` for what is no answer."""
+    raise TypeError(f"{type(answer).__name__} is no answer")
 
-    Parameters
-    ----------
-    modes : Modes
-        The answer.
 
-    Returns
-    -------
-    str
-        HTML.
-    """
+@html_of.register
+def _of_modes(modes: Modes) -> str:
+    """Natural frequencies as a table."""
     closed = ", ".join(str(i + 1) for i in modes.state.closed)
     title = f"Modes with stop {closed} closed" if closed else "Modes with all stops open"
     shown = modes.angular_frequencies[:MODES_SHOWN]
@@ -45,19 +42,9 @@ def html_of_modes(modes: Modes) -> str:
     return _page(title, [], _table(("mode", "rad/s", "Hz"), rows, left_out))
 
 
-def html_of_history(history: History) -> str:
-    """A motion: its contacts as a table, and displacements over time.
-
-    Parameters
-    ----------
-    history : History
-        The answer.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+@html_of.register
+def _of_history(history: History) -> str:
+    """A motion: its contacts as a table, and displacements over time."""
     lines = [
         f"{history.solver}, {history.start:g} to {history.end:g} s: {len(history.contacts)} contacts",
     ]
@@ -76,19 +63,9 @@ def html_of_history(history: History) -> str:
     return _page(history.problem.title or "Untitled problem", lines, table + _picture(history))
 
 
-def html_of_steady_state(found: SteadyState) -> str:
-    """A steady state: what was established, the impulses of the stops as a table, and one period.
-
-    Parameters
-    ----------
-    found : SteadyState
-        The answer.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+@html_of.register
+def _of_steady_state(found: SteadyState) -> str:
+    """A steady state: what was established, the impulses of the stops as a table, and one period."""
     lines = [f"{found.solver}: {found.outcome.value}"]
     omega = found.problem.excitation_frequency
     if omega is not None:

@@ -1,9 +1,9 @@
-"""Errors of contacts: each is compared with the same contact of a finer self of the solver.
+"""Errors of contacts: each is compared with the same contact at a finer resolution of the solver.
 
 Contacts of two motions are the same if they are contacts of one stop and each is the nearest to the other in time.  A
-contact that has no such partner, because the finer motion grazes the stop, or splits a contact in two, has no error
-that could be stated: it is infinite.  Along a march the two motions part in the end, if it is chaotic.  They have
-parted where partners are not much nearer to each other than to their neighbours; from then on nothing can be stated.
+contact without a partner, because the finer motion grazes the stop or splits the contact in two, has an infinite error:
+none can be stated.  Two chaotic marches part in the end.  They have parted where partners are not much nearer to each
+other than to their neighbours; from then on no error can be stated.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from lapjoint.problem import FloatArray
 IndexArray = npt.NDArray[np.intp]
 
 PARTED = 0.1
-"""Distance in time between partners, over that to the stop's next contact before or after, from which two motions have
-parted."""
+"""Time between partners, over the time to the stop's nearest other contact, above which two motions have parted."""
 
 
 @dataclass(frozen=True)
@@ -39,23 +38,7 @@ class Differences:
 
 
 def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
-    """A march with the errors of its contacts.
-
-    Parameters
-    ----------
-    history : History
-        The march.
-    refinement : Refinement
-        What is known of the finer solver.
-    finer : callable
-        Gives the same march by the finer solver.
-
-    Returns
-    -------
-    History
-        The same with `Contact.start_error`, `Contact.impulse_error`, `Contact.peak_force_error` and
-        `History.error_source`.
-    """
+    """A march with the errors of its contacts; `finer` gives the march of the finer solver."""
     try:
         others = finer().contacts
     except (InputError, SolverError) as error:
@@ -87,20 +70,8 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
 
 
 def without_contact_errors(history: History, reason: str) -> History:
-    """A motion of whose contacts no error can be stated, though it was asked for.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    reason : str
-        Why.
-
-    Returns
-    -------
-    History
-        The same; its contacts' errors are infinite.
-    """
+    """A motion with infinite errors of its contacts, as none can be stated for some reason, though they were asked
+    for."""
     contacts = tuple(
         replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
     )
@@ -108,20 +79,8 @@ def without_contact_errors(history: History, reason: str) -> History:
 
 
 def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: float | None = None) -> Differences:
-    """How far contacts are from their partners in another motion.
-
-    Parameters
-    ----------
-    contacts, others : sequence of Contact
-        The contacts of the two motions.
-    period : float, optional
-        Period of both motions, s, if they are periodic: then times are compared modulo it.
-
-    Returns
-    -------
-    Differences
-        Of each of `contacts`.
-    """
+    """How far contacts are from their partners in another motion; with a `period`, s, of both, times are compared
+    modulo it."""
     start, impulse, peak = np.full((3, len(contacts)), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
@@ -155,20 +114,8 @@ def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tup
 
 
 def parting(contacts: Sequence[Contact], found: Differences) -> int:
-    """The first contact at which two marches have parted.
-
-    Parameters
-    ----------
-    contacts : sequence of Contact
-        The contacts of a march, by start time.
-    found : Differences
-        How far they are from their partners.
-
-    Returns
-    -------
-    int
-        Index of the contact; their number if the marches have not parted.
-    """
+    """Index of the first contact, in the order of time, at which two marches have parted; the number of contacts if
+    none."""
     near = PARTED * _spacings(contacts)
     beyond = np.isfinite(found.start) & (found.start > near)
     return int(np.argmax(beyond)) if beyond.any() else len(contacts)

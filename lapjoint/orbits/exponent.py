@@ -1,19 +1,20 @@
 r"""The largest Lyapunov exponent from a series of growths, one a period.
 
-Growths of neighbouring periods are correlated, in weak chaos over many periods, and an error that takes them for
+Growths in neighbouring periods are correlated, in weak chaos over many periods, and an error that takes them for
 independent is too small.  Blocking (H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461) averages blocks of
 growing length L: the standard error s(L) from the scatter of the means rises until L exceeds the time of correlation,
-then levels off.  The number of blocks falls meanwhile, to `_BLOCKS` at least.  Where s still rises from blocks a
-quarter as long, it is taken to rise as much again,
+then levels off.  The longest blocks are `_BLOCKS`.  If s has risen from blocks a quarter as long to these, s is taken
+to rise by the same factor again,
 
     s = s(L) max(1, s(L) / s(L / 4)),
 
-by a factor of 2 at most, for that is what blocks bring whose neighbours are all alike.  This makes the error of an
-AR(1) series right even if L is only its time of correlation.
+by a factor of 2 at most, the factor of blocks whose neighbours are all alike.  The error of an AR(1) series is then
+right even if L is only its time of correlation.
 
-Of a quasi-periodic motion the plain mean converges as 1/n.  The weights w(t) = exp(-1 / (t (1 - t))), 0 < t < 1, let it
-converge faster than any power if the motion is smooth (S. Das, Y. Saiki, E. Sander and J. Yorke, Nonlinearity 30 (2017)
-4111), and of chaos little slower than without; so the weighted means over the quarters tell one from the other.
+The plain mean over a quasi-periodic motion converges as 1/n.  With the weights w(t) = exp(-1 / (t (1 - t))), 0 < t < 1,
+the mean over a smooth quasi-periodic motion converges faster than any power (S. Das, Y. Saiki, E. Sander and J. Yorke,
+Nonlinearity 30 (2017) 4111), and that over chaos little slower than without weights.  The weighted means over the
+quarters of a measurement tell one from the other.
 """
 
 from __future__ import annotations
@@ -24,25 +25,12 @@ from lapjoint.answers.steady_state import Exponent
 from lapjoint.problem import FloatArray
 
 _BLOCKS = 16
-"""Number of the longest blocks: their mean follows Student's t with 15 degrees of freedom, and is wrong by more than
-two standard errors in 6 % of cases."""
+"""Number of the longest blocks: their mean follows Student's t with 15 degrees of freedom, and is off by more than two
+standard errors in 6 % of cases."""
 
 
 def exponent_of(growth: FloatArray, period: float) -> Exponent:
-    """The exponent of a motion.
-
-    Parameters
-    ----------
-    growth : FloatArray, shape (n,)
-        Natural logarithm of a deviation's growth in each period, n at least 64.
-    period : float
-        Excitation period, s.
-
-    Returns
-    -------
-    Exponent
-        The mean rate of growth, 1/s, with its standard error, and its means over parts of the measurement.
-    """
+    """The largest Lyapunov exponent from the logarithms of a deviation's growth in each period, (n,), n at least 64."""
     rates = growth / period
     first, second = np.array_split(rates, 2)
     return Exponent(
@@ -56,53 +44,21 @@ def exponent_of(growth: FloatArray, period: float) -> Exponent:
 
 
 def standard_error(series: FloatArray) -> float:
-    """Standard error of the mean of a correlated series, by blocking.
-
-    Parameters
-    ----------
-    series : FloatArray, shape (n,)
-        Values in the order of time, n at least 64.
-
-    Returns
-    -------
-    float
-        In the unit of the series.
-    """
-    scale = 2.0 ** int(np.frexp(np.max(np.abs(series)))[1])  # so that squares are numbers, too
+    """Standard error of the mean of a correlated series, (n,), n at least 64, in the order of time, by blocking."""
+    scale = 2.0 ** int(np.frexp(np.max(np.abs(series)))[1])  # so that squares neither overflow nor vanish
     short, long = (scale * _blocked(series / scale, count) for count in (4 * _BLOCKS, _BLOCKS))
     return long * float(np.clip(long / short, 1.0, 2.0)) if short > 0 else long
 
 
 def weighted_mean(series: FloatArray) -> float:
-    """Weighted Birkhoff average of a series.
-
-    Parameters
-    ----------
-    series : FloatArray, shape (n,)
-        Values in the order of time, n at least 1.
-
-    Returns
-    -------
-    float
-        In the unit of the series.
-    """
+    """Weighted Birkhoff average of a series, (n,), in the order of time."""
     t = (np.arange(series.size) + 0.5) / series.size
     return float(np.average(series, weights=np.exp(-1 / (t * (1 - t)))))
 
 
 def largest_growth(growth: FloatArray) -> float:
-    """Largest factor by which a deviation grows from any section point to any later one.
-
-    Parameters
-    ----------
-    growth : FloatArray, shape (n,)
-        Natural logarithm of the deviation's growth in each period.
-
-    Returns
-    -------
-    float
-        The factor, at least 1; above 1e304 it is given as that.
-    """
+    """Largest factor, 1 to 1e304, by which a deviation grows from any section point to a later one; see
+    `exponent_of`."""
     size = np.concatenate([[0.0], np.cumsum(growth)])
     rise = float(np.max(size - np.minimum.accumulate(size)))
     return float(np.exp(min(rise, 700.0)))

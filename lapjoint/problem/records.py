@@ -1,14 +1,14 @@
 """Recorded excitation: the motion of the base, or a force at a point, from a file or from arrays.
 
-Times count from the first sample.  What lies between samples is in `lapjoint.problem.recorded_motion`; a force is
-linear there.
+Times count from the first sample.  A force is linear between samples; `lapjoint.problem.recorded_motion` interpolates
+the motion of a base.
 """
 
 from __future__ import annotations
 
 import warnings
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
@@ -34,16 +34,18 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
 ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 """Which t-derivative of the motion a quantity is."""
 LARGEST = {"acceleration": 2e6, "velocity": 5e3, "displacement": 5e2, "force": 1e9}
-"""A thousand times what the largest shakers reach, 200 g, 5 m/s, 0.5 m and 1 MN: more is a wrong unit."""
+"""A thousand times the reach of the largest shakers, 200 g, 5 m/s, 0.5 m and 1 MN: larger samples have a wrong unit."""
 HOLE = 1.5
-"""Steps between samples, in medians of them, beyond which one or more samples are missing: half-way between 1 and 2."""
+"""Step between samples, over the median step, above which samples are missing: half-way between 1 and 2."""
 EVEN = 0.9
-"""Share of the steps that lie within half a median of it where a record is evenly sampled but for holes."""
+"""Share of steps within half a median of the median from which on a record is evenly sampled but for holes."""
 
 
 class Record(Part):
     """Samples over time, from a CSV file or from arrays."""
 
+    waves: ClassVar[tuple[()]] = ()
+    """The waves of which it consists: none."""
     file: str | None = None
     """CSV file, relative to the folder of the problem file; or else values."""
     column: Annotated[Whole | str | None, Field(union_mode="left_to_right")] = None
@@ -77,7 +79,7 @@ class Record(Part):
 
     @property
     def _measured(self) -> str:
-        """Which of `UNITS` the samples are."""
+        """The quantity of the samples, a key of `UNITS`."""
         raise NotImplementedError
 
     @model_validator(mode="after")
@@ -101,7 +103,7 @@ class Record(Part):
         return self
 
     def _take_file(self, folder: str) -> IntArray | None:
-        """Read the file, unless its samples came with the tables; returns the lines in which the samples are."""
+        """Read the file, unless its samples came with the tables; returns the lines of the samples in the file."""
         own = None if self.values is None else self.values.source
         if self.file is None:
             if self.values is not None and own is not None:  # the file was taken out of the tables
@@ -183,7 +185,7 @@ class Record(Part):
 
     @property
     def _bridged(self) -> IntArray:
-        """Steps of an evenly sampled record that are too long, by their first samples."""
+        """First samples of the steps that are too long in an evenly sampled record, shape ``(holes,)``."""
         if self.times is None:
             return np.zeros(0, dtype=np.int64)
         steps = np.diff(self.times.array) / np.median(np.diff(self.times.array))
@@ -192,7 +194,7 @@ class Record(Part):
 
     @property
     def _bridges(self) -> str:
-        """What was done about holes, for a remark: empty where there is none."""
+        """A remark on bridged holes; empty if there are none."""
         if not self._bridged.size:
             return ""
         steps = np.diff(self.time)[self._bridged]
@@ -214,11 +216,6 @@ class Record(Part):
         if self.times is None:
             return self.values.digest
         return Samples(np.concatenate([self.values.array, self.times.array])).digest
-
-    @property
-    def waves(self) -> tuple[Any, ...]:
-        """The waves of which it consists: none."""
-        return ()
 
 
 class RecordBaseMotion(Record):
@@ -280,6 +277,8 @@ class RecordBaseMotion(Record):
 class RecordLoad(Record):
     """A recorded transverse force at a point."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["record"] = "record"
     x: NonNegative
     """Position, m, within the beam."""
@@ -287,11 +286,6 @@ class RecordLoad(Record):
     @property
     def _measured(self) -> str:
         return "force"
-
-    @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
 
     @property
     def force(self) -> FloatArray:
@@ -316,7 +310,7 @@ class RecordLoad(Record):
 
 
 def _place(sample: int, lines: IntArray | None) -> str:
-    """Where a sample is, by its number from 0, in the words of the file if its lines are known."""
+    """Place of the sample with an index: its line in the file, if that is known, else its number."""
     return f"sample {sample + 1}" if lines is None else f"line {lines[sample]}"
 
 

@@ -174,8 +174,7 @@ def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(tmp_path: Path, 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 @pytest.mark.parametrize(
-    "command",
-    [("schema",), pytest.param(("modes", "preset:sdnl104", "--modes", "3"), marks=pytest.mark.thorough)],
+    "command", [("schema",), pytest.param(("modes", "preset:sdnl104", "--modes", "3"), marks=pytest.mark.thorough)]
 )
 def test_standard_output_on_a_full_disk_is_one_line(command: tuple[str, ...]) -> None:
     with open("/dev/full", "w") as full:

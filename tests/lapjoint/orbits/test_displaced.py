@@ -143,8 +143,7 @@ def test_a_plane_that_the_joint_does_not_have_is_refused(text: str, said: str) -
 def test_a_beam_that_is_free_to_turn_is_refused() -> None:
     joint = paper_joint()
     problem = joint.replace(
-        supports=(Support(x=0.0, translational=math.inf),),
-        stops=(Stop(x=2.5, side="top", gap=1e-3, stiffness=1e5),),
+        supports=(Support(x=0.0, translational=math.inf),), stops=(Stop(x=2.5, side="top", gap=1e-3, stiffness=1e5),)
     )
     period_map = analytic.Solver(n_modes=8).period_map(problem)
     origin: SectionPoint = period_map.initial()

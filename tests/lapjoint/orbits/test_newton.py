@@ -17,7 +17,7 @@ from lapjoint import FREE, ModalDamping, Problem, ViscousDamping, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits import Linearised, PeriodMap
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative
 from lapjoint.problem import FloatArray
@@ -250,7 +250,7 @@ def test_two_half_periods_are_a_whole_one(map_: Any) -> None:
     first = halves.linearised(point, 1)
     assert halves.apart(first.end, halves.marched(point, 1)) < 1e-12
     second = halves.linearised(first.end, 1)
-    both: Return = halves.linearised(point, 2)
+    both: HalfPeriodMarch = halves.linearised(point, 2)
     if point.state == first.end.state:  # else they are in other coordinates
         scale = np.abs(both.matrix).max()
         assert second.matrix @ first.matrix == pytest.approx(both.matrix, abs=1e-6 * scale)

@@ -20,9 +20,9 @@ from lapjoint.orbits import Effort, Passage, PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, period_pieces
-from lapjoint.orbits.search import STRETCH, TRANSIENT, Found, Search
+from lapjoint.orbits.search import STRETCH, TRANSIENT, Search, SearchResult
 from lapjoint.orbits.segments import Segment
-from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
+from lapjoint.orbits.wandering import Wandering, breadth_and_residual, outcome_of
 from lapjoint.problem import FloatArray
 
 pytestmark = pytest.mark.long_march
@@ -386,7 +386,7 @@ def exponent(value: float, error: float = 0.1) -> Exponent:
 
 def test_what_a_measurement_shows() -> None:
     def outcome(value: float, breadth: float, spirals: bool = False, pushes: int = 0) -> Outcome:
-        return shown(exponent(value), 1.0, breadth, spirals=spirals, pushes=pushes)
+        return outcome_of(exponent(value), 1.0, breadth, spirals=spirals, pushes=pushes)
 
     assert outcome(1.0, 0.5) is Outcome.APERIODIC
     assert outcome(1.0, 1e-5) is Outcome.UNDECIDED  # it repeats
@@ -428,7 +428,7 @@ def test_breadth_and_residual_are_those_of_the_best_multiple() -> None:
 def test_what_was_found_is_an_orbit_or_a_wandering() -> None:
     map_ = Bar().period_map(bar(0.8, (0.5, 5.0)))
     found = Search(map_, Effort()).run(map_.initial())
-    assert isinstance(found, Found)
+    assert isinstance(found, SearchResult)
     assert isinstance(found.motion, Orbit)
 
 

@@ -15,7 +15,7 @@ import fe_lapjoint
 from lapjoint import FREE, Outcome, Problem, SineLoad, StepLoad, ViscousDamping, paper_joint
 from lapjoint.orbits import PeriodMap, Segment
 from lapjoint.orbits.compiled_intervals import spacings, unrolled
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.watch import SegmentWatch
 from lapjoint.problem import FloatArray
 
@@ -152,7 +152,7 @@ def test_distances_are_known_well_where_the_orbit_comes_near() -> None:
 
 
 @pytest.fixture(scope="module")
-def marches() -> dict[tuple[str, str], tuple[PeriodMap, Any, Return]]:
+def marches() -> dict[tuple[str, str], tuple[PeriodMap, Any, HalfPeriodMarch]]:
     found = {}
     for name, solver in SOLVERS.items():
         for kind, problem in PROBLEMS.items():

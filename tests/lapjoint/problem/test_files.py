@@ -48,9 +48,7 @@ sections = st.one_of(
     st.builds(Rectangle, breadth=positive, height=st.floats(1e-3, 1e3)),
     st.builds(Circle, diameter=st.floats(1e-3, 1e3)),
     st.builds(
-        lambda d, ratio: Tube(outer_diameter=d, inner_diameter=d * ratio),
-        st.floats(1e-3, 1e3),
-        st.floats(0.1, 0.9),
+        lambda d, ratio: Tube(outer_diameter=d, inner_diameter=d * ratio), st.floats(1e-3, 1e3), st.floats(0.1, 0.9)
     ),
 )
 
@@ -180,11 +178,7 @@ def harmonics(*tables: str) -> str:
 
 
 FAULTS: list[tuple[str, str, str]] = [
-    (
-        "negative length",
-        GOOD.replace("length = 1.0", "length = -1.0", 1),
-        "beam.length = -1.0: must be greater than 0",
-    ),
+    ("negative length", GOOD.replace("length = 1.0", "length = -1.0", 1), "beam.length = -1.0: must be greater than 0"),
     ("NaN", GOOD.replace("length = 1.0", "length = nan", 1), "beam.length = nan: must be greater than 0"),
     ("infinite", GOOD.replace("length = 1.0", "length = inf", 1), "beam.length = inf: must be a finite number"),
     ("boolean", GOOD.replace("length = 1.0", "length = true", 1), "beam.length = true: must be a number"),
@@ -211,11 +205,7 @@ FAULTS: list[tuple[str, str, str]] = [
     ("kind", GOOD + '[damping]\nkind = "rayleigh"', 'damping.kind = "rayleigh": allowed: modal, none, viscous'),
     ("no kind", GOOD + "[damping]\nratio = 0.1", "damping.kind: is missing; allowed: modal, none, viscous"),
     ("ratio", GOOD + '[damping]\nkind = "modal"\nratio = [0.1, "x"]', 'damping.ratio[1] = "x": must be a number'),
-    (
-        "no ratios",
-        GOOD + '[damping]\nkind = "modal"\nratio = []',
-        "damping.ratio = []: must have at least 1 value",
-    ),
+    ("no ratios", GOOD + '[damping]\nkind = "modal"\nratio = []', "damping.ratio = []: must have at least 1 value"),
     (
         "two descriptions",
         GOOD + "[beam.material]\nyoungs_modulus = 1.0\ndensity = 1.0",

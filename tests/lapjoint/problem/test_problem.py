@@ -57,9 +57,7 @@ def test_a_thin_tube_tends_to_its_thin_wall_formula() -> None:
 def test_a_beam_takes_numbers_or_material_and_section() -> None:
     assert (BEAM.EI, BEAM.m) == (3.0, 5.0)
     made = Beam(
-        length=1.0,
-        material=Material(youngs_modulus=2.0, density=3.0),
-        section=Rectangle(breadth=1.0, height=2.0),
+        length=1.0, material=Material(youngs_modulus=2.0, density=3.0), section=Rectangle(breadth=1.0, height=2.0)
     )
     assert made.EI == pytest.approx(4.0 / 3.0, rel=1e-15)
     assert made.m == 6.0
@@ -168,17 +166,9 @@ def test_a_function_that_does_not_give_a_shape_is_refused(function: Any) -> None
 
 
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
-    (
-        "stop outside",
-        {"stops": (Stop(x=2.1, side="top", gap=0.0, stiffness=1.0),)},
-        r"stops\[0\]\.x = 2\.1.*0 to 2 m",
-    ),
+    ("stop outside", {"stops": (Stop(x=2.1, side="top", gap=0.0, stiffness=1.0),)}, r"stops\[0\]\.x = 2\.1.*0 to 2 m"),
     ("support outside", {"supports": (Support(x=3.0),)}, r"supports\[0\]\.x = 3.*0 to 2 m"),
-    (
-        "load outside",
-        {"point_loads": (SineLoad(x=3.0, force=1.0, angular_frequency=1.0),)},
-        r"point_loads\[0\]\.x = 3",
-    ),
+    ("load outside", {"point_loads": (SineLoad(x=3.0, force=1.0, angular_frequency=1.0),)}, r"point_loads\[0\]\.x = 3"),
     (
         "same name",
         {"stops": (Stop(name="a", x=1.0, side="top", gap=0.0, stiffness=1.0),) * 2},
