@@ -22,13 +22,13 @@ from analytic.march import (
 )
 from analytic.march.arcs import JointArcs
 from analytic.march.carried import size_of
-from analytic.march.compiled import Log, new_log
 from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.joint import DrivenProblem
 from analytic.march.loads import Excitation, Harmonics
 from analytic.march.march import joined, recorded
+from analytic.march.motion import Log, new_log
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState

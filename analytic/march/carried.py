@@ -6,21 +6,8 @@ import math
 
 import numpy as np
 
-from analytic.march.compiled import (
-    DONE,
-    MISSING_SWITCH,
-    PENDING,
-    PERIODS,
-    SLOT,
-    STUCK,
-    SWITCHES,
-    TOO_MANY,
-    Motion,
-    Work,
-    enter,
-    leave,
-)
-from analytic.march.segment import NO_SWITCH
+from analytic.march.compiled import DONE, MISSING_SWITCH, STUCK, TOO_MANY, enter, leave
+from analytic.march.motion import NO_SWITCH, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from lapjoint.compiled.arrays import put, zeros

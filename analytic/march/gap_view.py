@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.linearised import carried_along
 from analytic.march.march import March
+from analytic.march.motion import Log
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import drift_at_stops, set_phases, start_terms

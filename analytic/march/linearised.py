@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.march import WITH_ALL_AT_ONCE, March
+from analytic.march.motion import Log
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from analytic.march.terms import set_phases

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from analytic.march.carried import advance_periods
-from analytic.march.compiled import DONE, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
-from analytic.march.segment import NO_SWITCH
+from analytic.march.compiled import DONE
+from analytic.march.motion import NO_SWITCH, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.tables import IntArray, Tables
 from lapjoint.compiled.arrays import int_zeros, put, zeros
 from lapjoint.compiled.compiling import njit_called

@@ -7,25 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import (
-    DONE,
-    LOG_FULL,
-    MISSING_SWITCH,
-    PENDING,
-    SLOT,
-    STUCK,
-    SWITCHES,
-    TOO_MANY,
-    Log,
-    Motion,
-    advance,
-    new_log,
-    new_motion,
-    new_work,
-    no_log,
-)
+from analytic.march.compiled import DONE, LOG_FULL, MISSING_SWITCH, STUCK, TOO_MANY, advance
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
+from analytic.march.motion import PENDING, SLOT, SWITCHES, Log, Motion, new_log, new_motion, new_work, no_log
 from analytic.march.ramps import RampState
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
@@ -56,7 +41,7 @@ class Segment:
     v: FloatArray
     """Modal velocities at the start, kg^1/2 m/s, shape ``(N,)``."""
     switched: int
-    """The stop that switches at the end, or `analytic.march.segment.NO_SWITCH`."""
+    """The stop that switches at the end, or `analytic.march.motion.NO_SWITCH`."""
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.march.compiled import SLOT, Motion, new_motion
 from analytic.march.joint import Joint
 from analytic.march.known_states import KnownStates
 from analytic.march.modal_state import LoadedStructure, passage
+from analytic.march.motion import SLOT, Motion, new_motion
 from analytic.march.switching import Frozen
 from analytic.march.tables import Tables, Unscaled, count_in
 from lapjoint.answers.contact_state import ContactState

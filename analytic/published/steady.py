@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import PERIODS, SWITCHES, new_log, new_work
 from analytic.march.march import MOST_SWITCHES, settle_status
+from analytic.march.motion import PERIODS, SWITCHES, new_log, new_work
 from analytic.published.field import history_of
 from analytic.published.initial_state import packed, started
 from analytic.published.joint import FrozenMotion, PublishedJoint
