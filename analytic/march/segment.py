@@ -138,10 +138,11 @@ def follow(
             if tables.closed[slot, k]:
                 so_far, goes_on = deepest[k], not leaves
                 deepest[k] = deepest_of(tables, slot, k, s, theta0, term0, drift, rigid, so_far, goes_on)
+        if ramps is None:
+            break  # without ramps there is no loop to compile, which takes a tenth of the time that all else does
         if not ended:
             base, j = until, j + 1
-            if ramps is not None:
-                over_knot(tables, ramps, slot, j, s, theta, term, body)
+            over_knot(tables, ramps, slot, j, s, theta, term, body)
         if leaves:
             break
     for k in range(stops):
