@@ -99,7 +99,36 @@ def test_where_no_bifurcation_lies_the_loci_are_said_to_be_none() -> None:
     over = ("--from", "1e-4", "--to", "1.1e-4", "--also-over", "stops.*.gap=1e-3,1.1e-3")
     result = run("branch", "bar.toml", *OVER, *over, "--out", "none.nc")
     assert result.exit_code == 0, result.output
-    assert result.stdout.splitlines()[1:] == ["2 branches at 2 values of stops.*.gap; no bifurcations"]
+    assert result.stdout.splitlines()[1] == "2 branches at 2 values of stops.*.gap; no bifurcations"
+
+
+@pytest.mark.usefixtures("here")
+def test_how_likely_an_unknown_branch_is_is_said_and_kept(capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing else exists below the first graze, and three starts tell that much."""
+    over = ("--from", "1e-4", "--to", "1.1e-4", "--out", "b.nc")
+    assert run("branch", "bar.toml", *OVER, *over).stdout.splitlines()[-1].startswith("no random starts were made")
+    assert "starts_stable" not in read_branches("b.nc")
+    said = run("branch", "bar.toml", *OVER, *over, "--force", "--starts", "3").stdout.splitlines()[-1]
+    assert said == (
+        "3 random starts: 3 led to stable motions on 1 branch, to none of which nothing else led; another one that "
+        "leads to a stable motion would find an unknown branch with a probability of about 0 % (95 %: below 78 %)"
+    )
+    found = read_branches("b.nc")
+    assert (int(found.starts_stable), int(found.starts_branches), int(found.starts_alone)) == (3, 1, 0)
+    assert (float(found.unknown_probability), float(found.unknown_probability_bound)) == (
+        0.0,
+        pytest.approx(1 - 0.01 ** (1 / 3)),
+    )
+    also = ("--also-over", "stops.*.gap=1e-3,1.1e-3", "--starts", "2", "--force")
+    said = run("branch", "bar.toml", *OVER, *over, *also).stdout.splitlines()[-1]
+    assert said.startswith(
+        "2 random starts at each of 2 values of stops.*.gap: 4 led to stable motions on 2 branches, "
+    )
+    assert read_branches("b.nc").starts_stable.values.tolist() == [2, 2]
+    found["starts_stable"].values[...] = 0
+    print_branches(found)
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert said == "3 random starts: 0 led to stable motions, so that nothing is known of further branches"
 
 
 @pytest.mark.usefixtures("here")
