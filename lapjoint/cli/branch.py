@@ -54,6 +54,11 @@ from lapjoint.cli.options import campaign_options, problem_options, solver_optio
     help="Follow no further branch once all have so many points, each counted by its period multiple.",
 )
 @click.option(
+    "--from-grazes",
+    is_flag=True,
+    help="Also look beside each graze for motions that have its contact every second period alone.",
+)
+@click.option(
     "--also-over",
     "second",
     metavar="PATH=VALUES",
@@ -78,6 +83,7 @@ def branch(
     errors: bool,
     max_points: int,
     effort: int,
+    from_grazes: bool,
     second: str | None,
     workers: int,
     scheduler: str | None,
@@ -98,7 +104,7 @@ def branch(
     this = arguments.problem_from(problem, overrides)
     numerics = arguments.options_from(n_modes, elements, options)
     also_over = None if second is None else arguments.axis_from(second, "--also-over")
-    how = max_period_multiple, starts, seed, errors, max_points, effort, also_over
+    how = max_period_multiple, starts, seed, errors, max_points, effort, also_over, from_grazes
     plan = BranchSpec(this, path, first, last, solver_name, numerics, *how)
     found = found_or_stored(
         plan,

@@ -390,6 +390,7 @@ def _attributes(spec: BranchSpec) -> dict[str, Any]:
         max_points=spec.max_points,
         effort=spec.effort,
         **({} if spec.also_over is None else {"also_over": spec.also_over.path}),
+        **({"from_grazes": 1} if spec.from_grazes else {}),
     )
 
 

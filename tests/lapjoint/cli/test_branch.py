@@ -163,6 +163,17 @@ def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
 
 
 @pytest.mark.usefixtures("here")
+def test_whether_branches_that_spring_at_grazes_are_followed_is_another_question() -> None:
+    command = ("branch", "bar.toml", *OVER, "--from", "1e-4", "--to", "1.1e-4", "--out", "b.nc")
+    assert run(*command).exit_code == 0
+    assert "from_grazes" not in read_branches("b.nc").attrs
+    refused = run(*command, "--from-grazes")
+    assert (refused.exit_code, "--force" in refused.stderr) == (2, True)
+    assert run(*command, "--from-grazes", "--force").exit_code == 0
+    assert int(read_branches("b.nc").attrs["from_grazes"]) == 1
+
+
+@pytest.mark.usefixtures("here")
 def test_motions_that_the_effort_leaves_out_are_told_by_their_number_and_the_status() -> None:
     over = ("--over", "base_motion.angular_frequency", "--from", "5", "--to", "8", "--modes", "2", "--no-errors")
     hard = ("--max-period-multiple", "2", "--set", "stops.*.stiffness=500", "--set", "base_motion.amplitude=4e-4")
