@@ -34,24 +34,10 @@ CONTACT_COLUMNS = (
 def write_contacts(history: History, path: str | Path) -> None:
     """Write the contacts of a history as CSV or JSON, by the ending of `path`.
 
-    The columns are `CONTACT_COLUMNS`; times in s, impulses in N s (top positive), forces in N.  Errors are empty where
-    none were estimated, and infinite (in JSON null) where none can be stated.  In CSV, a name that a spreadsheet would
-    take for a formula begins with an apostrophe.  The JSON file also holds the problem, the solver, the first and last
-    time, the total impulse of each stop, and how errors were estimated.
-
-    Parameters
-    ----------
-    history : History
-        The motion whose contacts are written.
-    path : path
-        The file, ``.csv`` or ``.json``.
-
-    Raises
-    ------
-    InputError
-        If the ending is another one.
-    OutputError
-        If no file can be written there, or the disk is full.
+    The columns are `CONTACT_COLUMNS`; times are in s, impulses in N s (top positive), forces in N.  Errors are empty
+    where none were estimated, and infinite (in JSON null) where none can be stated.  In CSV, a name that a spreadsheet
+    would take for a formula begins with an apostrophe.  The JSON file also holds the problem, the solver, the first and
+    last time, the total impulse of each stop, and how errors were estimated.
     """
     ending = Path(path).suffix.lower()
     if ending == ".csv":
@@ -80,18 +66,7 @@ def write_contacts(history: History, path: str | Path) -> None:
 
 
 def contact_rows(history: History) -> list[dict[str, Any]]:
-    """The contacts of a history as rows of a table.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    list of dict
-        One row a contact, by start time, with the keys `CONTACT_COLUMNS`; units are in the keys.
-    """
+    """The contacts of a history as rows with the keys `CONTACT_COLUMNS`, by start time; units are in the keys."""
     stops, names = history.problem.stops, history.problem.stop_names
     return [
         dict(

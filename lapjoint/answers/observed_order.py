@@ -14,21 +14,9 @@ last place of a number, more than the sums in an answer lose."""
 
 
 def fitted_order(resolutions: FloatArray, error: FloatArray, floor: float = ROUNDING) -> float:
-    """The order p of error ~ N^-p: the slope of the least-squares line through the logarithms.
+    """The order p of error ~ N^-p over resolutions N, both (n,): the slope of the least-squares line of the logarithms.
 
-    Parameters
-    ----------
-    resolutions : FloatArray, shape (n,)
-        Numbers N of elements or modes.
-    error : FloatArray, shape (n,)
-        Size of the relative error at each.
-    floor : float
-        Relative errors up to this are left out.
-
-    Returns
-    -------
-    float
-        The order; NaN if fewer than two errors are above `floor`.
+    Relative errors up to `floor` are left out; the order is NaN where fewer than two are left.
     """
     above = error > floor
     if above.sum() < 2:

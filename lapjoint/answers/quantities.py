@@ -23,18 +23,7 @@ class Quantity:
     """Whether the motion of the base is added."""
 
     def factor(self, problem: Problem) -> float:
-        """What the derivative is multiplied by.
-
-        Parameters
-        ----------
-        problem : Problem
-            The joint.
-
-        Returns
-        -------
-        float
-            In `units` over those of the derivative.
-        """
+        """The constant by which the derivative is multiplied, in `units` over the units of the derivative."""
         beam = problem.beam
         if self.name == "stress":
             material, section = beam.require_section("stress")
@@ -42,22 +31,7 @@ class Quantity:
         return beam.EI if self.dx > 1 else 1.0
 
     def of(self, history: History, x: FloatArray, t: FloatArray) -> FloatArray:
-        """The quantity at places and times.
-
-        Parameters
-        ----------
-        history : History
-            The motion.
-        x : FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : FloatArray, shape (m,)
-            Times, s, within the history.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            In `units`.
-        """
+        """The quantity at places `x`, m, (n,), and times `t`, s, (m,): shape (n, m), in `units`."""
         values = self.factor(history.problem) * history.evaluate(x, t, self.dx, self.dt)
         return values + history.base(t, self.dt) if self.absolute else values
 

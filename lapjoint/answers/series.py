@@ -121,22 +121,7 @@ def check_series(
     rate: float | None = None,
     duration: float | None = None,
 ) -> None:
-    """Refuse, before a motion is found, what `time_series` would refuse after it.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    at, quantities, rate : optional
-        As `time_series` takes them.
-    duration : float, optional
-        Length of the motion, s, where it is known.
-
-    Raises
-    ------
-    InputError
-        As `time_series` says.
-    """
+    """Refuse, before a motion of a duration, s, is found, what `time_series` would refuse after it."""
     places, chosen = places_of(problem, at), _chosen(problem, quantities)
     if rate is not None:
         _count(problem, places, chosen, rate, duration or 0.0)
@@ -193,41 +178,12 @@ def _headings(x: FloatArray) -> list[str]:
 
 
 def written(units: str) -> str:
-    """Units of the CF conventions as people write them.
-
-    Parameters
-    ----------
-    units : str
-        As ``m s-2``.
-
-    Returns
-    -------
-    str
-        As ``m/s2``.
-    """
+    """Units of the CF conventions as people write them: ``m s-2`` as ``m/s2``."""
     return units.replace(" s-2", "/s2").replace(" s-1", "/s")
 
 
 def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
-    """The places asked for, or those of the stops and of the ends that no support fixes, each once.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    at : sequence of float or None
-        Places, m; None for the default.
-
-    Returns
-    -------
-    list of float
-        Positions, m.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one is off the beam.
-    """
+    """The places asked for, or those of the stops and of the ends that no support fixes, m, each once."""
     if at is None:
         L = problem.beam.length
         fixed = {support.x for support in problem.supports if math.isinf(support.translational)}

@@ -196,18 +196,7 @@ class SteadyState(Shown):
 
 
 def periodic_outcome(history: History) -> Outcome:
-    """Which of the periodic outcomes a periodic motion is.
-
-    Parameters
-    ----------
-    history : History
-        One period of the motion.
-
-    Returns
-    -------
-    Outcome
-        `NO_CONTACT`, `PERIODIC` or `CHATTERING`.
-    """
+    """The outcome of one period of a periodic motion: `NO_CONTACT`, `PERIODIC` or `CHATTERING`."""
     if not history.contacts:
         return Outcome.NO_CONTACT
     return (
@@ -216,17 +205,11 @@ def periodic_outcome(history: History) -> Outcome:
 
 
 def chatters(history: History, stop: int) -> bool:
-    """Whether a stop chatters: three or more flights in a row, each shorter than the last, then a lasting contact.
+    """Whether a stop chatters in one period: three or more flights in a row, each shorter than the last, then a long
+    contact.
 
     The contact that ends the chatter must last longer than the contact and the flight before it: the beam bounces, and
     then leans on the stop.
-
-    Parameters
-    ----------
-    history : History
-        One period of a periodic motion.
-    stop : int
-        Index into ``problem.stops``.
     """
     mine = [contact for contact in history.contacts if contact.stop == stop]
     if mine and mine[0].open_start and mine[-1].open_end:  # one contact, cut in two by the section point
@@ -247,20 +230,7 @@ def chatters(history: History, stop: int) -> bool:
 
 
 def impulses_per_period(history: History, period_multiple: int) -> FloatArray:
-    """Mean impulse of each stop over one excitation period.
-
-    Parameters
-    ----------
-    history : History
-        The motion over some excitation periods.
-    period_multiple : int
-        How many these are.
-
-    Returns
-    -------
-    FloatArray, shape (stops,)
-        Impulses, N s, positive at the top, negative at the bottom.
-    """
+    """Mean impulse of each stop over one of the excitation periods of a history, N s, top positive, (stops,)."""
     total = np.zeros(len(history.problem.stops))
     for contact in history.contacts:
         total[contact.stop] += contact.impulse

@@ -30,23 +30,9 @@ class Curve:
 
 
 def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: FloatArray) -> Curve:
-    """A branch with a corner at each point, and at each bifurcation between two.
+    """A branch with a corner at each curve point, `values` (points, stops), and at each bifurcation, `heights`.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-    branch : int
-        Which branch.
-    values : FloatArray, shape (points, stops)
-        What is drawn of each stop at each point.
-    heights : FloatArray, shape (bifurcations, stops)
-        The same at each bifurcation.
-
-    Returns
-    -------
-    Curve
-        Between two bifurcations in one gap between points, motions are not stable.
+    Between two bifurcations that lie between neighbouring curve points, motions are drawn as not stable.
     """
     x, stable = dataset[number_of(dataset)].values, dataset.stable.values == 1
     at, kinds = dataset.bifurcation_point.values, dataset.bifurcation_kind.values
@@ -71,21 +57,11 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
 
 
 def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> FloatArray:
-    """What is drawn of each stop at each bifurcation.
+    """The value to draw of each stop at each bifurcation, (bifurcations, stops); `values` at curve points, (points,
+    stops).
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-    values : FloatArray, shape (points, stops)
-        What is drawn of each stop at each point.
-    impulses : bool
-        Whether these are impulses, which are known at most bifurcations.
-
-    Returns
-    -------
-    FloatArray, shape (bifurcations, stops)
-        Where it is not known, that of a graze's point, or on the way between the points on either side.
+    Impulses are known at most bifurcations.  An unknown value is that of the graze's curve point, or is interpolated
+    between the curve points on either side.
     """
     heights = np.array([_beside(dataset, j, values) for j in range(dataset.sizes["bifurcation"])])
     heights = heights.reshape(-1, values.shape[1])

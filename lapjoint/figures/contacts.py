@@ -136,18 +136,7 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
 
 
 def state_intervals(history: History) -> dict[ContactState, list[tuple[float, float]]]:
-    """The intervals of time that a motion spends in each contact state.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    dict of ContactState to list of tuple of float
-        Start and duration of each interval, s, by its state.  Intervals of no duration are left out.
-    """
+    """Start and duration, s, of each interval that a motion spends in each contact state; none has no duration."""
     edges = np.concatenate([[history.start], history.switch_times, [history.end]]).tolist()
     intervals: dict[ContactState, list[tuple[float, float]]] = {}
     for state, (start, end) in zip(history.states, pairwise(edges), strict=True):

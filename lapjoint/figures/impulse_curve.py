@@ -89,18 +89,10 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
 
 
 def motion_kinds(dataset: xr.Dataset) -> xr.DataArray:
-    """What kind of motion each point is: equal numbers for motions that one line may join.
+    """A number for the kind of motion at each point of a sweep, without ``stop``; one line may join points of one kind.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-
-    Returns
-    -------
-    xarray.DataArray
-        Period multiple, with a half for one that mirrors itself; `ERRATIC` where the motion does not repeat, NaN where
-        there is none; without the dimension ``stop``.
+    The number is the period multiple, with a half for a motion that mirrors itself; `ERRATIC` where the motion does not
+    repeat, NaN where there is none.
     """
     kinds: xr.DataArray = (dataset.period_multiple + 0.5 * dataset.symmetric).where(
         dataset.period_multiple > 0, ERRATIC
@@ -113,20 +105,7 @@ ERRATIC = 0.0
 
 
 def in_pieces(y: FloatArray, kinds: FloatArray) -> list[slice]:
-    """The runs of points that one line may join.
-
-    Parameters
-    ----------
-    y : FloatArray, shape (n,)
-        Impulses, N s.
-    kinds : FloatArray, shape (n,)
-        As `motion_kinds` gives them.
-
-    Returns
-    -------
-    list of slice
-        In order; together all points.
-    """
+    """The runs of points that one line may join, of values `y` (n,) and their `motion_kinds` (n,), in order."""
     steps = np.abs(np.diff(y))
     around = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
     range_of = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
@@ -146,26 +125,10 @@ def draw_line(
     kinds: FloatArray | None = None,
     opacity: float = 1.0,
 ) -> None:
-    """Draw lines with marks on what does not repeat; points where there are several starts or only one swept value.
+    """Draw lines of `y`, (n,) or (n, starts), over `x`, (n,), with marks on motions that do not repeat.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    x : FloatArray, shape (n,)
-        Swept values, in the unit of their field.
-    y : FloatArray, shape (n,) or (n, starts)
-        Impulses, N s, or other values.
-    colour : str
-        Colour of the line or points, as matplotlib names it.
-    pattern : str
-        Style of the line, one of `lapjoint.figures.style.STYLES`.
-    label : str or None
-        Name in the legend; None for no entry.
-    kinds : FloatArray, shape (n,) or (n, starts), optional
-        As `motion_kinds` gives them; by default all points are of one kind.
-    opacity : float
-        From 0 to 1.
+    Points are drawn where there are several starts or only one swept value.  `kinds`, of the shape of `y`, are
+    `motion_kinds`; without them one line joins all points.
     """
     kinds = np.ones(y.shape) if kinds is None else kinds
     erratic = kinds == ERRATIC
@@ -207,14 +170,6 @@ def _name_marks(axes: Axes, kinds: list[FloatArray]) -> None:
 
 
 def limit(axes: Axes, x: FloatArray) -> None:
-    """Let the axis run from the least to the largest of the swept values, if there are several.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    x : FloatArray, shape (n,)
-        Swept values, in the unit of their field.
-    """
+    """Let the axis run from the least to the largest of the swept values `x`, (n,), if there are several."""
     if x.size > 1 and np.all(np.isfinite(x)):
         axes.set_xlim(float(x.min()), float(x.max()))

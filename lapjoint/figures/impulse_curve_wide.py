@@ -97,18 +97,7 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Ax
 
 
 def certificates(dataset: xr.Dataset) -> IntArray:
-    """The outcome at each point of a sweep, for a strip of colours.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-
-    Returns
-    -------
-    IntArray, shape (first field, second field, starts), as far as these exist
-        Indices into `OUTCOME_COLOURS`.
-    """
+    """Indices into `OUTCOME_COLOURS` of the outcomes at the points of a sweep, (first field, second field, starts)."""
     keys = list(OUTCOME_COLOURS)
     meanings = dataset.outcome.attrs["flag_meanings"].split()
     codes = np.full(dataset.outcome.shape, keys.index("failed"))

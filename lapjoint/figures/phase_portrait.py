@@ -136,27 +136,10 @@ def plot_poincare_section(
 
 
 def section_times(history: History, phase: float = 0.0) -> FloatArray:
-    """The times of the section points of a history: the times t with omega t = phase + 2 pi k.
+    """Times of the section points of a history, s, ascending, (m,): those with omega t = phase + 2 pi k.
 
-    A history that starts and ends at such a time lasts for whole periods.  Its end is then left out, because it is the
-    start of the next period; so a motion of three periods has three section points.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    phase : float
-        Phase of the excitation at the section points, rad.
-
-    Returns
-    -------
-    FloatArray, shape (m,)
-        The times, s, ascending.
-
-    Raises
-    ------
-    InputError
-        If the excitation has no period, the phase is not finite, or the history holds no such time.
+    A history that starts and ends at a section point lasts for whole periods.  Its end is then left out, because it is
+    the start of the next period: a motion of three periods has three section points.
     """
     omega = history.problem.require_excitation_frequency("a Poincare section")
     if not math.isfinite(phase):

@@ -118,22 +118,10 @@ def plot_spectrum(
 
 
 def most_moved(history: History) -> float:
-    """The place, of `_STATIONS` equidistant ones, whose displacement departs most from its mean, by root mean square.
+    """The place, m, of `_STATIONS` equidistant ones, whose displacement departs most from its mean, by root mean
+    square.
 
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    float
-        Position, m; of places that only rounding parts, the farthest from the root.
-
-    Raises
-    ------
-    InputError
-        If the history has no duration.
+    Of places that differ by rounding alone it is the one farthest from the root.
     """
     _require_duration(history)
     x = np.linspace(0.0, history.problem.beam.length, _STATIONS)
@@ -164,27 +152,7 @@ def _scale(axes: Axes, amplitude: FloatArray, floor: float) -> None:
 
 
 def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
-    """Compute the amplitude spectrum of the displacement at one position, as the module's head says.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    x : float
-        Position, m.
-    harmonics : int
-        Largest multiple of the excitation frequency to be computed; at least 1.
-
-    Returns
-    -------
-    Spectrum
-        Amplitudes, m, over angular frequencies, rad/s.
-
-    Raises
-    ------
-    InputError
-        If `harmonics` is less than 1, or the history has no duration.
-    """
+    """The amplitude spectrum of the displacement at one position, up to a multiple of the excitation frequency."""
     if harmonics < 1:
         raise InputError(f"harmonics = {harmonics}: must be 1 or more")
     _require_duration(history)
@@ -195,22 +163,11 @@ def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
 
 
 def repeating_periods(history: History) -> tuple[int, float]:
-    """The least number of excitation periods after which the end of the history repeats.
+    """The least number of excitation periods after which the end of the history repeats (0: none), and the mismatch (or
+    NaN).
 
     States are compared: displacement and velocity at some points of the beam, each relative to its largest value there.
     Where the state and the phase of the excitation return, all that follows returns too.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    periods : int
-        Number of excitation periods; 0 if the motion is not found to repeat.
-    mismatch : float
-        Distance between the two states, relative to the motion's size; NaN if the motion is not found to repeat.
     """
     omega = history.problem.excitation_frequency
     whole = 0 if omega is None else math.floor((history.end - history.start) * omega / (2 * math.pi) + 1e-9)

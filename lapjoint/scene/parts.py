@@ -108,18 +108,7 @@ class Part:
         raise NotImplementedError
 
     def values(self, sample: Sample) -> Values:
-        """The values of the part at the times of a sample; the head of this module lists them with their units.
-
-        Parameters
-        ----------
-        sample : Sample
-            The motion of the joint at ``m`` times.
-
-        Returns
-        -------
-        Values
-            Values at the points and of the cells.
-        """
+        """The values of the part at the `m` times of a sample; the head of this module lists them with their units."""
         raise NotImplementedError
 
 
@@ -256,20 +245,7 @@ class Base(Part):
 
 
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
-    """The parts of a joint: a solid if there is a cross-section, and stops with their gaps if there are stops.
-
-    Parameters
-    ----------
-    layout : Layout
-        The joint at rest.
-    gaps : bool
-        Whether to include the gaps.
-
-    Returns
-    -------
-    tuple of Part
-        The parts.
-    """
+    """The parts of a joint: a solid if there is a cross-section, and stops, with their gaps if asked for."""
     problem = layout.problem
     solid = (Solid(layout),) if problem.beam.section else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.stops else ()

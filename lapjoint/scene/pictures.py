@@ -177,9 +177,9 @@ def _telling_time(history: History, start: float, end: float) -> float:
 
 
 def _first_largest(values: FloatArray) -> int:
-    """Index of the first of the largest values, shape ``(m,)``: of a motion whose halves mirror each other, the first.
+    """Index of the first of the largest values, (m,): of a motion whose halves mirror each other, the first half's.
 
-    What differs by less than a millionth is taken for equal, for rounding must not choose the picture.
+    Values that differ by less than a millionth are taken as equal, for rounding must not choose the picture.
     """
     return int(np.flatnonzero(values >= (1 - 1e-6) * values.max())[0])
 

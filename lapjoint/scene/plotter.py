@@ -24,15 +24,7 @@ TURNS, ROUND = 6, 20
 
 
 class Stage:
-    """A drawing with the plotter that draws it.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        The contents of the picture, film or window.
-    off_screen : bool
-        Whether to draw without a window.
-    """
+    """A drawing with the plotter that draws it, with a window or `off_screen`."""
 
     def __init__(self, drawing: Drawing, off_screen: bool) -> None:
         import pyvista
@@ -52,13 +44,7 @@ class Stage:
             self.image()
 
     def at(self, frame: int) -> None:
-        """Show a frame.
-
-        Parameters
-        ----------
-        frame : int
-            Number of the frame, from 0.
-        """
+        """Show a frame, numbered from 0."""
         for skin, (shown, ids) in zip(self.drawing.skins, self._skins, strict=True):
             if ids is None:
                 shown.copy_from(_tube(skin, frame))

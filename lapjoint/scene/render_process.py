@@ -29,21 +29,9 @@ NO_MP4 = ".mp4: needs the package imageio[ffmpeg]; install lapjoint[film], or ch
 
 
 def draw(drawing: Drawing, progress: Progress | None) -> None:
-    """Draw a drawing in a process of its own, with graphics hardware if there is some, else by software.
+    """Draw in a process of its own, with graphics hardware or else by software.
 
-    Parameters
-    ----------
-    drawing : Drawing
-        The contents of the picture, film or window.
-    progress : callable or None
-        Called with the number of frames done and the number of all.
-
-    Raises
-    ------
-    OutputError
-        If this machine cannot draw, or cannot draw this drawing; the message says what it lacks.
-    OSError
-        If the file cannot be written.
+    Raises `OutputError` if this machine cannot draw; the message says what it lacks.
     """
     with tempfile.TemporaryDirectory(prefix="lapjoint-") as folder:
         file = Path(folder) / "drawing.pickle"

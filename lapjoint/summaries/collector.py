@@ -34,19 +34,10 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
-    """One time in each interval of 1 / rate, counted from 0, a few at once.
+    """One time, s, in each interval of 1 / rate, counted from 0, up to `AT_ONCE` together, from `start` to before
+    `end`.
 
-    Parameters
-    ----------
-    rate : float
-        Samples a second, Hz.
-    start, end : float
-        First time, s, and the time before which all lie.
-
-    Yields
-    ------
-    FloatArray, shape (m,)
-        `AT_ONCE` of the times or fewer, s, ascending; the times do not depend on how a motion is cut.
+    The times do not depend on how a motion is cut into stretches.
     """
     last = math.ceil(end * rate)
     for first in range(math.floor(start * rate), last, AT_ONCE):
@@ -58,20 +49,9 @@ def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
 
 
 class Collector:
-    """The sums of a motion, stretch after stretch.
+    """The sums of a motion, stretch after stretch, without its first `settle` seconds.
 
-    Parameters
-    ----------
-    selection : Selection
-        What is summarised, and where.
-    settle : float
-        The start of the motion that is left out, s.
-    duration : float
-        Until when the motion lasts, s.
-    units : int
-        Number of units that the rest is cut in.
-    rate : float
-        Samples a second, Hz.
+    The rest, up to `duration`, s, is cut into `units`; samples are taken at a rate, Hz.
     """
 
     def __init__(self, selection: Selection, settle: float, duration: float, units: int, rate: float) -> None:
@@ -87,13 +67,7 @@ class Collector:
         """Largest peak force of the contacts around which the motion was looked at, N."""
 
     def take(self, history: History) -> None:
-        """Add a stretch.
-
-        Parameters
-        ----------
-        history : History
-            It begins where the one before ended.
-        """
+        """Add a stretch, which begins where the last one ended."""
         self._take_contacts(history)
         for unit in range(self._unit_of(history.start), self._unit_of(history.end) + 1):
             lo, hi = max(history.start, self._edges[unit]), min(history.end, self._edges[unit + 1])
@@ -101,13 +75,7 @@ class Collector:
                 self._take_samples(history, unit, lo, hi)
 
     def finish(self) -> Sums:
-        """All sums, when the last stretch is taken; contacts that still go on are cut.
-
-        Returns
-        -------
-        Sums
-            The sums.
-        """
+        """All sums, when the last stretch is taken; contacts that still go on are cut."""
         self._add([(going.contact, going.speed, True) for going in self._going.values()])
         self._going = {}
         return self.sums

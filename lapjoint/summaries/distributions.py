@@ -21,34 +21,12 @@ BINS = PER_DECADE * (DECADES[1] - DECADES[0])
 
 
 def bins_of(values: FloatArray) -> IndexArray:
-    """The bins of positive numbers.
-
-    Parameters
-    ----------
-    values : FloatArray, shape (n,)
-        The numbers, in SI units; those of zero and below are in the first bin.
-
-    Returns
-    -------
-    IndexArray, shape (n,)
-        From 0 to `BINS` - 1; a number on an edge is in the bin above it.
-    """
+    """The bins, from 0 to `BINS` - 1, of values in SI units, both (n,); a value on an edge is in the bin above it."""
     return np.clip(np.searchsorted(_EDGES, values, side="right") - 1, 0, BINS - 1)
 
 
 def edges(first: int, last: int) -> FloatArray:
-    """The edges of bins.
-
-    Parameters
-    ----------
-    first, last : int
-        The first bin, and the last.
-
-    Returns
-    -------
-    FloatArray, shape (last - first + 2,)
-        Ascending, in SI units.
-    """
+    """The edges of the bins from `first` to `last`, SI units, ascending, (last - first + 2,)."""
     return _EDGES[first : last + 2].copy()
 
 

@@ -31,36 +31,14 @@ _TAIL = (1 - LEVEL) / 2
 
 
 def of_mean(units: FloatArray) -> FloatArray:
-    """The interval of a mean.
-
-    Parameters
-    ----------
-    units : FloatArray, shape (U, ...)
-        The mean over each unit.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end; infinite where there are fewer than two units.
-    """
+    """The interval, (..., 2), of a mean, from the means over units, (U, ...); infinite with fewer than two units."""
     middle = units.mean(axis=0)
     half = _half_width(units)
     return np.stack([middle - half, middle + half], axis=-1)
 
 
 def of_positive_mean(units: FloatArray) -> FloatArray:
-    """The interval of the mean of what is never negative.
-
-    Parameters
-    ----------
-    units : FloatArray, shape (U, ...)
-        The mean over each unit.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end; both are zero where all units are.
-    """
+    """The interval, (..., 2), of a mean that is never negative, from the means over units, (U, ...)."""
     middle = units.mean(axis=0)
     size = np.where(middle > 0, middle, 1.0)
     h = _half_width(units) / size / 2
@@ -70,54 +48,19 @@ def of_positive_mean(units: FloatArray) -> FloatArray:
 
 
 def of_rms(units: FloatArray) -> FloatArray:
-    """The interval of a root mean square.
-
-    Parameters
-    ----------
-    units : FloatArray, shape (U, ...)
-        The mean square over each unit.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end, in the unit of the square's root.
-    """
+    """The interval, (..., 2), of a root mean square, from the mean squares over units, (U, ...)."""
     return np.sqrt(of_positive_mean(units))
 
 
 def of_rate(counts: npt.NDArray[np.int64], duration: float) -> FloatArray:
-    """The interval of a number of events a second.
-
-    Parameters
-    ----------
-    counts : ndarray of int, shape (U, ...)
-        Events in each unit.
-    duration : float
-        Of a unit, s.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end, 1/s.
-    """
+    """The interval, (..., 2), of events a second, from counts in units, (U, ...), of a duration, s."""
     rare = is_rare(counts)
     often = of_positive_mean(counts / duration)
     return np.where(rare[..., None], _of_rare(counts) / (counts.shape[0] * duration), often)
 
 
 def is_rare(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-    """Whether events are so rare that their counts are far from normally distributed.
-
-    Parameters
-    ----------
-    counts : ndarray of int, shape (U, ...)
-        Events in each unit.
-
-    Returns
-    -------
-    ndarray of bool, shape (...)
-        For each kind of event.
-    """
+    """Whether events are so rare that their counts in units, (U, ...), are far from normally distributed."""
     return np.asarray(np.mean(counts >= FEW, axis=0) < 0.5)
 
 

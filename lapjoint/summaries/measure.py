@@ -69,32 +69,10 @@ def measure(
     settle: float | None = None,
     rate: float | None = None,
 ) -> Measure:
-    """How to summarise motions.
+    """How to summarise motions of a duration, s, of which there are `seeds`.
 
-    Parameters
-    ----------
-    selection : Selection
-        What, and where.
-    solver : Solver
-        Gives the modes that tell how fast motions settle.
-    duration : float
-        Of each motion, s.
-    seeds : int
-        Number of realisations.
-    settle : float, optional
-        The start that is left out, s; by default `SETTLED` decay times of the slowest mode.
-    rate : float, optional
-        Samples a second, Hz; by default `SAMPLES_A_PERIOD` in a period of the slowest mode.
-
-    Returns
-    -------
-    Measure
-        All that the sums depend on.
-
-    Raises
-    ------
-    InputError
-        If a number is not allowed, or nothing is left of a motion.
+    By default, `settle` is `SETTLED` decay times of the slowest mode, and there are `SAMPLES_A_PERIOD` in a period of
+    it.
     """
     problem = selection.problem
     problem.check_duration(duration)
@@ -127,31 +105,7 @@ def measure(
 
 
 def sums_of(what: Measure, solver: Solver, problem: Problem, progress: Progress | None = None) -> Sums:
-    """The sums of one motion.
-
-    Parameters
-    ----------
-    what : Measure
-        How it is summarised.
-    solver : Solver
-        Marches it.
-    problem : Problem
-        The joint, with the realisation of its excitation.
-    progress : callable, optional
-        Called now and then with the time marched and the duration, s.
-
-    Returns
-    -------
-    Sums
-        Over all units.
-
-    Raises
-    ------
-    InputError
-        If the solver cannot treat such a problem.
-    SolverError
-        If the march cannot go on.
-    """
+    """The sums over all units of the motion of a problem with one realisation of its excitation."""
     collector = Collector(what.selection, what.settle, what.duration, what.units, what.rate)
     for stretch in _stretches(solver, problem, what.duration, progress):
         collector.take(stretch)
@@ -169,7 +123,8 @@ def _stretches(solver: Solver, problem: Problem, duration: float, progress: Prog
 def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     """The lowest angular frequency, rad/s, and the lowest rate of decay, 1/s, of the free joint; 0 where there is none.
 
-    The lowest modes tell: under modal damping of one ratio, and under viscous damping, those above do not decay slower.
+    The lowest modes tell: under modal damping of one ratio, and under viscous damping, higher modes do not decay
+    slower.
     """
     omega = _lowest_modes(problem, solver)
     damping, bends = problem.damping, omega > 1e-6 * omega.max()

@@ -63,23 +63,7 @@ class OrbitSummary:
 
 
 def check_names(names: Sequence[str]) -> tuple[str, ...]:
-    """Names of a summary, each once.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of `SUMMARIES`.
-
-    Returns
-    -------
-    tuple of str
-        The names.
-
-    Raises
-    ------
-    InputError
-        If one is unknown.
-    """
+    """Names of a summary, each once; an unknown one is an `InputError`."""
     for name in names:
         if name not in SUMMARIES:
             raise InputError(f"summary {name!r}: is unknown; allowed: {', '.join(SUMMARIES)}")
@@ -87,18 +71,7 @@ def check_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def quantities_of(names: Sequence[str]) -> list[str]:
-    """The quantities that are needed for some numbers of a summary.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of `SUMMARIES`.
-
-    Returns
-    -------
-    list of str
-        Of `lapjoint.answers.quantities.QUANTITIES`.
-    """
+    """The names of the quantities, of places, that some numbers of a summary need."""
     return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS))
 
 
@@ -175,7 +148,7 @@ def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
 
 
 def _of_periods(history: History, what: Selection, periods: int, times: float = 1.0) -> dict[str, FloatArray]:
-    """All numbers over each of so many equal parts of a motion: by name, shape ``(periods, X)`` or ``(periods, S)``.
+    """All numbers over each of so many equal parts of a motion: by name, shape (periods, X) or (periods, S).
 
     They are made of `MOST` samples at most, times a factor.
     """

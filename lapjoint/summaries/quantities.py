@@ -68,22 +68,7 @@ class Selection:
         return np.searchsorted(self.x, [stop.x for stop in stops]), *columns  # type: ignore[return-value]
 
     def values(self, history: History, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """All quantities at all places, and the forces of the stops on the beam.
-
-        Parameters
-        ----------
-        history : History
-            The motion.
-        t : FloatArray, shape (m,)
-            Times, s, within the history.
-
-        Returns
-        -------
-        FloatArray, shape (Q, X, m)
-            The quantities, in their units.
-        FloatArray, shape (S, m)
-            The forces, N, positive upwards.
-        """
+        """The quantities at all places, (Q, X, m), and the stops' forces, N, upwards, (S, m), at times, s, (m,)."""
         found = {(dx, dt): history.field(self.x, t, dx, dt) for dx, dt in self.orders}
         result = np.empty((len(self.quantities), self.x.size, t.size))
         for row, one, factor in zip(result, self.quantities, self.factors, strict=True):
@@ -95,45 +80,14 @@ class Selection:
 
 
 def is_rounding(peaks: FloatArray) -> npt.NDArray[np.bool_]:
-    """Where along the beam a quantity is nothing but rounding, see `ROUNDING`.
-
-    Parameters
-    ----------
-    peaks : FloatArray, shape (..., X)
-        Its largest magnitude at all places.
-
-    Returns
-    -------
-    ndarray of bool, shape (..., X)
-        Whether it is.
-    """
+    """Whether a quantity is rounding at a place, from its largest magnitudes at all places, (..., X); see `ROUNDING`."""
     return np.asarray(peaks <= ROUNDING * peaks.max(axis=-1, keepdims=True))
 
 
 def selection(
     problem: Problem, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
 ) -> Selection:
-    """What to summarise.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    at : sequence of float, optional
-        Places, m; by default those of the stops and of the ends that no support fixes.
-    quantities : sequence of str, optional
-        Of `QUANTITIES`; by default those of `DEFAULT` that the problem has.
-
-    Returns
-    -------
-    Selection
-        The quantities and the places.
-
-    Raises
-    ------
-    InputError
-        If a place is off the beam, or a quantity is unknown or needs what the problem has not.
-    """
+    """Quantities, by default those of `DEFAULT` that the problem has, and places, by default stops and free ends."""
     if quantities is None:
         names = [name for name in DEFAULT if name != "stress" or problem.beam.section is not None]
     else:

@@ -51,22 +51,7 @@ class Sums:
 
     @classmethod
     def zero(cls, units: int, duration: float, quantities: int, places: int, stops: int) -> Self:
-        """The sums of nothing.
-
-        Parameters
-        ----------
-        units : int
-            Number of units.
-        duration : float
-            Of a unit, s.
-        quantities, places, stops : int
-            Their numbers.
-
-        Returns
-        -------
-        Sums
-            All zero.
-        """
+        """Sums of nothing: numbers of units, each of a duration, s, of quantities, places and stops."""
         shape, of_stops = (units, quantities, places), (units, stops)
         return cls(
             duration,
@@ -99,18 +84,7 @@ class Sums:
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any]) -> Self:
-        """The sums from what `plain` made of them.
-
-        Parameters
-        ----------
-        plain : dict of str to Any
-            The values.
-
-        Returns
-        -------
-        Sums
-            With the same bits.
-        """
+        """The sums, with the same bits, from the values that `plain` made of them."""
         found: dict[str, Any] = {"duration": plain["duration"]}
         for name in _NAMES[1:]:
             kind = np.int64 if name in _COUNTS else float
@@ -126,18 +100,7 @@ class Sums:
 
     @classmethod
     def joined(cls, parts: Sequence[Sums]) -> Sums:
-        """The units of several motions, one after the other.
-
-        Parameters
-        ----------
-        parts : sequence of Sums
-            The sums of each; their units are as long.
-
-        Returns
-        -------
-        Sums
-            All units.
-        """
+        """The units of several motions, one after the other."""
         arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES[1:]}
         return Sums(parts[0].duration, **arrays)
 

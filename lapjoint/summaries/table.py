@@ -38,20 +38,7 @@ Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 
 
 def table(what: Measure, sums: Sums) -> xr.Dataset:
-    """The dataset of statistics, without what tells whose they are.
-
-    Parameters
-    ----------
-    what : Measure
-        How the motions were summarised.
-    sums : Sums
-        The units of all of them.
-
-    Returns
-    -------
-    xarray.Dataset
-        Values and intervals; see the head of this module.
-    """
+    """The dataset of statistics, without its problem and solver: values and intervals."""
     import xarray as xr
 
     variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums), **_distributions(sums)}
@@ -59,22 +46,7 @@ def table(what: Measure, sums: Sums) -> xr.Dataset:
 
 
 def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
-    """What makes the intervals doubtful.
-
-    Parameters
-    ----------
-    what : Measure
-        How the motions were summarised.
-    sums : Sums
-        The units of all of them.
-    realisations : int
-        Number of motions.
-
-    Returns
-    -------
-    list of str
-        A sentence for each doubt.
-    """
+    """A sentence for each reason to doubt the intervals of some number of motions."""
     found, units = [], sums.samples.size
     if units < ENOUGH:
         found.append(
