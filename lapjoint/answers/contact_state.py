@@ -165,5 +165,5 @@ def state_label(problem: Problem, state: ContactState) -> str:
 
 
 def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
-    """A key to sort states by: the paper's number or the number of closed stops; then the indices of the closed stops."""
+    """A key to sort states: the paper's number or the number of closed stops; then the indices of the closed stops."""
     return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed

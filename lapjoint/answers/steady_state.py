@@ -205,8 +205,7 @@ def periodic_outcome(history: History) -> Outcome:
 
 
 def chatters(history: History, stop: int) -> bool:
-    """Whether a stop chatters in one period: three or more flights in a row, each shorter than the last, then a long
-    contact.
+    """Whether a stop chatters in a period: three or more flights, each shorter than the last, then a long contact.
 
     The contact that ends the chatter must last longer than the contact and the flight before it: the beam bounces, and
     then leans on the stop.

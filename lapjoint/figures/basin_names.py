@@ -15,8 +15,7 @@ _DIGITS = (4, 6, 9)
 
 
 def motion_names(one: xr.Dataset, numbered: bool = True) -> list[str]:
-    """A name for each motion of one problem, by the impulse of the stop that differs most: ``1: 1 period, P4 0.548 N
-    s``.
+    """A name for each motion of one problem, with the impulse of the stop that differs most: ``1 period, P4 0.5 N s``.
 
     With `numbered`, each name begins with the motion's number, from 1, and a mirror image names its original.
     """

@@ -57,8 +57,7 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
 
 
 def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> FloatArray:
-    """The value to draw of each stop at each bifurcation, (bifurcations, stops); `values` at curve points, (points,
-    stops).
+    """The value to draw of each stop at each bifurcation, (bifurcations, stops), from `values` at curve points.
 
     Impulses are known at most bifurcations.  An unknown value is that of the graze's curve point, or is interpolated
     between the curve points on either side.

@@ -118,8 +118,7 @@ def plot_spectrum(
 
 
 def most_moved(history: History) -> float:
-    """The place, m, of `_STATIONS` equidistant ones, whose displacement departs most from its mean, by root mean
-    square.
+    """The place, m, of `_STATIONS` equidistant ones, whose displacement has the largest standard deviation.
 
     Of places that differ by rounding alone it is the one farthest from the root.
     """
@@ -163,8 +162,7 @@ def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
 
 
 def repeating_periods(history: History) -> tuple[int, float]:
-    """The least number of excitation periods after which the end of the history repeats (0: none), and the mismatch (or
-    NaN).
+    """The least number of excitation periods after which the end of a history repeats, or 0, and the mismatch.
 
     States are compared: displacement and velocity at some points of the beam, each relative to its largest value there.
     Where the state and the phase of the excitation return, all that follows returns too.

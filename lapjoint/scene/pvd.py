@@ -31,10 +31,9 @@ def grid_of(part: Part) -> Any:
 
 
 def write_pvd(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME.pvd``, with a note, and the files that it lists in the folder NAME beside it; returns the list's
-    path.
+    """Write ``NAME.pvd`` and the files that it lists, in the folder NAME beside it; returns the list's path.
 
-    Files of an earlier series of this name stay until this one is complete.
+    Files of an earlier series of this name stay until this one is complete.  The list holds the note as a comment.
     """
     path = folder / f"{name}.pvd"
     with completed_series(folder, lambda: _remove(folder, name)) as draft:

@@ -34,8 +34,7 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
-    """One time, s, in each interval of 1 / rate, counted from 0, up to `AT_ONCE` together, from `start` to before
-    `end`.
+    """One time, s, in each interval of 1 / rate, counted from 0, from `start` to before `end`; `AT_ONCE` together.
 
     The times do not depend on how a motion is cut into stretches.
     """

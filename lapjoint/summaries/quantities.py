@@ -80,7 +80,7 @@ class Selection:
 
 
 def is_rounding(peaks: FloatArray) -> npt.NDArray[np.bool_]:
-    """Whether a quantity is rounding at a place, from its largest magnitudes at all places, (..., X); see `ROUNDING`."""
+    """Whether a quantity is rounding at a place, from its largest magnitudes, (..., X); see `ROUNDING`."""
     return np.asarray(peaks <= ROUNDING * peaks.max(axis=-1, keepdims=True))
 
 
