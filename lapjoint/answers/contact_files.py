@@ -69,25 +69,19 @@ def contact_rows(history: History) -> list[dict[str, Any]]:
     """The contacts of a history as rows with the keys `CONTACT_COLUMNS`, by start time; units are in the keys."""
     stops, names = history.problem.stops, history.problem.stop_names
     return [
-        dict(
-            zip(
-                CONTACT_COLUMNS,
-                (
-                    names[c.stop],
-                    stops[c.stop].side,
-                    float(c.start),
-                    float(c.end),
-                    float(c.duration),
-                    float(c.impulse),
-                    float(c.peak_force),
-                    c.open_start,
-                    c.open_end,
-                    c.start_error,
-                    c.impulse_error,
-                    c.peak_force_error,
-                ),
-                strict=True,
-            )
-        )
+        {
+            "stop": names[c.stop],
+            "side": stops[c.stop].side,
+            "start_s": float(c.start),
+            "end_s": float(c.end),
+            "duration_s": float(c.duration),
+            "impulse_Ns": float(c.impulse),
+            "peak_force_N": float(c.peak_force),
+            "open_start": c.open_start,
+            "open_end": c.open_end,
+            "start_error_s": c.start_error,
+            "impulse_error_Ns": c.impulse_error,
+            "peak_force_error_N": c.peak_force_error,
+        }
         for c in history.contacts
     ]

@@ -1,10 +1,12 @@
-"""What can be read off a motion at a place: the displacement and what follows from it, with names and units."""
+"""Quantities of a motion at a place: the displacement and its derivatives, with names and units."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from lapjoint.answers.history import History
+from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 
@@ -49,3 +51,15 @@ _ALL = (
 )
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
 """The quantities by their names, in the order in which they are listed."""
+
+
+def checked_quantities(problem: Problem, names: Iterable[str], allowed: Collection[str]) -> list[str]:
+    """Names of quantities, each once, if all are allowed and the problem has them."""
+    chosen = list(dict.fromkeys(names))
+    unknown = [name for name in chosen if name not in allowed]
+    if unknown or not chosen:
+        what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
+        raise InputError(f"{what}; allowed: {', '.join(allowed)}")
+    if "stress" in chosen:
+        problem.beam.require_section("quantity 'stress'")
+    return chosen

@@ -17,6 +17,7 @@ import numpy as np
 
 from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES as OF_PLACES
+from lapjoint.answers.quantities import checked_quantities
 from lapjoint.errors import InputError
 from lapjoint.files.netcdf import write_netcdf
 from lapjoint.files.plain_text import no_formula
@@ -28,18 +29,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 FORMAT_VERSION = 1
-"""Version of the NetCDF files; it is raised whenever a reader of the version before would misread a file."""
+"""Version of the NetCDF files; it rises with each change that makes an older reader misread a file."""
 MOST_VALUES = 10_000_000
 """Largest number of values of all series together, 80 MB."""
 PER_PERIOD = 2.56
-"""Samples in a period of the fastest frequency by default: a sine needs more than two, and this is what analysers of
-vibration take."""
+"""Samples in a period of the fastest frequency by default: more than the two that a sine needs, as vibration analysers
+take."""
 FORCE = "force"
 """The one quantity that belongs to stops, not to places."""
 _ROUNDING = 1e-9
-"""Samples.  A last sample that lies beyond the end of the motion by less than this belongs to it."""
-
-
+"""Samples: a last sample that lies beyond the end of the motion by less than this belongs to the motion."""
 _FORCE = "N", "force of the stop on the beam, positive upwards"
 QUANTITIES = (*OF_PLACES, FORCE)
 """Names of the quantities."""
@@ -198,13 +197,7 @@ def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
     """The quantities asked for, or the displacement and the force of stops where there are some, each once."""
     if quantities is None:
         return ["displacement", FORCE] if problem.stops else ["displacement"]
-    chosen = list(dict.fromkeys(quantities))
-    unknown = [name for name in chosen if name not in QUANTITIES]
-    if unknown or not chosen:
-        what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
-        raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
-    if "stress" in chosen:
-        problem.beam.require_section("quantity 'stress'")
+    chosen = checked_quantities(problem, quantities, QUANTITIES)
     if FORCE in chosen and not problem.stops:
         raise InputError(f"quantity {FORCE!r}: there are no stops")
     return chosen

@@ -20,7 +20,7 @@ from lapjoint.figures.style import (
     new_axes,
     style,
 )
-from lapjoint.figures.sweep_axes import axis_label
+from lapjoint.figures.sweep_axes import axis_label, cell_edges
 from lapjoint.figures.text import literal
 
 if TYPE_CHECKING:
@@ -100,8 +100,8 @@ def _draw_plane(axes: Axes, dataset: xr.Dataset) -> None:
     motion = dataset.motion.values.T
     colours = [_UNBOUND, *_colours(dataset)]
     axes.pcolormesh(
-        _edges(x),
-        _edges(y),
+        cell_edges(x),
+        cell_edges(y),
         motion + 1,
         cmap=ListedColormap(colours),
         vmin=-0.5,
@@ -115,7 +115,7 @@ def _draw_plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_xlabel(_moved(dataset, "first"))
     axes.set_ylabel(_moved(dataset, "second"))
     _samples(axes, dataset)
-    axes.set(xlim=_edges(x)[[0, -1]], ylim=_edges(y)[[0, -1]])
+    axes.set(xlim=cell_edges(x)[[0, -1]], ylim=cell_edges(y)[[0, -1]])
     entitle(axes, str(dataset.attrs["title"]))
 
 
@@ -125,14 +125,6 @@ def _moved(dataset: xr.Dataset, name: str) -> str:
     symbol, _, place = str(one.attrs["coordinate"]).partition("(")
     unit = str(one.attrs["units"]).replace("m s-1", "m/s")
     return literal(f"start moved by {symbol} at x = {place.rstrip(')')} m [{unit}]")
-
-
-def _edges(values: np.ndarray) -> np.ndarray:
-    """Ends of cells around values, which are in the middle."""
-    if values.size == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    step = (values[-1] - values[0]) / (values.size - 1)
-    return np.linspace(values[0] - step / 2, values[-1] + step / 2, values.size + 1)
 
 
 def _draw_shares(axes: Axes, dataset: xr.Dataset) -> None:

@@ -13,10 +13,18 @@ from numpy.typing import NDArray
 
 from lapjoint.figures.impulse_curve import draw_line, limit, motion_kinds
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
-from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
+from lapjoint.figures.sweep_axes import (
+    axis_label,
+    cell_edges,
+    constant_fields,
+    each_line,
+    fields,
+    in_order,
+    short_name,
+    units,
+)
 from lapjoint.figures.sweep_variables import IMPULSE, curves, ordinate, where
 from lapjoint.figures.text import apart, literal, shortened, wrapped
-from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -127,7 +135,11 @@ def _map(
 ) -> None:
     values = values.mean("start") if "start" in values.dims else values
     mesh = axes.pcolormesh(
-        _edges(dataset[first].values), _edges(dataset[second].values), values.values.T, cmap="cividis", rasterized=True
+        cell_edges(dataset[first].values),
+        cell_edges(dataset[second].values),
+        values.values.T,
+        cmap="cividis",
+        rasterized=True,
     )
     bar = figure.colorbar(mesh, ax=axes, pad=0.01)
     bar.set_label(name)
@@ -146,7 +158,7 @@ def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: s
 
     codes = certificates(dataset).reshape(dataset.sizes[first], -1).T
     axes.pcolormesh(
-        _edges(dataset[first].values),
+        cell_edges(dataset[first].values),
         np.arange(len(codes) + 1) - 0.5,
         codes,
         cmap=ListedColormap(list(OUTCOME_COLOURS.values())),
@@ -185,11 +197,3 @@ def _strip_ticks(axes: Axes, dataset: xr.Dataset, second: str | None, rows: int)
     )
     if number > MOST_LINES:
         axes.set_ylabel(axis_label(dataset, second))
-
-
-def _edges(values: FloatArray) -> FloatArray:
-    """The edges of the cells around ``n`` ascending values, shape ``(n + 1,)``."""
-    if values.size == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    middles = (values[1:] + values[:-1]) / 2
-    return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middles, [1.5 * values[-1] - 0.5 * values[-2]]])

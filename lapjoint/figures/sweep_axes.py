@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from lapjoint.figures.text import cut_to, literal
 from lapjoint.problem import FloatArray
 
@@ -65,6 +67,14 @@ def each_line(values: xr.DataArray, second: str | None) -> list[FloatArray]:
     if second is None:
         return [values.values]
     return [values.isel({second: i}).values for i in range(values.sizes[second])]
+
+
+def cell_edges(values: FloatArray) -> FloatArray:
+    """The edges of the cells around ascending values, (n,), half-way between them: shape (n + 1,)."""
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middles, [1.5 * values[-1] - 0.5 * values[-2]]])
 
 
 def axis_label(dataset: xr.Dataset, name: str) -> str:

@@ -23,7 +23,7 @@ import numpy as np
 from lapjoint.answers.history import Contact, History
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.distributions import bins_of
-from lapjoint.summaries.quantities import IndexArray, Selection
+from lapjoint.summaries.quantities import IndexArray, Selection, keep_largest
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
 
 FINE = 8
@@ -93,7 +93,7 @@ class Collector:
             sums.total[unit] += values.sum(axis=-1)
             sums.squares[unit] += np.einsum("qxm,qxm->qx", values, values)
             sums.force_squares[unit] += np.einsum("sm,sm->s", force, force)
-            _keep_largest(values, part, largest, when)
+            keep_largest(values, part, largest, when)
         around = [*self._records(unit, largest, when), *self._hard_contacts(history, unit, lo, hi)]
         sums.peak[unit] = np.maximum(sums.peak[unit], largest)
         if around:
@@ -123,7 +123,7 @@ class Collector:
             t = np.unique(t)
             largest, when = np.zeros_like(self.sums.peak[unit]), np.zeros_like(self.sums.peak[unit])
             for part in np.split(t, range(AT_ONCE, t.size, AT_ONCE)):
-                _keep_largest(self._selection.values(history, part)[0], part, largest, when)
+                keep_largest(self._selection.values(history, part)[0], part, largest, when)
             around = [] if step else self._records(unit, largest, when)
             self.sums.peak[unit] = np.maximum(self.sums.peak[unit], largest)
             if not around:
@@ -213,12 +213,3 @@ def _as_one(begun: Contact, rest: Contact) -> Contact:
         peak_force=max(begun.peak_force, rest.peak_force),
         open_end=rest.open_end,
     )
-
-
-def _keep_largest(values: FloatArray, t: FloatArray, largest: FloatArray, when: FloatArray) -> None:
-    """Keep the largest magnitude of values, ``(Q, X, m)``, at times, s, ``(m,)``, and its time; both ``(Q, X)``."""
-    size = np.abs(values)
-    at = size.argmax(axis=-1)
-    found = np.take_along_axis(size, at[..., None], axis=-1)[..., 0]
-    more = found > largest
-    largest[more], when[more] = found[more], t[at][more]

@@ -23,7 +23,7 @@ from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
 from lapjoint.orbits.exponent import standard_error
 from lapjoint.problem import FloatArray
-from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, selection
+from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
 
 MOST = 1 << 15
 """Samples of a motion, at most."""
@@ -163,7 +163,7 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
             values, force = what.values(history, t[here])
             squares[p] += (values**2) @ weight[here]
             force_squares[p] += (force**2) @ weight[here]
-            _keep(values, t[here], peaks[p], when[p])
+            keep_largest(values, t[here], peaks[p], when[p])
         _look_closer(history, what, np.diff(t[mine]).max(initial=0.0), peaks[p], when[p])
     duration = np.diff(edges)[:, None]
     time, count = np.zeros((periods, S)), np.zeros((periods, S))
@@ -207,15 +207,4 @@ def _look_closer(history: History, what: Selection, step: float, peaks: FloatArr
         t = np.unique(np.clip(middle[:, None] + steps, history.start, history.end))
         alone = Selection(what.problem, (what.quantities[q],), what.places)
         for here in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
-            _keep(alone.values(history, here)[0], here, peaks[q : q + 1], when[q : q + 1])
-
-
-def _keep(values: FloatArray, t: FloatArray, peaks: FloatArray, when: FloatArray) -> None:
-    """Keep the largest magnitudes of values, ``(Q, X, m)``, and their times; both ``(Q, X)``."""
-    if not t.size:
-        return
-    size = np.abs(values)
-    at = size.argmax(axis=-1)
-    found = np.take_along_axis(size, at[..., None], axis=-1)[..., 0]
-    more = found > peaks
-    peaks[more], when[more] = found[more], t[at][more]
+            keep_largest(alone.values(history, here)[0], here, peaks[q : q + 1], when[q : q + 1])

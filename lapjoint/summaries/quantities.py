@@ -10,21 +10,20 @@ import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.history import History
-from lapjoint.answers.quantities import QUANTITIES, Quantity
+from lapjoint.answers.quantities import QUANTITIES, Quantity, checked_quantities
 from lapjoint.answers.series import places_of
-from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 IndexArray = npt.NDArray[np.intp]
 
 STATIONS = 33
-"""Equidistant places along the beam, of which the one where a quantity is largest is told."""
+"""Number of equidistant places along the beam at which quantities are looked at, besides those asked for."""
 ROUNDING = 1e-11
-"""Part of a quantity's largest magnitude along the beam below which it is rounding, and told as zero: as the moment at
-a free end, or the displacement at a fixed one.  In 104 random joints with 6 to 400 modes, rounding was 1e-13 of it or
-less, and all else 1e-5 or more."""
+"""Fraction of a quantity's largest magnitude along the beam up to which a value is rounding, and told as zero, as the
+moment at a free end.  Over random joints with 6 to 400 modes, rounding is at most 1e-13 of the largest magnitude, and
+every other value at least 1e-5."""
 DEFAULT = ("displacement", "velocity", "absolute_acceleration", "moment", "stress")
-"""What is summarised by default; stress only where the beam has a section."""
+"""The quantities of a summary by default; stress only where the beam has a section."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +78,17 @@ class Selection:
         return result, -sign * stiffness * np.maximum(sign * found[0, 0][at] - gap, 0.0)
 
 
+def keep_largest(values: FloatArray, t: FloatArray, largest: FloatArray, when: FloatArray) -> None:
+    """Raise `largest`, (Q, X), to the largest magnitudes of values, (Q, X, m), and note their times in `when`, s."""
+    if not t.size:
+        return
+    size = np.abs(values)
+    at = size.argmax(axis=-1)
+    found = np.take_along_axis(size, at[..., None], axis=-1)[..., 0]
+    more = found > largest
+    largest[more], when[more] = found[more], t[at][more]
+
+
 def is_rounding(peaks: FloatArray) -> npt.NDArray[np.bool_]:
     """Whether a quantity is rounding at a place, from its largest magnitudes, (..., X); see `ROUNDING`."""
     return np.asarray(peaks <= ROUNDING * peaks.max(axis=-1, keepdims=True))
@@ -91,11 +101,5 @@ def selection(
     if quantities is None:
         names = [name for name in DEFAULT if name != "stress" or problem.beam.section is not None]
     else:
-        names = list(dict.fromkeys(quantities))
-    unknown = [name for name in names if name not in QUANTITIES]
-    if unknown or not names:
-        what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
-        raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
-    if "stress" in names:
-        problem.beam.require_section("quantity 'stress'")
+        names = checked_quantities(problem, quantities, QUANTITIES)
     return Selection(problem, tuple(QUANTITIES[name] for name in names), tuple(places_of(problem, at)))
