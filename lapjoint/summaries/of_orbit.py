@@ -21,7 +21,6 @@ from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
-from lapjoint.orbits.exponent import standard_error
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
 
@@ -128,6 +127,8 @@ def summarise(
 
 def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
     """The summary of a motion that does not repeat: means over its excitation periods, with their standard errors."""
+    from lapjoint.orbits.exponent import standard_error  # it loads numba, which figures need not
+
     omega = found.problem.require_excitation_frequency("a steady state")
     history = found.history if found.march_on is None else found.march_on(WANDERING)
     periods = max(1, round((history.end - history.start) * omega / (2 * math.pi)))
