@@ -55,7 +55,7 @@ class ContactState:
 
 FREE = ContactState()
 MOST_STATES = 4096
-"""More contact states than this are not listed: twelve stops at different positions have so many."""
+"""Largest number of contact states that are listed: the number that twelve stops at different positions have."""
 
 
 def contact_states(problem: Problem) -> tuple[ContactState, ...]:

@@ -9,8 +9,8 @@ import numpy as np
 from lapjoint.problem.schema import FloatArray
 
 ROUNDING = 1e-12
-"""Relative errors up to this are taken for rounding, and say nothing about convergence: it is some 5000 units in the
-last place of a number, more than the sums in an answer lose."""
+"""Relative error up to which an error is taken for rounding, and left out of an order: some 5000 units in the last
+place, more than the sums in an answer lose."""
 
 
 def fitted_order(resolutions: FloatArray, error: FloatArray, floor: float = ROUNDING) -> float:

@@ -1,4 +1,4 @@
-"""What the motions of basins are called: by period multiple and impulse."""
+"""Names of the motions of basins, from period multiple and impulse."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PALER = 0.45
-"""Share of white in the colours of the eighth motion and those after it, again and again."""
+"""Fraction of white that is mixed into the colours each time they are used again, from the seventh motion on."""
 _HATCH = "//////"
 _UNBOUND = (0.85, 0.85, 0.85)
 """Colour of starts that are bound to no motion."""
@@ -36,7 +36,7 @@ _UNBOUND = (0.85, 0.85, 0.85)
 
 @style()
 def plot_basins(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Draw basins: a plane of starts, shares along a number that was varied, or shares of random starts.
+    """Draw basins: a plane of starts, shares along a parameter that was varied, or shares of random starts.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def plot_basins(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 
 def _colour(number: int) -> Any:
-    """The colour of a motion: those of the house, then paler ones."""
+    """The colour of a motion: one of `COLOURS`, or a paler one where all are taken."""
     from matplotlib.colors import to_rgb
 
     rounds, which = divmod(number, len(COLOURS) - 1)  # black is kept for lines
@@ -78,7 +78,7 @@ def _colours(one: xr.Dataset) -> list[Any]:
 
 
 def _samples(axes: Axes, one: xr.Dataset) -> None:
-    """Give the legend a sample of each motion that some start ends in, and of those that end in none."""
+    """Give the legend a sample of each motion in which some start ends, and of starts that are bound to none."""
     from matplotlib.patches import Rectangle
 
     def sample(label: str, **look: Any) -> None:
@@ -153,7 +153,7 @@ def _share(one: xr.Dataset, prefix: str, i: int) -> tuple[float, float, float]:
 
 
 def _draw_along(axes: Axes, dataset: xr.Dataset, name: str) -> None:
-    """The share of each branch along what was varied, with its interval, and of starts that are bound to none."""
+    """The share of each branch along the varied parameter, with its interval, and of starts bound to no motion."""
     dataset = dataset.sortby(name)
     x, branch = dataset[name].values, dataset.branch.values
     for number in range(int(branch.max(initial=-1)) + 1):
@@ -172,7 +172,7 @@ def _draw_along(axes: Axes, dataset: xr.Dataset, name: str) -> None:
 
 
 def _curve(axes: Axes, x: np.ndarray, rows: np.ndarray, label: str, colour: Any, number: int) -> None:
-    """A share and its interval along what was varied, ``rows`` of shape ``(n, 3)``."""
+    """A share and its interval along the varied parameter, `rows` of shape (n, 3)."""
     line = ":" if number < 0 else STYLES[number % len(STYLES)]
     marker = MARKERS[number % len(MARKERS)]
     axes.plot(x, rows[:, 0], color=colour, linestyle=line, marker=marker, label=label)

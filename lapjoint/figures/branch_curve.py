@@ -1,4 +1,4 @@
-"""The curve of a branch through its points and its bifurcations: stability changes at these, not at the next point."""
+"""The curve of a branch through its curve points and bifurcations; stability changes at bifurcations."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Curve:
     """A branch as it is drawn."""
 
     x: FloatArray
-    """The number at each corner, in its SI unit, shape ``(n,)``."""
+    """The parameter at each corner, in its SI unit, shape ``(n,)``."""
     y: FloatArray
-    """What is drawn of each stop there, shape ``(n, stops)``."""
+    """The value drawn of each stop at each corner, shape ``(n, stops)``."""
     stable: npt.NDArray[np.bool_]
     """Whether motions from one corner to the next are stable, shape ``(n - 1,)``."""
 
@@ -46,7 +46,7 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
         corners.append((x[i], values[i]))
         if between:
             parts += [bool(stable[i - 1]), *[False] * (len(between) - 1), bool(stable[i])]
-        else:  # it changes at the graze, if one is at the first of the two points, and else at the second
+        else:  # stability changes at a graze at the first of the two points, or else at the second point
             grazes = any(at[j] == i - 1 and kinds[j] == _GRAZING for j in own.tolist())
             parts.append(bool(stable[i] if grazes else stable[i - 1]))
     return Curve(
@@ -71,7 +71,7 @@ def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> Fl
 
 
 def _beside(dataset: xr.Dataset, j: int, values: FloatArray) -> FloatArray:
-    """What is drawn at a bifurcation, by the points beside it: a fold's number changes with the square of the way."""
+    """Values at a bifurcation from the curve points beside it; at a fold the parameter is quadratic in them."""
     x, branch = dataset[number_of(dataset)].values, dataset.branch.values
     i = min(int(dataset.bifurcation_point.values[j]), x.size - 1)
     kind = int(dataset.bifurcation_kind.values[j])

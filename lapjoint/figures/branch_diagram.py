@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 ORDINATES = {"impulse": "impulse in a period [N s]", "peak_force": "largest force [N]"}
 """Variables that a diagram may show, and the labels of their axes."""
 _SOLID, _DASHED = "-", (0, (2.5, 1.5))
-"""Patterns of stable motions and of unstable ones: a stop is told by its colour alone."""
+"""Line patterns of stable and unstable motions; colour alone tells the stops apart."""
 _ALIKE = 1e-6
-"""Relative difference of numbers of twin stops up to which rounding, or where a branch has its points, makes it."""
+"""Relative difference of the values of twin stops up to which rounding, or the choice of curve points, explains it."""
 
 
 @style()
 def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: str = "impulse") -> Axes:
-    """Draw branches over the number that changes, a colour for each stop.
+    """Draw branches over the parameter that changes, a colour for each stop.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     ordinate : {"impulse", "peak_force"}
-        What is drawn of each stop, in N s or N.
+        The value drawn of each stop, in N s or N.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Loci of bifurcations in two numbers: a look for each name, a line where a bifurcation goes on from value to value."""
+"""Loci of bifurcations in two parameters: a look for each name, a line along each bifurcation."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NONE = "no bifurcation in this range"
-"""What stands in a figure without loci."""
+"""Text in a figure without loci."""
 
 
 @style()
 def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Draw where bifurcations are in two numbers.
+    """Draw the loci of bifurcations in two parameters.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Dataset of `lapjoint.branch` with a second number, `also_over`.
+        Dataset of `lapjoint.branch` with a second parameter, `also_over`.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
 
@@ -38,7 +38,7 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        If the dataset has no second number.
+        If the dataset has no second parameter.
     """
     second = second_number_of(dataset)
     if second is None:

@@ -1,4 +1,4 @@
-"""What the numbers, the bifurcations and the loci of a dataset of branches are called."""
+"""Names of the parameters, bifurcations and loci of a dataset of branches."""
 
 from __future__ import annotations
 

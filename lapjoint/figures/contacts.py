@@ -1,4 +1,4 @@
-"""What the stops do: the impulse of each contact, and the contact state over time."""
+"""Figures of contacts: the impulse of each contact, and the contact state over time."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_STEMS = 200
-"""Number of contacts above which the markers are drawn small, and without the lines that join them to the axis."""
+"""Number of contacts above which markers are small and have no lines to the axis."""
 _NAMES_SHARE = 0.3
-"""The names of the states take at most this part of the figure's width."""
+"""Largest fraction of the figure's width that the names of states take."""
 
 
 @style()

@@ -1,7 +1,7 @@
 """The impulses that a sweep found, or other numbers of its motions, drawn one column wide, as in the paper's Figure 4.
 
 Several starts are drawn as points.  A second swept field is drawn as one line for each of its values, the last one
-darkest.  A line ends where the motion becomes another one, or the impulse jumps; what does not repeat is marked.
+darkest.  A line ends where the motion changes its kind, or the impulse jumps.  Motions that do not repeat are marked.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 
 JUMP, STEEP = 4.0, 0.04
-"""A line is not drawn between two points of which the impulses differ by more than `JUMP` times as much as on either
-side, and by more than the part `STEEP` of all that is drawn."""
+"""A line breaks between two points whose impulses differ by more than `JUMP` times the differences on either side, and
+by more than the fraction `STEEP` of the range of all impulses."""
 _PALEST = 0.35  # opacity of the line of the first of several values
 _SHOWN = 4  # values of a second field in the legend; of more, the first and the last
 
@@ -42,7 +42,7 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     variable : str
-        What is drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
+        The variable drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def draw_line(
         axes.plot(x[erratic], y[erratic], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=colour, **look)
 
 
-_MARK = 2.2  # points, of what does not repeat
+_MARK = 2.2  # size of the mark of a motion that does not repeat, points
 
 
 def _opacity(i: int, count: int) -> float:
@@ -164,7 +164,7 @@ def _name_shades(axes: Axes, dataset: xr.Dataset, second: str | None) -> None:
 
 
 def _name_marks(axes: Axes, kinds: list[FloatArray]) -> None:
-    """A legend entry for the marks of what does not repeat, where there are some."""
+    """A legend entry for the marks of motions that do not repeat, where there are some."""
     if any((kind == ERRATIC).any() for kind in kinds):
         axes.plot([], [], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=GREY, label="does not repeat")
 

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 
 IntArray = NDArray[np.int64]
 _NAME_ROOM = 4.5
-"""Largest width of a stop's name above its panel, inches; sixty characters and more fit into it."""
+"""Largest width of a stop's name above its panel, inches: room for sixty characters."""
 MOST_LINES = 7
-"""A second field with more values than this is drawn as a map, because there are no more colours for lines."""
+"""Largest number of values of a second field that are drawn as lines, one a colour; more are drawn as a map."""
 OUTCOME_COLOURS = {
     "no_contact": "#DDDDDD",
     "periodic": "#56B4E9",
@@ -61,7 +61,7 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Ax
     dataset : xarray.Dataset
         Dataset of a sweep, as `lapjoint.campaigns.sweep` returns it.
     variable : str
-        What is drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
+        The variable drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: s
 
 
 def _strip_ticks(axes: Axes, dataset: xr.Dataset, second: str | None, rows: int) -> None:
-    """Write beside the strip what its rows are: values of the second field, or starts."""
+    """Label the rows of the strip: values of the second field, or starts."""
     if second is None:
         axes.set_yticks([])
         if rows > 1:

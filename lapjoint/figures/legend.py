@@ -7,7 +7,7 @@ from typing import Any
 from lapjoint.figures.text import SMALL, apart, literal, shortened, width_of
 
 HANDLE, BETWEEN = 2.0, 1.2
-"""Width of a line's sample, and distance between two columns, in sizes of the text."""
+"""Width of a line's sample, and distance of two columns, in sizes of the text."""
 LINE = 1.5 * SMALL / 72.0
 """Height of a line of a legend, inches: one and a half times the size of its text."""
 _EM = SMALL / 72.0

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SAME = 1e-6
-"""Two states share their modes if their frequencies differ relatively by at most this: far more than by rounding, far
-less than a closed stop changes them."""
+"""Largest relative difference of the frequencies of two states that share their modes: far more than rounding makes,
+far less than a closed stop."""
 MOST_PANELS = 24
 """Largest number of groups of states that are drawn in one figure, for the panels to stay legible."""
 _NAMED = 4

@@ -17,9 +17,8 @@ from lapjoint.figures.motion import plot_motion
 from lapjoint.figures.style import new_axes, svg_of
 from lapjoint.figures.text import error_text, frequency_text
 
-CONTACTS_SHOWN = 8
-MODES_SHOWN = 12
-"""Rows of a table, so that an answer takes no more than a screen."""
+CONTACTS_SHOWN, MODES_SHOWN = 8, 12
+"""Largest numbers of rows of tables, for an answer to fit on a screen."""
 _SIZE = 5.6, 2.4  # inches
 _SAMPLES = 800
 _MIDDLE = ' style="text-align: left"'
@@ -27,7 +26,7 @@ _MIDDLE = ' style="text-align: left"'
 
 @singledispatch
 def html_of(answer: object) -> str:
-    """An answer as one piece of HTML; `TypeError` for what is no answer."""
+    """An answer as one piece of HTML; `TypeError` for an object that is no answer."""
     raise TypeError(f"{type(answer).__name__} is no answer")
 
 
@@ -65,7 +64,7 @@ def _of_history(history: History) -> str:
 
 @html_of.register
 def _of_steady_state(found: SteadyState) -> str:
-    """A steady state: what was established, the impulses of the stops as a table, and one period."""
+    """A steady state: its outcome, the impulses of the stops as a table, and one period."""
     lines = [f"{found.solver}: {found.outcome.value}"]
     omega = found.problem.excitation_frequency
     if omega is not None:

@@ -18,10 +18,9 @@ if TYPE_CHECKING:
 
 IN_CONTACT = "in contact"
 _ROUNDING = 1e-9
-"""Excitation periods.  A section point that lies outside the history by less than this belongs to it: the difference
-is rounding."""
+"""Excitation periods by which a section point may lie outside the history, because of rounding."""
 _LEAST_SHARE = 0.1
-"""The axes show at least this part of the orbit's size, so that differences by rounding are not drawn large."""
+"""Least extent of the axes, as a fraction of the orbit's size, so that rounding is not drawn large."""
 
 
 @style()

@@ -11,14 +11,11 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 LEAST_SAMPLES = 100
-"""Least number of times in a period of the fastest excitation: a coarser curve shows a motion that is not there."""
-
+"""Least number of times in a period of the fastest excitation: a coarser curve would show another motion."""
 SMOOTH = 0.002
-"""Largest distance of an orbit from the chord that is drawn for it, as a part of the orbit's size: about a pixel."""
-
+"""Largest distance of an orbit from its drawn chord, as a fraction of the orbit's size: about a pixel."""
 MOST_TIMES = 50_000
 """Number of times at which the refinement of an orbit ends, to bound the time that a figure takes."""
-
 MANY = 100
 """Number of contacts above which the curves are drawn thin."""
 

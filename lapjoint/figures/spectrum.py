@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-7
 """Largest sampling error of the drawn amplitudes, relative to the largest of them; far below what a plot resolves."""
 REPEATS = 1e-3
-"""A motion is taken as repeating if its state returns to within this part of the motion's size."""
+"""Largest mismatch of a state that returns, as a fraction of the motion's size, for a motion to count as repeating."""
 DECADES = 6.5
 """Number of decades below the largest amplitude at which the axis ends: short of `TOLERANCE`."""
 _EXCITATION = "excitation"
@@ -39,7 +39,7 @@ _FEWEST, _MOST = 2**10, 2**18
 """Number of samples of the transform: the first trial, and the number after which no doubling follows."""
 
 _STATIONS = 33
-"""Number of places among which the one that moves most is found."""
+"""Number of places among which the place that moves most is found."""
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 STYLES = ("-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
-"""Markers that have an area, so that they can be hollow.  The number of colours has no divisor in common with the
-number of line styles, nor with the number of markers, so that a pair returns only when all pairs have been drawn."""
+"""Markers that have an area, so that they can be hollow.  The number of colours is coprime to the numbers of line
+styles and markers, so that a pair returns only when all pairs have been drawn."""
 FORMATS = (".png", ".svg", ".pdf")
 COLUMN_WIDTH, PAGE_WIDTH = 3.4, 7.0
 """Widths of a figure, inches: one column, and both columns of a printed page."""
@@ -35,9 +35,9 @@ GREY = "0.55"
 THIN = 0.6
 """Width of gaps, zero lines and reference slopes, points."""
 _LABELS_WIDE = 0.65
-"""Width that the labels on the left of the axes take, inches."""
+"""Width of the labels on the left of the axes, inches."""
 _LEGEND_SHARE = 0.45
-"""A legend takes at most this part of the height of axes and legend together."""
+"""Largest fraction of the height of axes and legend together that the legend takes."""
 
 STYLE: dict[str, Any] = {
     "font.size": 8,

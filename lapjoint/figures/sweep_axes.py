@@ -1,4 +1,4 @@
-"""What the figures of a sweep read from its dataset: which fields were swept, their names, units and values.
+"""The swept fields of a sweep's dataset: their names, units and values.
 
 A figure shows two swept fields.  A third one is drawn at its first value.
 """

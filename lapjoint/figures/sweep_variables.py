@@ -1,4 +1,4 @@
-"""The variables of a sweep that are drawn over what was swept: impulses, and what ``--summary`` put into the file."""
+"""The variables of a sweep that can be drawn over its fields: impulses, and those that ``--summary`` added."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def ordinate(dataset: xr.Dataset, variable: str) -> str:
 
 
 def _exponent(dataset: xr.Dataset, variable: str) -> int:
-    """Power of ten of the unit's prefix; impulses, and what has no unit to put it before, have none."""
+    """Power of ten of the unit's prefix; impulses, shares and rates have none."""
     size = float(np.nanmax(np.abs(dataset[variable].values), initial=0.0))
     units = str(dataset[variable].attrs["units"])
     if variable == IMPULSE or units in ("1", "s-1") or not 0 < size < np.inf or _PLAIN[0] <= size < _PLAIN[1]:

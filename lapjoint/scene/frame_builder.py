@@ -25,11 +25,11 @@ DEFLECTION, PENETRATION = 0.12, 0.6
 """Largest deflection, as a part of the beam's length, and largest penetration of a stop, as a part of its spring's
 length, in the scale that is chosen by default: visible, while the picture keeps its shape."""
 FARTHEST = 10.0
-"""Largest displacement that is drawn, in lengths of the beam: beyond it nothing could be recognised."""
+"""Largest displacement that is drawn, in lengths of the beam: beyond this the joint cannot be recognised."""
 FEWEST_A_PERIOD = 8
-"""A film with fewer frames in an excitation period says so, because it may show another motion than there is."""
+"""Least number of frames in an excitation period for a film to carry no warning: fewer may show another motion."""
 LONGEST_NAME = 24
-"""Largest number of characters of a name in a picture, for names not to cover the joint."""
+"""Largest number of characters of a name in a picture, so that names do not cover the joint."""
 
 
 class _Shade(NamedTuple):

@@ -1,4 +1,4 @@
-"""The times at which a motion is shown: those that a person asks for, or as many as the motion itself needs.
+"""The times at which a motion is shown: those asked for, or as many as the motion needs.
 
 The switches of the contact state are always among them.
 """
@@ -21,13 +21,13 @@ TOLERANCE = 0.01
 _FEWEST = 33
 """Least number of equidistant times at which halving intervals begins."""
 _A_PERIOD = 2
-"""Least number of intervals in a period of the fastest excitation to begin with: fewer see some motions stand still."""
+"""Number of intervals in a period of the fastest excitation to begin with: with fewer, some motions seem at rest."""
 _STATIONS = 33
 """Number of equidistant positions on the beam at which errors are measured."""
 _INSIDE = (0.2, 0.4, 0.6, 0.8)
-"""Parts of an interval at which the error is measured; there are several, so that no inflection hides a curve."""
+"""Fractions of an interval at which its error is measured: several, so that no inflection hides an error."""
 _MARGIN = 0.8
-"""Part of the tolerance that measured errors may take; the rest is for what lies between the measured points."""
+"""Fraction of the tolerance that measured errors may take; the rest allows for errors between the measured places."""
 
 
 def common_time(histories: Sequence[History]) -> tuple[float, float]:

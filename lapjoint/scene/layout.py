@@ -1,4 +1,4 @@
-"""The layout of a joint at rest: stations along the beam, and sizes of the parts to which the problem gives none."""
+"""The layout of a joint at rest: stations along the beam, and sizes of parts that the problem leaves open."""
 
 from __future__ import annotations
 

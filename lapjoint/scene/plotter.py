@@ -18,7 +18,7 @@ COLOURS = "coolwarm"
 VIEWPOINT = np.array([0.35, -1.0, 0.32])
 """Direction from the middle of the scene to the eye, shape ``(3,)``."""
 GLYPH = 0.55
-"""Mean width of a letter, in sizes of the font, to estimate the width of text before it is drawn."""
+"""Mean width of a letter, in sizes of the font, which estimates the width of text before drawing."""
 TURNS, ROUND = 6, 20
 """Number of turns of a coil, and number of points on each turn."""
 

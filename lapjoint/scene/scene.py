@@ -18,7 +18,7 @@ from lapjoint.scene.parts import UNITS, Arrays, Part, Values, parts_of
 from lapjoint.scene.sampled_motion import ModeSeries, Motion, Source
 
 BLOCK = 64
-"""Number of times that are evaluated at once: few enough for the memory, and enough for arrays to be quick."""
+"""Number of times that are evaluated at once: it bounds the memory, and is enough for arrays to be quick."""
 APART = 1.5
 """Clear distance between joints that stand side by side, in breadths of a beam, or in 1/15 of its length if that is
 more."""

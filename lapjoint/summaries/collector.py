@@ -1,15 +1,16 @@
 """Sums over a motion that comes in stretches.
 
-**Means and root mean squares** come from samples: one in each interval of 1 / rate, at a place in it that moves on by
-the golden section.  Any rate gives them without bias, of a periodic motion too; a lower one makes their intervals
-wider, but hardly, where it is not slower than the motion forgets.
+**Means and root mean squares** come from samples: one in each interval of 1 / rate, whose place in the interval moves
+on by the golden section.  Such samples are unbiased at any rate, of a periodic motion too.  A lower rate widens the
+confidence intervals, but hardly, as long as samples are closer than the correlation time of the motion.
 
-**Peaks** of forces are those of the contacts, which a solver finds itself.  Other peaks begin with the largest samples
-of a unit.  Around each that is the largest so far, and around the hardest contact of each stop so far, the motion is
-sampled `FINE` times as closely, and once more around what is largest there.  What is slower than the rate has its true
-peak; of what is faster, a peak that no sample comes near is missed, and the peak is a lower bound.
+**Peaks** of forces are the peaks of the contacts, which a solver finds itself.  Other peaks begin with the largest
+samples of a unit.  Around each sample that is the largest so far, and around the hardest contact of each stop so far,
+the motion is sampled `FINE` times as closely, and once more around the largest of these samples.  A quantity that
+varies more slowly than the rate gets its true peak.  Of a faster one a peak between samples may be missed, so that the
+peak found is a lower bound.
 
-**Contacts** are counted where they begin, once, though the end of a stretch may cut them.
+**Contacts** are counted once, in the unit in which they begin, even where the end of a stretch cuts them.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ from lapjoint.summaries.quantities import IndexArray, Selection, keep_largest
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
 
 FINE = 8
-"""Times between two samples at which a peak is looked for."""
+"""Factor by which sampling is refined around a peak."""
 AT_ONCE = 1024
-"""Times that are evaluated at once, so that what is held for them stays small."""
+"""Largest number of times that are evaluated at once, to bound the memory."""
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
@@ -61,9 +62,9 @@ class Collector:
         )
         self._edges = np.linspace(settle, duration, units + 1)
         self._going: dict[int, _Going] = {}
-        """Contacts that go on over the end of a stretch, by their stops."""
+        """Contacts that last beyond the end of a stretch, by stop."""
         self._hardest = np.zeros((units, self._stops))
-        """Largest peak force of the contacts around which the motion was looked at, N."""
+        """Largest peak force of the contacts around which the motion was sampled, N, shape (units, stops)."""
 
     def take(self, history: History) -> None:
         """Add a stretch, which begins where the last one ended."""
@@ -100,7 +101,7 @@ class Collector:
             self._look(history, unit, np.clip(np.concatenate(around), lo, hi))
 
     def _records(self, unit: int, largest: FloatArray, when: FloatArray) -> list[FloatArray]:
-        """Times around the samples that are larger than all before: at the places asked for, and of all places."""
+        """Times around samples larger than all earlier ones, at the places asked for and at the largest place."""
         steps = np.arange(-FINE, FINE + 1) / (FINE * self._rate)
         found = []
         for q, (values, before) in enumerate(zip(largest, self.sums.peak[unit], strict=True)):
@@ -109,7 +110,7 @@ class Collector:
         return found
 
     def _hard_contacts(self, history: History, unit: int, lo: float, hi: float) -> list[FloatArray]:
-        """Times around the hardest contact of each stop, where it is harder than all before."""
+        """Times around the hardest contact of each stop, if it is harder than all earlier ones."""
         found, hardest = {}, self._hardest[unit]
         for contact in history.contacts:
             if lo <= contact.start < hi and contact.peak_force > hardest[contact.stop]:
@@ -118,7 +119,7 @@ class Collector:
         return [contact.start + shares * contact.duration for contact in found.values()]
 
     def _look(self, history: History, unit: int, t: FloatArray) -> None:
-        """Look for peaks at times, s, and once more around those where a quantity is largest."""
+        """Look for peaks at times, s, and once more around the times at which a quantity is largest."""
         for step in (0.0, 1.0 / FINE**2):
             t = np.unique(t)
             largest, when = np.zeros_like(self.sums.peak[unit]), np.zeros_like(self.sums.peak[unit])
@@ -147,7 +148,7 @@ class Collector:
         self._add(done)
 
     def _impact_speeds(self, history: History) -> FloatArray:
-        """Of each contact of a stretch, m/s, shape ``(c,)``."""
+        """Impact speed of each contact of a stretch, m/s, shape (c,)."""
         contacts, stops = history.contacts, history.problem.stops
         if not contacts:
             return np.zeros(0)
@@ -182,7 +183,7 @@ class Collector:
             np.maximum.at(sums.largest[:, :, k], (unit, stop), values[whole])
 
     def _add_time(self, stop: IndexArray, start: FloatArray, end: FloatArray) -> None:
-        """Add the time in contact of contacts, of whose starts and ends, s, all lie within the units."""
+        """Add the time in contact of contacts that start and end, s, within the units."""
         units = self._edges.size - 1
         unit = np.clip(np.searchsorted(self._edges, start, side="right") - 1, 0, units - 1)
         while stop.size:
@@ -194,18 +195,18 @@ class Collector:
 
 @dataclass(frozen=True)
 class _Going:
-    """A contact that goes on over the end of a stretch."""
+    """A contact that lasts beyond the end of a stretch."""
 
     contact: Contact
-    """What there is of it."""
+    """Its part up to the end of the stretch."""
     speed: float
     """Its impact speed, m/s."""
     cut: bool
-    """Whether it went on already when the motion began."""
+    """Whether the contact was closed when the motion began."""
 
 
 def _as_one(begun: Contact, rest: Contact) -> Contact:
-    """A contact that the end of a stretch has cut."""
+    """One contact from its two parts on either side of the end of a stretch."""
     return replace(
         begun,
         end=rest.end,

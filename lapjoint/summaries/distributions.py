@@ -1,6 +1,6 @@
-"""Distributions of contacts in bins of fixed number, which keep the tails: equal ratios, `PER_DECADE` a decade.
+"""Distributions of contacts in a fixed number of bins of equal ratio, `PER_DECADE` a decade, which keep the tails.
 
-How many contacts exceed a bin's edge is known exactly; between edges, which are 12 % apart, it is not.
+The number of contacts beyond a bin's edge is exact; between two edges, which are 12 % apart, it is unknown.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ IndexArray = npt.NDArray[np.intp]
 PER_DECADE = 20
 """Bins in a factor of ten: each is 12 % wider than the one before."""
 DECADES = (-12, 12)
-"""Exponents of ten of the first and the last edge, in SI units; what lies beyond is in the first or the last bin."""
+"""Exponents of ten of the first and the last edge, in SI units; values beyond are in the first or the last bin."""
 BINS = PER_DECADE * (DECADES[1] - DECADES[0])
 """Number of bins."""
 

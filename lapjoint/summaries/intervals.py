@@ -2,11 +2,12 @@
 
 A unit is a part of a motion that is long against its correlation, or the whole of one of several realisations.
 
-**Means** of what has either sign: Student's t over the units.  **Root mean squares**, means of what is never negative
-(the largest in a unit, time in contact) and rates of many events: Student's interval of the reciprocal of the root of
-the mean m, to first order.  It runs from m / (1 + h)^2 to m / (1 - h)^2 with h = t s / (2 m sqrt(n)), and has no upper
-end where h is 1 or more.  Where few hard contacts make up the sum, a mean that is too low has a scatter s that is too
-low by more than its share; this scale allows for that, where the logarithm left the truth above one interval in ten.
+**Means** of values of either sign: Student's t over the units.  **Root mean squares**, means of values that are never
+negative (the largest in a unit, time in contact) and rates of many events: Student's interval of the reciprocal of the
+root of the mean m, to first order.  It runs from m / (1 + h)^2 to m / (1 - h)^2 with h = t s / (2 m sqrt(n)), and has
+no upper end where h is 1 or more.  Where few hard contacts make up the sum, a mean that is too low comes with a scatter
+s that is too low by more than its share.  The reciprocal root allows for this; an interval of the logarithm would lie
+below the truth in one case in ten.
 
 **Rare events**, where fewer than half of the units have `FEW` of them: the exact interval of a Poisson count (Garwood,
 Biometrika 28, 1936).  Events that come in clusters are fewer independent ones.  The index of dispersion D of the units'
@@ -26,7 +27,7 @@ from lapjoint.problem import FloatArray
 LEVEL = 0.95
 """Probability that an interval holds the true value."""
 FEW = 5
-"""Events in a unit below which they are rare."""
+"""Number of events in a unit below which events are rare."""
 _TAIL = (1 - LEVEL) / 2
 
 

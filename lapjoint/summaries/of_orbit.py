@@ -1,12 +1,12 @@
 """Peaks, root mean squares and contact times of a steady state, with their numerical errors.
 
 A periodic motion is sampled over one period: by Gauss's rule between each two switches, in parts so short that its
-fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors are those of the
-impulses: the same numbers of a finer self of the solver, see `lapjoint.orbits.refinement`.
+fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors follow, as those of
+impulses do, from the summary of a motion at a finer resolution, see `lapjoint.orbits.refinement`.
 
 Of a motion that does not repeat, `WANDERING` excitation periods are summarised, from where it was accepted.  The error
-of a mean or a root mean square is the standard error of the mean over them, with the correlation from period to period;
-of a peak, which would be larger over a longer time, nothing is known.
+of a mean or a root mean square is the standard error of the mean over these periods, which allows for the correlation
+from period to period.  No error of a peak can be stated, because a peak grows with the time that is looked at.
 """
 
 from __future__ import annotations
@@ -27,14 +27,15 @@ from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, ke
 MOST = 1 << 15
 """Samples of a motion, at most."""
 FINER = 1.5
-"""Times as many samples of the finer motion, at most: the error of too few then shows in the difference, too."""
+"""Factor of `MOST` for the finer motion: the error of too few samples then shows in the difference, too."""
 WANDERING = 128
-"""Excitation periods of a motion that does not repeat: twice as many as a standard error needs."""
+"""Number of excitation periods of a motion that does not repeat: twice as many as a standard error needs."""
 PER_PERIOD = 8.0
-"""Samples in a period of the fastest mode, but for `MOST`: Gauss's rule of four points needs no more."""
+"""Samples in a period of the fastest mode, up to `MOST` in all: Gauss's rule of four points needs no more."""
 _FINE = 16
-"""Times on either side of a sample that is the largest, up to its neighbours."""
+"""Number of times on either side of the largest sample, up to its neighbours, at which the peak is looked for."""
 _AT_ONCE = 4096
+"""Largest number of times that are evaluated at once, to bound the memory."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 OF_STOPS = {
     "force_peak": ("N", "largest force of the stop, its magnitude"),
@@ -42,14 +43,14 @@ OF_STOPS = {
     "contact_time": ("1", "share of time in contact"),
     "contact_rate": ("s-1", "contacts a second"),
 }
-"""What there is of each stop, with units and meaning."""
+"""Values of each stop: unit and meaning."""
 SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms")), *OF_STOPS)
-"""Names of all numbers of a summary."""
+"""Names of all values of a summary."""
 
 
 @dataclass(frozen=True)
 class OrbitSummary:
-    """Numbers of a steady state."""
+    """Peaks, root mean squares and contact times of a steady state."""
 
     selection: Selection
     """Quantities and places."""

@@ -1,4 +1,4 @@
-"""The sums that are kept of one motion: all that its summary is made of."""
+"""The sums over one motion from which its summary follows."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lapjoint.summaries.distributions import BINS
 
 CountArray = npt.NDArray[np.int64]
 OF_CONTACTS = ("impulse", "peak_force", "contact_duration", "impact_speed")
-"""What there are distributions of: magnitudes, in N s, N, s and m/s."""
+"""Values of a contact that have distributions: magnitudes, in N s, N, s and m/s."""
 
 
 @dataclass
@@ -25,13 +25,13 @@ class Sums:
     """
 
     duration: float
-    """Of a unit, s."""
+    """Duration of a unit, s."""
     samples: CountArray
     """Number of samples, shape ``(U,)``."""
     total: FloatArray
     """Sum of the samples, shape ``(U, Q, X)``."""
     squares: FloatArray
-    """Sum of their squares, shape ``(U, Q, X)``."""
+    """Sum of the squares of the samples, shape ``(U, Q, X)``."""
     peak: FloatArray
     """Largest magnitude, shape ``(U, Q, X)``."""
     force_squares: FloatArray
@@ -41,13 +41,13 @@ class Sums:
     contacts: CountArray
     """Number of contacts that begin, shape ``(U, S)``."""
     time_in_contact: FloatArray
-    """s, shape ``(U, S)``."""
+    """Time in contact, s, shape ``(U, S)``."""
     impulse: FloatArray
     """Sum of the impulses of the contacts that begin, N s, top positive, shape ``(U, S)``."""
     largest: FloatArray
-    """Of `OF_CONTACTS`, shape ``(U, S, 4)``."""
+    """Largest value of each of `OF_CONTACTS`, shape ``(U, S, 4)``."""
     counts: CountArray
-    """Contacts in each bin of `OF_CONTACTS`, those that the ends of the motion cut left out, ``(U, S, 4, BINS)``."""
+    """Uncut contacts in each bin of each of `OF_CONTACTS`, shape ``(U, S, 4, BINS)``."""
 
     @classmethod
     def zero(cls, units: int, duration: float, quantities: int, places: int, stops: int) -> Self:
@@ -69,7 +69,7 @@ class Sums:
         )
 
     def plain(self) -> dict[str, Any]:
-        """The same as values that JSON can hold; floats are written exactly, and empty bins are left out."""
+        """The sums as values that JSON can hold; floats are written exactly, and empty bins are left out."""
         found: dict[str, Any] = {}
         for name in _NAMES:
             value = getattr(self, name)

@@ -1,11 +1,14 @@
 """The dataset of statistics: values and intervals, from the sums of units.
 
-Its variables are, of each quantity, over the places ``x``: ``*_mean`` (but of velocities and accelerations, whose means
-are zero in a motion that is stationary), ``*_rms``, ``*_peak`` (the largest of all) and ``*_maximum`` (the mean of the
-largest in a unit); of each stop, over ``stop``: the same of its force, but for the mean, which is the ``impulse_rate``;
-``contact_rate``, and ``contact_time``, the share of time in contact; and of the distributions, over ``stop`` and bins,
-``*_count`` and ``*_exceedance``, how often a second the lower edge of a bin is reached or exceeded.  A value that has
-an interval has another variable beside it, ``*_interval``, over ``bound`` too.
+- Each quantity has, over the places ``x``, ``*_rms``, ``*_peak`` (the largest of all) and ``*_maximum`` (the mean of
+  the largest in a unit).  All but velocities and accelerations, whose means vanish in a stationary motion, have
+  ``*_mean``.
+- Each stop has, over ``stop``, ``force_rms``, ``force_peak``, ``force_maximum``, ``impulse_rate`` (the mean force),
+  ``contact_rate`` and ``contact_time`` (the share of time in contact).
+- Each distribution has, over ``stop`` and bins, ``*_count`` and ``*_exceedance``, how often a second contacts reach or
+  exceed the lower edge of a bin.
+
+A value with an interval has a second variable, ``*_interval``, over ``bound`` too.
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CORRELATED = 0.3
-"""Correlation of units that follow each other from which they are too short: intervals are a third too narrow then."""
+"""Correlation of neighbouring units from which units are too short: intervals are then a third too narrow."""
 MAXIMUM = "mean of the largest magnitude in a unit of time"
 _OF_CONTACTS = {
     "impulse": ("N s", "impulse of a contact, its magnitude"),
@@ -67,7 +70,7 @@ def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
 
 
 def _correlation(sums: Sums, realisations: int) -> float:
-    """Correlation of the mean squares of units that follow each other, the median of all; 0 where few tell."""
+    """Median correlation of the mean squares of neighbouring units; 0 where there are too few units."""
     units = sums.samples.size // realisations
     if units < ENOUGH:
         return 0.0
