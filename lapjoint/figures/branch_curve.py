@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.figures.branch_names import KIND_NAMES, number_of
+from lapjoint.figures.branch_names import KIND_NAMES, parameter_of
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
 
     Between two bifurcations that lie between neighbouring curve points, motions are drawn as not stable.
     """
-    x, stable = dataset[number_of(dataset)].values, dataset.stable.values == 1
+    x, stable = dataset[parameter_of(dataset)].values, dataset.stable.values == 1
     at, kinds = dataset.bifurcation_point.values, dataset.bifurcation_kind.values
     own = np.flatnonzero(dataset.bifurcation_branch.values == branch)
     points = np.flatnonzero(dataset.branch.values == branch)
@@ -72,7 +72,7 @@ def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> Fl
 
 def _beside(dataset: xr.Dataset, j: int, values: FloatArray) -> FloatArray:
     """Values at a bifurcation from the curve points beside it; at a fold the parameter is quadratic in them."""
-    x, branch = dataset[number_of(dataset)].values, dataset.branch.values
+    x, branch = dataset[parameter_of(dataset)].values, dataset.branch.values
     i = min(int(dataset.bifurcation_point.values[j]), x.size - 1)
     kind = int(dataset.bifurcation_kind.values[j])
     if kind == _GRAZING or i == 0 or branch[i - 1] != branch[i]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.errors import InputError
 from lapjoint.figures.branch_curve import Curve, curve_of, heights_of
-from lapjoint.figures.branch_names import KIND_NAMES, number_of
+from lapjoint.figures.branch_names import KIND_NAMES, parameter_of
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label
 from lapjoint.problem import FloatArray
@@ -52,7 +52,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     if ordinate not in ORDINATES:
         raise InputError(f"ordinate = {ordinate!r}: allowed: {', '.join(ORDINATES)}")
     axes = new_axes(COLUMN_WIDTH, 2.7) if axes is None else axes
-    name = number_of(dataset)
+    name = parameter_of(dataset)
     values = dataset[ordinate].values
     heights = heights_of(dataset, values, impulses=ordinate == "impulse")
     for branch in range(dataset.branch_first_end.size):

@@ -12,12 +12,12 @@ KIND_NAMES = ("fold", "flip", "Neimark-Sacker", "symmetry breaking", "grazing")
 _GRAZING = KIND_NAMES.index("grazing")
 
 
-def number_of(dataset: xr.Dataset) -> str:
+def parameter_of(dataset: xr.Dataset) -> str:
     """The name of the parameter that changes along the branches."""
     return next(str(name) for name, one in dataset.variables.items() if one.dims == ("point",) and "path" in one.attrs)
 
 
-def second_number_of(dataset: xr.Dataset) -> str | None:
+def second_parameter_of(dataset: xr.Dataset) -> str | None:
     """The name of the second parameter; None where there is only one problem."""
     return next((str(name) for name, one in dataset.coords.items() if "path" in one.attrs), None)
 
