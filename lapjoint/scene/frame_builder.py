@@ -51,7 +51,7 @@ _SHADES = {
 }
 
 
-def job_of(
+def drawing_of(
     motion: History | Mapping[str, History],
     times: FloatArray,
     step: float,

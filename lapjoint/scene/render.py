@@ -32,12 +32,12 @@ def draw_film(drawing: Drawing) -> None:
     assert drawing.output is not None
     frames = _frames(drawing)
     if drawing.output.suffix.lower() == ".mp4":
-        _save_mp4(frames, drawing)
+        save_mp4(frames, drawing)
     else:
         _save_gif(frames, drawing)
 
 
-def _save_mp4(frames: Any, drawing: Drawing) -> None:
+def save_mp4(frames: Any, drawing: Drawing) -> None:
     import imageio.v3
     import imageio_ffmpeg
 

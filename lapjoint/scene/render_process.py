@@ -41,7 +41,7 @@ def draw(drawing: Drawing, progress: Progress | None) -> None:
             return
         status, said = 0, ""
         for way in ({}, SOFTWARE):
-            status, said, _ = _run(file, way, len(drawing.captions), progress)
+            status, said, _ = run_process(file, way, len(drawing.captions), progress)
             if status == 0:
                 return
             if status > 0:  # Python said why: another way would say the same
@@ -51,7 +51,7 @@ def draw(drawing: Drawing, progress: Progress | None) -> None:
 
 def _draw_window(file: Path) -> None:
     """Open a window.  Once it is open, no end of it is an error: a person or the display closed it."""
-    _, _, opened = _run(file, {}, 1, None)
+    _, _, opened = run_process(file, {}, 1, None)
     if not opened:
         shown = " or ".join(f"{key} = {os.environ[key]!r}" for key in DISPLAYS if os.environ.get(key))
         raise InputError(f"{shown or 'the display'}: no window can be opened there; give a file instead (output)")
@@ -83,7 +83,7 @@ def has_display() -> bool:
     return sys.platform in ("darwin", "win32") or any(os.environ.get(key) for key in DISPLAYS)
 
 
-def _run(file: Path, way: dict[str, str], frames: int, progress: Progress | None) -> tuple[int, str, bool]:
+def run_process(file: Path, way: dict[str, str], frames: int, progress: Progress | None) -> tuple[int, str, bool]:
     """The exit status of the drawing process, its standard error, and whether it drew any frame."""
     drew = False
     with tempfile.TemporaryFile("w+") as errors:
