@@ -63,28 +63,28 @@ def _of_history(history: History) -> str:
 
 
 @html_of.register
-def _of_steady_state(found: SteadyState) -> str:
+def _of_steady_state(steady: SteadyState) -> str:
     """A steady state: its outcome, the impulses of the stops as a table, and one period."""
-    lines = [f"{found.solver}: {found.outcome.value}"]
-    omega = found.problem.excitation_frequency
+    lines = [f"{steady.solver}: {steady.outcome.value}"]
+    omega = steady.problem.excitation_frequency
     if omega is not None:
         lines.append(f"Excitation: {frequency_text(omega)}")
-    if found.period_multiple:
+    if steady.period_multiple:
         lines.append(
-            f"It repeats after {found.period_multiple} excitation period{'s' * (found.period_multiple > 1)}"
-            + (", mirrored half-way." if found.symmetric else ".")
+            f"It repeats after {steady.period_multiple} excitation period{'s' * (steady.period_multiple > 1)}"
+            + (", mirrored half-way." if steady.symmetric else ".")
         )
-    if found.multipliers.size:
-        lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(found.multipliers).max():.4g}")
-    errors = [None] * found.impulses.size if found.impulse_errors is None else found.impulse_errors.tolist()
+    if steady.multipliers.size:
+        lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(steady.multipliers).max():.4g}")
+    errors = [None] * steady.impulses.size if steady.impulse_errors is None else steady.impulse_errors.tolist()
     rows = [
         (name, f"{stop.x:g}", stop.side, _with_error(float(impulse), error))
         for name, stop, impulse, error in zip(
-            found.problem.stop_names, found.problem.stops, found.impulses, errors, strict=True
+            steady.problem.stop_names, steady.problem.stops, steady.impulses, errors, strict=True
         )
     ]
     table = _table(("stop", "x [m]", "side", "impulse a period [N s]"), rows, 0) if rows else ""
-    return _page(found.problem.title or "Untitled problem", lines, table + _picture(found.history))
+    return _page(steady.problem.title or "Untitled problem", lines, table + _picture(steady.history))
 
 
 def _with_error(value: float, error: float | None) -> str:

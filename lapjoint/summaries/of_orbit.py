@@ -76,13 +76,13 @@ def quantities_of(names: Sequence[str]) -> list[str]:
 
 
 def summarise(
-    found: SteadyState, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
+    steady: SteadyState, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
 ) -> OrbitSummary:
     """Peaks, root mean squares and contact times of a steady state.
 
     Parameters
     ----------
-    found : SteadyState
+    steady : SteadyState
         The steady state.
     at : sequence of float, optional
         Places, m; by default those of the stops and of the ends that no support fixes.
@@ -100,19 +100,19 @@ def summarise(
     InputError
         If a place is off the beam, or a quantity is unknown or needs what the problem has not.
     """
-    what = selection(found.problem, at=at, quantities=quantities)
-    if not found.period_multiple:
-        return _of_wandering(found, what)
-    values = _of_periods(found.history, what, 1)
+    what = selection(steady.problem, at=at, quantities=quantities)
+    if not steady.period_multiple:
+        return _of_wandering(steady, what)
+    values = _of_periods(steady.history, what, 1)
     means = {name: value[0] for name, value in values.items()}
-    if found.impulse_errors is None:
+    if steady.impulse_errors is None:
         return OrbitSummary(what, means, None)
-    other = found.comparison
+    other = steady.comparison
     if other is None:
         return OrbitSummary(what, means, {name: np.full_like(value, math.inf) for name, value in means.items()})
     finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, FINER).items()}
     orders = {one.name: (one.dx, one.dt) for one in what.quantities}
-    unknown = ~np.isfinite(found.impulse_errors)
+    unknown = ~np.isfinite(steady.impulse_errors)
     errors = {}
     for name, value in means.items():
         apart = value - finer[name]
@@ -126,12 +126,12 @@ def summarise(
     return OrbitSummary(what, means, errors)
 
 
-def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
+def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
     """The summary of a motion that does not repeat: means over its excitation periods, with their standard errors."""
     from lapjoint.orbits.exponent import standard_error  # it loads numba, which figures need not
 
-    omega = found.problem.require_excitation_frequency("a steady state")
-    history = found.history if found.march_on is None else found.march_on(WANDERING)
+    omega = steady.problem.require_excitation_frequency("a steady state")
+    history = steady.history if steady.march_on is None else steady.march_on(WANDERING)
     periods = max(1, round((history.end - history.start) * omega / (2 * math.pi)))
     each = _of_periods(history, what, periods)
     values, errors = {}, {}
@@ -146,7 +146,7 @@ def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
         of_mean = np.array([standard_error(series) if periods >= WANDERING else math.inf for series in means.T])
         size = np.where(values[name] > 0, values[name], 1.0)
         errors[name] = of_mean / (power * size ** (power - 1))
-    return OrbitSummary(what, values, None if found.impulse_errors is None else errors)
+    return OrbitSummary(what, values, None if steady.impulse_errors is None else errors)
 
 
 def _of_periods(history: History, what: Selection, periods: int, times: float = 1.0) -> dict[str, FloatArray]:
