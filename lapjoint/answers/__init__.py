@@ -1,4 +1,4 @@
-"""What an answer is: contact states, modes, motions with their contacts, and steady states, whichever solver gave them.
+"""Answers of either solver: contact states, modes, motions with their contacts, and steady states.
 
 This room holds the types of answers, time series of motions, and the writing of contacts and series to files.  How
 displacements, events and impulses are found is each solver's own work, so that a shared mistake cannot hide from the

@@ -1,7 +1,7 @@
 """Time series of a motion: chosen quantities at chosen places, at equidistant times, in memory and in files.
 
-The default rate has `PER_PERIOD` samples in a period of the fastest frequency that the answer holds: that of its
-fastest mode or of its fastest force, whichever is higher; and no fewer than a record that drives the beam.
+The default rate has `PER_PERIOD` samples in a period of the fastest frequency that the answer holds,
+its fastest mode or its fastest force, and at least as many as a record that drives the beam.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def check_series(
     rate: float | None = None,
     duration: float | None = None,
 ) -> None:
-    """Refuse, before a motion of a duration, s, is found, what `time_series` would refuse after it."""
+    """Refuse, before a motion of a duration, s, is marched, arguments that `time_series` would refuse afterwards."""
     places, chosen = places_of(problem, at), _chosen(problem, quantities)
     if rate is not None:
         _count(problem, places, chosen, rate, duration or 0.0)
@@ -182,7 +182,7 @@ def written(units: str) -> str:
 
 
 def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
-    """The places asked for, or those of the stops and of the ends that no support fixes, m, each once."""
+    """The places asked for, or the stops and the ends that no support fixes, m, each once."""
     if at is None:
         L = problem.beam.length
         fixed = {support.x for support in problem.supports if math.isinf(support.translational)}

@@ -1,4 +1,4 @@
-"""What a steady state is, and the certificate that says how it was established."""
+"""Steady states, with certificates that say how each was established."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ then grows to 1e-8, the difference that tells two motions apart."""
 
 
 class Outcome(Enum):
-    """What a search for a steady state established; the values are sentences."""
+    """The result of a search for a steady state; the values are sentences."""
 
     NO_CONTACT = "The motion is periodic and touches no stop."
     PERIODIC = "The motion is periodic, with contacts."
@@ -54,7 +54,7 @@ class SectionPoint:
 
     state: ContactState
     coordinates: FloatArray
-    """The solver's own coordinates and their rates, shape ``(2, n)``; only a solver of the same kind reads them."""
+    """The solver's own coordinates and rates, shape ``(2, n)``, which only the kind of solver that wrote them reads."""
     nodes: FloatArray | None = None
     """Positions that nodal coordinates belong to, m, shape ``(nodes,)``; None where coordinates are modal."""
 

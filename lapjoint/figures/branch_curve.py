@@ -59,8 +59,8 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
 def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> FloatArray:
     """The value to draw of each stop at each bifurcation, (bifurcations, stops), from `values` at curve points.
 
-    Impulses are known at most bifurcations.  An unknown value is that of the graze's curve point, or is interpolated
-    between the curve points on either side.
+    Impulses are known at most bifurcations.  An unknown value is taken from the graze's curve point, or
+    interpolated between the curve points on either side.
     """
     heights = np.array([_beside(dataset, j, values) for j in range(dataset.sizes["bifurcation"])])
     heights = heights.reshape(-1, values.shape[1])

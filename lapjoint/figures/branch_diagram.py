@@ -84,7 +84,7 @@ def _draw(axes: Axes, curve: Curve, stop: int) -> None:
 
 
 def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, heights: FloatArray) -> None:
-    """Bifurcations, on the curve of the stop that is pressed hardest; of twins, pressed alike, on that of the first."""
+    """Mark bifurcations on the curve of the stop that is pressed hardest, the first of twins that are pressed alike."""
     most = np.abs(values).max(axis=0, initial=0.0)
     stop = int(np.argmax(most >= (1 - _ALIKE) * most.max()))
     kinds = dataset.bifurcation_kind.values

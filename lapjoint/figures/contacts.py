@@ -100,7 +100,7 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
     """Draw the contact state over time: a row for each state that occurs, with a bar for each of its intervals.
 
     The share of the time that each state takes stands at the end of its row.  The rows of the paper's joint are named
-    by the paper's numbers (Table 1), those of other joints by their closed stops.
+    by the paper's numbers (Table 1), rows of other joints by their closed stops.
 
     Parameters
     ----------

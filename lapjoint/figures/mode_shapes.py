@@ -1,4 +1,4 @@
-"""Figures of mode shapes: those of one contact state, or those of all states, grouped by equal modes."""
+"""Figures of mode shapes, of one contact state or of all states, grouped by equal modes."""
 
 from __future__ import annotations
 

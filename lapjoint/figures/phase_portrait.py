@@ -1,4 +1,4 @@
-"""Figures of velocity over displacement: the phase portrait, and the Poincare section of the same motion."""
+"""Figures of velocity over displacement: the phase portrait and the Poincare section of a motion."""
 
 from __future__ import annotations
 

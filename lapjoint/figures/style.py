@@ -1,6 +1,6 @@
-"""The style of all figures: sizes, colours and lines, and files that are the same bytes each time.
+"""The style of all figures: sizes, colours and lines, and files that are reproducible byte for byte.
 
-The colours are those of Okabe and Ito (2008), which colour-blind readers tell apart; line styles and markers repeat
+The colours are from Okabe and Ito (2008), which colour-blind readers tell apart; line styles and markers repeat
 the distinction.  Text has its final size at any width, so a figure is made as wide as it will be printed.
 """
 

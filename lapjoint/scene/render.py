@@ -38,6 +38,7 @@ def draw_film(drawing: Drawing) -> None:
 
 
 def save_mp4(frames: Any, drawing: Drawing) -> None:
+    """Write the frames as MP4; `OSError` where the film is not complete."""
     import imageio.v3
     import imageio_ffmpeg
 

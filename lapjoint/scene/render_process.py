@@ -44,7 +44,7 @@ def draw(drawing: Drawing, progress: Progress | None) -> None:
             status, said, _ = run_process(file, way, len(drawing.captions), progress)
             if status == 0:
                 return
-            if status > 0:  # Python said why: another way would say the same
+            if status > 0:  # Python told the reason, which holds for any way of drawing
                 break
         _explain(status, said)
 

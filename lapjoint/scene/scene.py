@@ -138,7 +138,7 @@ def mode_scene(problem: Problem, modes: Modes, points: int = 81) -> Scene:
 
 
 def _compared(part: Part, values: Values, first: Arrays) -> Values:
-    """The values of a part, and, in a later motion, the difference of its displacement from that of the first."""
+    """The values of a part; in a later motion also how its displacement differs from the first motion's."""
     moved = values.point["displacement"]
     if part.name not in ("beam", "solid"):
         return values

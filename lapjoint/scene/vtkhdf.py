@@ -61,7 +61,7 @@ def _write_grid(root: Any, parts: Sequence[Part]) -> None:
 
 
 def _start_steps(root: Any) -> None:
-    """Make the tables of the time steps, still empty; what is fixed has the offset 0 in each step."""
+    """Make the tables of the time steps, still empty; fixed points and cells have the offset 0 in each step."""
     for data in ("PointData", "CellData", "FieldData"):
         root.create_group(data)
         root.create_group(f"Steps/{data}Offsets")

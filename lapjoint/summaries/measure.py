@@ -32,7 +32,7 @@ LEAST_SAMPLES = 4096
 LEAST_IN_UNIT = 16
 """Least number of samples in a unit."""
 MOST_SAMPLES = 1e10
-"""Largest number of samples of a motion: so many take a day."""
+"""Largest number of samples of a motion, which take a day."""
 _MODES = 8
 """Lowest modes of the free joint among which the slowest to decay is looked for."""
 

@@ -1,8 +1,8 @@
 """Peaks, root mean squares and contact times of a steady state, with their numerical errors.
 
 A periodic motion is sampled over one period: by Gauss's rule between each two switches, in parts so short that its
-fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors follow, as those of
-impulses do, from the summary of a motion at a finer resolution, see `lapjoint.orbits.refinement`.
+fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors follow from the
+summary of the motion at a finer resolution, as `lapjoint.orbits.refinement` says.
 
 Of a motion that does not repeat, `WANDERING` excitation periods are summarised, from where it was accepted.  The error
 of a mean or a root mean square is the standard error of the mean over these periods, which allows for the correlation
@@ -58,8 +58,7 @@ class OrbitSummary:
     """By name: ``<quantity>_peak`` and ``<quantity>_rms``, shape ``(X,)``, in the quantity's unit; `OF_STOPS`,
     ``(S,)``."""
     errors: dict[str, FloatArray] | None
-    """Estimates of their numerical errors, of the same shapes; infinite where none can be stated, None where none was
-    made."""
+    """Estimates of the numerical errors of `values`; infinite where none can be stated, None where none was made."""
 
 
 def check_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -93,7 +92,7 @@ def summarise(
     Returns
     -------
     OrbitSummary
-        The numbers, and their errors where those of the impulses were estimated.
+        The values, and their errors where errors of the impulses were estimated.
 
     Raises
     ------
@@ -116,7 +115,7 @@ def summarise(
     errors = {}
     for name, value in means.items():
         apart = value - finer[name]
-        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # none of what the stops do
+        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # values of stops are no derivatives
         errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)), dx, dt)
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
         if name in OF_STOPS:
@@ -150,9 +149,9 @@ def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
 
 
 def _of_periods(history: History, what: Selection, periods: int, times: float = 1.0) -> dict[str, FloatArray]:
-    """All numbers over each of so many equal parts of a motion: by name, shape (periods, X) or (periods, S).
+    """All values over each of `periods` equal parts of a motion: by name, shape (periods, X) or (periods, S).
 
-    They are made of `MOST` samples at most, times a factor.
+    There are at most `times` `MOST` samples.
     """
     edges = np.linspace(history.start, history.end, periods + 1)
     t, weight, part = _samples(history, edges, times * MOST)
@@ -186,7 +185,7 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
 
 
 def _samples(history: History, edges: FloatArray, most: float) -> tuple[FloatArray, FloatArray, IndexArray]:
-    """At most so many times, s, their weights, s, and the part between `edges` of each, shape ``(m,)`` each."""
+    """At most `most` times, s, their weights, s, and the part between `edges` in which each lies, shape (m,) each."""
     ends = np.unique(np.concatenate([edges, history.switch_times]))
     duration = history.end - history.start
     fastest = history.highest_mode or 0.0
@@ -202,9 +201,9 @@ def _samples(history: History, edges: FloatArray, most: float) -> tuple[FloatArr
 
 
 def _look_closer(history: History, what: Selection, step: float, peaks: FloatArray, when: FloatArray) -> None:
-    """Look around the largest samples of the places asked for, and of all places; all ``(Q, X)``."""
+    """Look around the largest samples at the places asked for and at the largest place; arrays are (Q, X)."""
     steps = step * np.arange(-_FINE, _FINE + 1) / _FINE
-    for q, row in enumerate(peaks):  # each by itself: what else is asked for changes nothing
+    for q, row in enumerate(peaks):  # each by itself, so that a peak does not depend on the other quantities
         middle = when[q, np.union1d(what.asked, [int(np.argmax(row))])]
         t = np.unique(np.clip(middle[:, None] + steps, history.start, history.end))
         alone = Selection(what.problem, (what.quantities[q],), what.places)

@@ -1,4 +1,4 @@
-"""What is summarised of a motion, and where."""
+"""The quantities of a motion that are summarised, and the places."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ class Selection:
 
     @cached_property
     def x(self) -> FloatArray:
-        """All places, those of the stops too, m, ascending, shape ``(X,)``."""
+        """All places, with the stops, m, ascending, shape ``(X,)``."""
         stops = [stop.x for stop in self.problem.stops]
         return np.unique(np.concatenate([self.places, stops, np.linspace(0.0, self.problem.beam.length, STATIONS)]))
 
     @cached_property
     def asked(self) -> IndexArray:
-        """Where in `x` the places are that were asked for, shape ``(places,)``."""
+        """Indices in `x` of the places that were asked for, shape ``(places,)``."""
         return np.searchsorted(self.x, self.places)
 
     @cached_property
@@ -53,7 +53,7 @@ class Selection:
 
     @cached_property
     def factors(self) -> tuple[float, ...]:
-        """What each quantity's derivative is multiplied by."""
+        """The factor of each quantity's derivative."""
         return tuple(one.factor(self.problem) for one in self.quantities)
 
     @cached_property

@@ -37,7 +37,7 @@ class Sums:
     force_squares: FloatArray
     """Sum of the squares of the samples of the forces of the stops, N2, shape ``(U, S)``."""
     force_peak: FloatArray
-    """Largest magnitude of the forces, N, shape ``(U, S)``: that of the contacts."""
+    """Largest peak force of the contacts, N, shape ``(U, S)``."""
     contacts: CountArray
     """Number of contacts that begin, shape ``(U, S)``."""
     time_in_contact: FloatArray

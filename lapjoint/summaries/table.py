@@ -144,7 +144,7 @@ def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
 
 
 def _maxima(name: str, dimension: str, peak: FloatArray, units: str, text: str) -> dict[str, Variable]:
-    """The largest of all, and the mean of the largest in a unit, from those of the units."""
+    """The largest of all units, and the mean of the largest in each unit."""
     largest = {"units": units, "long_name": f"largest magnitude of the {text}"}
     return {f"{name}_peak": ((dimension,), peak.max(axis=0), largest)} | _valued(
         f"{name}_maximum",
@@ -182,12 +182,12 @@ def _of_stops(sums: Sums) -> dict[str, Variable]:
     )
     never = counts.sum(axis=0) == 0
     for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate"):
-        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # of what was never seen, nothing is known
+        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # contacts that were never seen tell nothing
     return found
 
 
 def _signed(units: FloatArray) -> FloatArray:
-    """The interval of the mean of what has one sign in all units, shape ``(U, S)``; gives ``(S, 2)``."""
+    """The interval, (S, 2), of the mean of values that have one sign in all units, (U, S)."""
     ends = intervals.of_positive_mean(np.abs(units))
     return np.where((units.sum(axis=0) < 0)[:, None], -ends[:, ::-1], ends)
 
