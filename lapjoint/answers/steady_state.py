@@ -231,4 +231,7 @@ def chatters(history: History, stop: int) -> bool:
 
 def impulses_per_period(history: History, period_multiple: int) -> FloatArray:
     """Mean impulse of each stop over one of the excitation periods of a history, N s, top positive, (stops,)."""
-    return history.impulses() / max(period_multiple, 1)
+    total = np.zeros(len(history.problem.stops))
+    for contact in history.contacts:
+        total[contact.stop] += contact.impulse
+    return total / max(period_multiple, 1)
