@@ -33,15 +33,7 @@ class Pace:
     _told: bool = field(default=False, init=False)
 
     def take(self, points: Iterable[Any], left: int) -> None:
-        """Take points that have just been found.
-
-        Parameters
-        ----------
-        points : iterable of Point
-            What was found; what has no period multiple is passed over.
-        left : int
-            Number of points that are left.
-        """
+        """Take answers that have just been found, of which only points count, and the number of cells that are left."""
         multiples = [point.period_multiple for point in points if hasattr(point, "period_multiple")]
         now = self.clock()
         self._seen += len(multiples)

@@ -17,13 +17,13 @@ from scipy.stats import binomtest
 from toy import bar
 
 from lapjoint import Axis, InputError, ModalDamping, basins
-from lapjoint.campaigns import BasinPlan
-from lapjoint.campaigns.basin_chunk import Chunk
-from lapjoint.campaigns.basin_dataset import read_basins
-from lapjoint.campaigns.basin_plan import CHUNK
-from lapjoint.campaigns.basin_table import wilson
-from lapjoint.campaigns.dataset import read_curve
-from lapjoint.campaigns.journal import Journal, journal_path
+from lapjoint.campaigns.basins.motions import wilson
+from lapjoint.campaigns.basins.running import BasinJob
+from lapjoint.campaigns.basins.solve import ChunkEnds
+from lapjoint.campaigns.basins.spec import CHUNK, BasinPlan
+from lapjoint.campaigns.basins.table import read_basins
+from lapjoint.campaigns.journal import CellJournal, journal_path
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.errors import Interrupted
 from lapjoint.problem.plane import Plane
 from lapjoint.solver import Solver
@@ -67,9 +67,9 @@ def test_intervals_are_those_of_wilson(count: int, total: int) -> None:
 def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "basins.nc"
     whole, solved = basins(MIRROR, **PLANE), list[int]()
-    answer = BasinPlan.answer
+    answer = BasinJob.answer
 
-    def counted(self: BasinPlan, cell: int, solver: Solver, section: Any, *more: Any) -> tuple[Chunk, None]:
+    def counted(self: BasinJob, cell: int, solver: Solver, section: Any, *more: Any) -> tuple[ChunkEnds, None]:
         if len(solved) == 2:
             raise KeyboardInterrupt
         solved.append(cell)
@@ -77,7 +77,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
     with monkeypatch.context() as within:
-        within.setattr(BasinPlan, "answer", counted)
+        within.setattr(BasinJob, "answer", counted)
         with pytest.raises(Interrupted, match=r"2 of 3 chunks of starts are kept in .*; the same command resumes"):
             basins(MIRROR, **PLANE, out=out)
         plan = BasinPlan(
@@ -87,7 +87,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
             shape=PLANE["grid"],
             ranges=PLANE["ranges"],
         )
-        journal = Journal(plan, out)
+        journal = CellJournal(BasinJob(plan), out)
         assert sorted(journal.points) == solved == [0, 1]
         journal.close()
     xr.testing.assert_identical(basins(MIRROR, **PLANE, out=out), whole)
@@ -121,7 +121,7 @@ def test_a_killed_process_loses_no_more_than_its_last_batches(tmp_path: Path) ->
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
     plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=6400)
-    kept = Journal(plan, out)
+    kept = CellJournal(BasinJob(plan), out)
     assert len(kept.points) >= 2
     kept.close()
 
@@ -177,15 +177,15 @@ def test_what_cannot_be_done_is_refused_at_once(changed: dict[str, Any], said: s
 def test_numbers_of_a_chunk_are_what_json_holds() -> None:
     import json
 
-    plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5)
-    chunk, _ = plan.answer(0, plan.check(), None)
-    assert plan.point(json.loads(json.dumps(vars(chunk)))) == chunk
+    job = BasinJob(BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5))
+    chunk, _ = job.answer(0, job.spec.check(), None)
+    assert job.point(json.loads(json.dumps(vars(chunk)))) == chunk
 
 
 def test_starts_whose_process_died_have_failed() -> None:
-    plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5)
-    scouts, _ = plan.answer(0, plan.check(), None)
-    found = plan.dataset({0: scouts, 1: plan.point({"message": "it died"})})
+    job = BasinJob(BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5))
+    scouts, _ = job.answer(0, job.spec.check(), None)
+    found = job.dataset({0: scouts, 1: job.point({"message": "it died"})})
     assert found.motion.values.tolist() == [-1] * 5
     assert found.unbound_fraction.values.tolist() == [0.0, 0.0, 0.0, 1.0]
     assert set(found.failure_message.values) == {"it died"}
