@@ -21,7 +21,7 @@ REACHED = 15.0
 PATIENCE = 60.0
 """Time within which a scheduler must have its first worker, s: the workers of a batch system start late."""
 ALONE = 40.0
-"""Time after which a scheduler that has lost all its workers is given up, s; a nanny has a new one after a few."""
+"""Time after which a scheduler without workers is given up, s; a nanny starts a new worker after a few seconds."""
 LOOK = 5.0
 """Time between two looks at the workers, while nothing is finished, s."""
 T = TypeVar("T")
@@ -56,7 +56,7 @@ def _lost(client: Any, error: BaseException) -> bool:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without the log of dask, which prints tracebacks when connections end; what matters of it raises an error."""
+    """Silence the log of dask, which prints tracebacks when connections end; whatever matters raises an error."""
     with suppress(ImportError):  # it sets the levels of its loggers
         import distributed  # noqa: F401
 

@@ -27,12 +27,12 @@ from lapjoint.problem.random_motion import Random
 from lapjoint.problem.records import Record
 
 FREQUENCY = "base_motion.angular_frequency"
-"""Path of the excitation frequency: that of the base motion; those of periodic loads keep their ratio to it."""
+"""Path of the excitation frequency, that of the base motion; frequencies of periodic loads keep their ratio to it."""
 MOST_POINTS = 10_000_000
 """Largest number of points of a grid, for its dataset to fit into memory."""
 CHECKED_POINTS = 5000
-"""A grid of at most so many points is validated as a whole before any work, which takes seconds; of a larger grid,
-only the corners are."""
+"""Largest number of points of a grid that is validated as a whole before any work, which takes seconds; a larger grid
+is validated at its corners."""
 
 UNITS = {
     "x": "m",

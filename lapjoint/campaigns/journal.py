@@ -1,10 +1,10 @@
-"""An append-only journal of a sweep or of statistics, which resume from it after Ctrl-C, a crash or a full disk.
+"""An append-only journal of work, which resumes from the journal after Ctrl-C, a crash or a full disk.
 
-A journal has lines of JSON.  The first says which work this is.  Each other line holds the points of a batch and, for
-a chain, the section point from which it goes on.  Each line ends in its checksum, which is also that of the work, so
-that a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is waited
-for.  Damaged lines are dropped with a warning, wherever they are, and their points are computed again.  A lock on the
-file keeps two processes from writing the same journal; the system releases it however a process ends.
+A journal has lines of JSON.  The first line says which work the journal is of.  Each other line holds the answers of a
+batch and, for a chain, the section point from which the chain goes on.  Each line ends in a checksum of the line and of
+the work: a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is
+waited for.  Damaged lines are dropped with a warning, wherever they are, and their answers are computed again.  A lock
+on the file keeps two processes from writing one journal; the system releases the lock however a process ends.
 """
 
 from __future__ import annotations
@@ -104,14 +104,14 @@ class Journal(ABC):
             self.close()
 
     def kept(self) -> str:
-        """A message for work that stops here: it reads the file, because an interrupt can come at any moment."""
+        """A message for work that stops here, from the file, because an interrupt can come at any moment."""
         self._load(force=False)
         if self._holds_nothing():
             return self._nothing_done()
         return f"{self._done()} kept in {self.path}; the same command resumes"
 
     def _read(self, force: bool) -> None:
-        """Take the points in the file, and leave in it only what is whole."""
+        """Take what the file holds, and leave only its whole lines."""
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
@@ -129,11 +129,11 @@ class Journal(ABC):
 
     @property
     def _owner(self) -> str:
-        """What the checksums of all lines but the first are of, too: the format and the work."""
+        """The format and the work, which the checksums of all lines but the first cover, too."""
         return f"{FORMAT_VERSION} {self.spec.fingerprint}"
 
     def _load(self, force: bool) -> tuple[list[bytes], int]:
-        """Take the points in the file; returns its whole lines, and the number of those that are damaged.
+        """Take what the file holds; returns its whole lines, and the number of damaged lines.
 
         A file that has no whole line of this work is refused, unless it is empty or may be thrown away.
         """
@@ -165,7 +165,7 @@ class Journal(ABC):
         return f"holds another {self.spec.noun}, not finished (it differs in {', '.join(different)})"
 
     def _taken(self, raw: bytes) -> bool:
-        """Whether a later line is whole; its points are taken."""
+        """Whether a later line is whole; what it holds is taken."""
         line = _opened(raw, self._owner)
         if line is not None:
             self._take(line)

@@ -27,8 +27,8 @@ Mapper = Callable[[Callable[[Batch], Solved], Iterable[Batch]], Iterable[Solved]
 Workers = int | Callable[..., Any]
 """Number of processes, -1 for all processors; or a `Mapper`."""
 MOST_DEATHS = 3
-"""A cell is given up after so many deaths of the process that solved it: one or two may have other causes, such as a
-lack of memory."""
+"""Number of deaths of the process that solves a cell after which the cell is given up: one or two deaths may have other
+causes, such as a lack of memory."""
 
 
 def check_workers(workers: Workers) -> Workers:

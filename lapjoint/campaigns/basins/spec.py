@@ -24,17 +24,17 @@ from lapjoint.problem.plane import Plane
 from lapjoint.solver import Solver, make_solver
 
 CHUNK = 64
-"""Starts in a chunk: enough for one compiled call to be worth it, few enough for little to be lost by an interrupt."""
+"""Number of starts in a chunk: enough for a compiled call to pay, few enough for an interrupt to lose little."""
 SCOUTS = 16
-"""Most starts of a problem that are looked at before all others."""
+"""Largest number of starts of a problem that are scouts."""
 MOST_STARTS = 10_000_000
 """Largest number of starts of all problems together, for the dataset to fit into memory."""
 EFFORT = 4000
-"""Most periods marched from a start by default, before it is left as it is."""
+"""Default of the largest number of excitation periods marched from a start."""
 MOST_PERIODS = 1_000_000
-"""Largest number of periods that may be asked for."""
+"""Largest number of excitation periods that may be asked for."""
 _WIDE = 3.0
-"""Half the width of a plane by default, over base amplitude and gap together: most motions are not much larger."""
+"""Half the default width of a plane, as a multiple of base amplitude plus gap: most motions are not much larger."""
 
 
 class Chunk(NamedTuple):
@@ -199,7 +199,7 @@ class BasinPlan:
 
     @cached_property
     def _scouts(self) -> tuple[int, ...]:
-        """The starts that are looked at first."""
+        """The numbers of the scouts of each problem."""
         if self.plane is None or min(self.shape) < 2:
             return tuple(np.unique(np.linspace(0, self.count - 1, min(SCOUTS, self.count)).astype(int)).tolist())
         side = math.isqrt(SCOUTS)

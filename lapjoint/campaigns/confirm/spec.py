@@ -45,29 +45,15 @@ class Row:
 
 @dataclass(frozen=True)
 class ConfirmSpec:
-    """Everything that a confirmation depends on.
-
-    Parameters
-    ----------
-    branches : BranchSpec
-        What the file of branches is the result of.
-    rows : tuple of Row
-        Its bifurcations that are looked for.
-    solver : str
-        Entry-point name of the other solver.
-    options : mapping
-        Numerical options of that.
-    share : float
-        Share of the bifurcations that are looked for, drawn at random; 1 for all.
-    seed : int
-        Seed of the draw.
-    """
+    """Everything that a confirmation depends on; most fields are the arguments of `lapjoint.confirm`."""
 
     noun: ClassVar[str] = "confirmation"
     cells_noun: ClassVar[str] = "bifurcations"
 
     branches: BranchSpec
+    """What was asked of the search for branches."""
     rows: tuple[Row, ...] = field(repr=False)
+    """The bifurcations that are looked for."""
     solver: str = "fe"
     options: Mapping[str, Any] = field(default_factory=dict)
     share: float = 1.0
@@ -84,7 +70,7 @@ class ConfirmSpec:
         return len(self.rows)
 
     def check(self) -> Solver:
-        """Check all, and make the solver. See `lapjoint.campaigns.job.Job.check`."""
+        """Check all, and make the other solver; InputError if something is wrong."""
         solver = self.other.check()
         self.branches.check()
         range_of(self.other.at(0))
@@ -114,30 +100,9 @@ class ConfirmSpec:
 def confirm_spec(
     found: xr.Dataset, solver: str, options: Mapping[str, Any], share: float = 1.0, seed: int = 0
 ) -> ConfirmSpec:
-    """What is asked of the confirmation of a dataset of branches.
+    """What is asked of the confirmation of a dataset of branches; the arguments are those of `lapjoint.confirm`.
 
-    Parameters
-    ----------
-    found : xarray.Dataset
-        The dataset.
-    solver : str
-        Entry-point name of the other solver.
-    options : mapping
-        Numerical options of that.
-    share : float
-        Share of the bifurcations that are looked for, above 0 and at most 1.
-    seed : int
-        Seed of the draw.
-
-    Returns
-    -------
-    ConfirmSpec
-        It, checked.
-
-    Raises
-    ------
-    InputError
-        If a parameter is not allowed, or the dataset has nothing that can be confirmed.
+    InputError is raised if an argument is not allowed, or the dataset has nothing that can be confirmed.
     """
     check_integer("seed", seed, 0, 2**63 - 1)
     if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share <= 1:

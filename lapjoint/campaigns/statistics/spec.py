@@ -27,33 +27,9 @@ MOST_SEEDS = 100_000
 
 @dataclass(frozen=True)
 class Realisations:
-    """Everything that statistics depend on.
+    """Everything that statistics depend on; the fields are the arguments of `lapjoint.statistics`.
 
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    duration : float
-        Of each motion, s, with what is left out at its start.
-    seeds : int
-        Number of realisations; more than one needs random excitation.
-    solver : str
-        Entry-point name of the solver.
-    options : mapping
-        Numerical options of the solver.
-    at : tuple of float, optional
-        Places, m; by default those of the stops and of the ends that no support fixes.
-    quantities : tuple of str, optional
-        What is summarised there; by default all that the problem has.
-    settle : float, optional
-        The start that is left out, s; by default seven decay times of the slowest mode.
-    rate : float, optional
-        Samples a second, Hz; by default sixteen in a period of the slowest mode.
-
-    Raises
-    ------
-    InputError
-        If the seeds are no number that is allowed.
+    InputError is raised if the number of realisations, `seeds`, is not allowed.
     """
 
     noun: ClassVar[str] = "run of statistics"
