@@ -422,7 +422,7 @@ def test_bad_input_is_refused_before_any_work(
 @pytest.mark.thorough
 def test_a_script_without_a_guard_is_told_so(counting: Path) -> None:
     path = counting / "script.py"
-    once = "import lapjoint.machine.processes\nlapjoint.processes.MOST_STARTS = 1\n"
+    once = "import lapjoint.machine.processes\nlapjoint.machine.processes.MOST_STARTS = 1\n"
     path.write_text(once + SCRIPT.replace('if __name__ == "__main__":', "if True:"))
     arguments = [str(counting / "curve.nc"), "2", "rest", "{}"]
     done = subprocess.run([sys.executable, str(path), *arguments], capture_output=True, text=True, timeout=60)

@@ -72,7 +72,7 @@ FAULTS = (
             '            "options": dict(self.options),\n',
             "",
         ),
-        "tests/lapjoint/campaigns/test_plan.py::test_work_with_other_options_of_the_solver_is_other_work",
+        "tests/lapjoint/campaigns/sweep/test_spec.py::test_work_with_other_options_of_the_solver_is_other_work",
     ),
     Watched(
         Fault(
@@ -171,7 +171,7 @@ FAULTS = (
             "(own + number) % (LARGEST_SEED + 1)",
             "(own + 0 * number) % (LARGEST_SEED + 1)",
         ),
-        "tests/lapjoint/campaigns/test_realisations.py"
+        "tests/lapjoint/campaigns/statistics/test_running.py"
         "::test_values_lie_within_their_intervals_and_differ_between_realisations",
     ),
     Watched(

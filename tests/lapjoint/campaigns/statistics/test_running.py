@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from killing import killed_at_work
 
 from lapjoint import Beam, InputError, ModalDamping, Problem, SolverError, Stop, Support, statistics, write_problem
 from lapjoint.campaigns.journal import journal_path
@@ -101,18 +97,7 @@ def test_killed_at_once_they_resume_with_the_same_bits(whole: xr.Dataset, tmp_pa
     out, problem = tmp_path / "stats.nc", tmp_path / "noisy.toml"
     write_problem(NOISY, problem)
     command = ["statistics", str(problem), "--duration", "1.5", "--seeds", "4", "--modes", "2", "--out", str(out)]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "lapjoint", *command, "--workers", "2"],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    end = time.monotonic() + 120
-    while not (out.exists() or (journal_path(out).exists() and journal_path(out).read_bytes().count(b"\n") > 1)):
-        assert time.monotonic() < end
-        time.sleep(0.005)
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+    killed_at_work(["-m", "lapjoint", *command, "--workers", "2"], out, 1)
     xr.testing.assert_identical(statistics(NOISY, seeds=4, out=out, **GIVEN), whole)
 
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from killing import killed_at_work
 from scipy.stats import binomtest
 from toy import bar
 
@@ -98,7 +94,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
 SCRIPT = """
 import sys
 sys.path.insert(0, sys.argv[2])
-from test_basins import MIRROR, TWO
+from test_running import MIRROR, TWO
 from lapjoint import basins
 if __name__ == "__main__":
     basins(MIRROR, energy=20.0, starts=6400, out=sys.argv[1], workers=2, **TWO)
@@ -110,16 +106,7 @@ def test_a_killed_process_loses_no_more_than_its_last_batches(tmp_path: Path) ->
     out = tmp_path / "basins.nc"
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
-    here = os.pathsep.join(sys.path)
-    command = [sys.executable, str(script), str(out), str(Path(__file__).parent)]
-    process = subprocess.Popen(command, env={**os.environ, "PYTHONPATH": here}, start_new_session=True)
-    try:
-        journal, until = journal_path(out), time.monotonic() + 100
-        while time.monotonic() < until and not (journal.exists() and journal.read_bytes().count(b"\n") > 3):
-            time.sleep(0.05)
-    finally:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+    killed_at_work([str(script), str(out), str(Path(__file__).parent)], out, 3)
     plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=6400)
     kept = CellJournal(BasinJob(plan), out)
     assert len(kept.points) >= 2
