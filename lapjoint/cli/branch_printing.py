@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.cli.echo import echo
-from lapjoint.figures.branch_names import bifurcation_name, locus_name, number_of, second_number_of
+from lapjoint.figures.branch_names import bifurcation_name, locus_name, parameter_of, second_parameter_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +29,7 @@ def print_branches(dataset: xr.Dataset) -> None:
     """Print each branch in a line, with its bifurcations below it; with a second parameter, their loci instead."""
     if not dataset.branch_first_end.size:
         echo("no periodic motion was found from any start")
-    if second_number_of(dataset) is None:
+    if second_parameter_of(dataset) is None:
         for i in range(dataset.branch_first_end.size):
             _print_branch(dataset, i)
         if "uncovered_from" not in dataset:
@@ -41,7 +41,7 @@ def print_branches(dataset: xr.Dataset) -> None:
 
 def _print_branch(dataset: xr.Dataset, i: int) -> None:
     mine = np.flatnonzero(dataset.branch.values == i)
-    values, stable = dataset[number_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
+    values, stable = dataset[parameter_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
     multiple = int(dataset.period_multiple.values[mine[0]])
     ends = f"{dataset.branch_first_end.values[i]}, {dataset.branch_last_end.values[i]}"
     echo(
@@ -54,7 +54,7 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
 
 def _print_ends_without_motion(dataset: xr.Dataset) -> None:
     """Print the ends of the range that no branch reaches, though a march from rest began there."""
-    values, most = dataset[number_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
+    values, most = dataset[parameter_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
     repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
     missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
     for end in np.asarray(dataset.attrs["range"]) if values.size and not missing else ():
@@ -64,7 +64,7 @@ def _print_ends_without_motion(dataset: xr.Dataset) -> None:
 
 def _print_loci(dataset: xr.Dataset) -> None:
     """Print each locus in a line with both its ends, the longest first."""
-    second = dataset[second_number_of(dataset)]
+    second = dataset[second_parameter_of(dataset)]
     locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
     found = "loci:" if locus.size else "no bifurcations"
     echo(f"{dataset.branch_first_end.size} branches at {second.size} values of {second.attrs['path']}; {found}")
@@ -86,6 +86,7 @@ def _print_what_is_missing(dataset: xr.Dataset) -> None:
         echo(f"effort = {dataset.attrs['effort']} is spent: the branches of {motions} were not followed")
     for i in range(int(dataset.sizes.get("uncovered", 0))):
         echo(_uncovered_text(dataset, i))
+    echo(_unknown_text(dataset))
     for reason in dataset.failure_message.values if "failure_message" in dataset else ():
         echo(f"not followed: {reason}")
 
@@ -93,15 +94,38 @@ def _print_what_is_missing(dataset: xr.Dataset) -> None:
 def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
     """A part of the range that no branch covers, in a sentence."""
     first, last = (float(dataset[f"uncovered_{name}"].values[i]) for name in ("from", "to"))
-    also = second_number_of(dataset)
+    also = second_parameter_of(dataset)
     where = "" if also is None else f" at {also} = {float(dataset.uncovered_also_over.values[i]):.6g}"
     why = str(dataset.uncovered_why.values[i])
     return f"no branch covers {first:.9g} to {last:.9g}{where}" + (f" ({why})" if why else "")
 
 
+def _unknown_text(dataset: xr.Dataset) -> str:
+    """How likely it is that a branch is unknown, in a sentence; with a second number, on average over its values."""
+    from lapjoint.campaigns.branches.unknown import Reached
+
+    if not int(dataset.attrs["starts"]):
+        return "no random starts were made, which would tell how likely a further branch is: see --starts"
+    also = second_parameter_of(dataset)
+    where = "" if also is None else f" at each of {dataset[also].size} values of {dataset[also].attrs['path']}"
+    starts, branches, alone = (int(dataset[f"starts_{name}"].sum()) for name in ("stable", "branches", "alone"))
+    reached = Reached(starts, branches, alone)
+    first = f"{_counted(int(dataset.attrs['starts']), 'random start')}{where}: {starts} led to stable motions"
+    if reached.probability is None:
+        return f"{first}, so that nothing is known of further branches"
+    return (
+        f"{first} on {_counted(branches, 'branch', 'es')}, to {alone or 'none'} of which nothing else led; another one "
+        f"that leads to a stable motion would find an unknown branch with a probability of about "
+        f"{100 * reached.probability:.2g} % (95 %: below {100 * reached.bound:.2g} %)"
+    )
+
+
+def _counted(count: int, name: str, ending: str = "s") -> str:
+    return f"{count} {name}{'' if count == 1 else ending}"
+
+
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
-    """Bifurcation `j` in a line: its value with its error and its name; of a graze also the stop, and how the branch
-    goes on."""
+    """Bifurcation `j` in a line: value, error and name; of a graze also the stop, and how the branch goes on."""
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])
