@@ -21,8 +21,8 @@ from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
-from lapjoint.orbits.exponent import standard_error
 from lapjoint.problem import FloatArray
+from lapjoint.summaries.correlated_series import standard_error
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, selection
 
 MOST = 1 << 15
