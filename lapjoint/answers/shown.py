@@ -1,6 +1,6 @@
-"""How an answer is shown in a notebook: `lapjoint.figures.notebook` says how, and is loaded when the first is shown.
+"""How a notebook shows an answer: by `lapjoint.figures.notebook`, which is loaded when the first answer is shown.
 
-Answers import no figures: the name below is the one place where the ground looks upwards, and only a notebook asks.
+Answers import no figures: the name below is the one place where answers refer to what is built on them.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.cli.echo import echo
-from lapjoint.figures.branch_names import bifurcation_name, locus_name, number_of, second_number_of
+from lapjoint.figures.branch_names import bifurcation_name, locus_name, parameter_of, second_parameter_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +29,7 @@ def print_branches(dataset: xr.Dataset) -> None:
     """Print each branch in a line, with its bifurcations below it; with a second parameter, their loci instead."""
     if not dataset.branch_first_end.size:
         echo("no periodic motion was found from any start")
-    if second_number_of(dataset) is None:
+    if second_parameter_of(dataset) is None:
         for i in range(dataset.branch_first_end.size):
             _print_branch(dataset, i)
         if "uncovered_from" not in dataset:
@@ -41,7 +41,7 @@ def print_branches(dataset: xr.Dataset) -> None:
 
 def _print_branch(dataset: xr.Dataset, i: int) -> None:
     mine = np.flatnonzero(dataset.branch.values == i)
-    values, stable = dataset[number_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
+    values, stable = dataset[parameter_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
     multiple = int(dataset.period_multiple.values[mine[0]])
     ends = f"{dataset.branch_first_end.values[i]}, {dataset.branch_last_end.values[i]}"
     echo(
@@ -54,7 +54,7 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
 
 def _print_ends_without_motion(dataset: xr.Dataset) -> None:
     """Print the ends of the range that no branch reaches, though a march from rest began there."""
-    values, most = dataset[number_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
+    values, most = dataset[parameter_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
     repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
     missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
     for end in np.asarray(dataset.attrs["range"]) if values.size and not missing else ():
@@ -64,7 +64,7 @@ def _print_ends_without_motion(dataset: xr.Dataset) -> None:
 
 def _print_loci(dataset: xr.Dataset) -> None:
     """Print each locus in a line with both its ends, the longest first."""
-    second = dataset[second_number_of(dataset)]
+    second = dataset[second_parameter_of(dataset)]
     locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
     found = "loci:" if locus.size else "no bifurcations"
     echo(f"{dataset.branch_first_end.size} branches at {second.size} values of {second.attrs['path']}; {found}")
@@ -94,7 +94,7 @@ def _print_what_is_missing(dataset: xr.Dataset) -> None:
 def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
     """A part of the range that no branch covers, in a sentence."""
     first, last = (float(dataset[f"uncovered_{name}"].values[i]) for name in ("from", "to"))
-    also = second_number_of(dataset)
+    also = second_parameter_of(dataset)
     where = "" if also is None else f" at {also} = {float(dataset.uncovered_also_over.values[i]):.6g}"
     why = str(dataset.uncovered_why.values[i])
     return f"no branch covers {first:.9g} to {last:.9g}{where}" + (f" ({why})" if why else "")
@@ -106,7 +106,7 @@ def _unknown_text(dataset: xr.Dataset) -> str:
 
     if not int(dataset.attrs["starts"]):
         return "no random starts were made, which would tell how likely a further branch is: see --starts"
-    also = second_number_of(dataset)
+    also = second_parameter_of(dataset)
     where = "" if also is None else f" at each of {dataset[also].size} values of {dataset[also].attrs['path']}"
     starts, branches, alone = (int(dataset[f"starts_{name}"].sum()) for name in ("stable", "branches", "alone"))
     reached = Reached(starts, branches, alone)

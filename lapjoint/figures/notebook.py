@@ -17,9 +17,8 @@ from lapjoint.figures.motion import plot_motion
 from lapjoint.figures.style import new_axes, svg_of
 from lapjoint.figures.text import error_text, frequency_text
 
-CONTACTS_SHOWN = 8
-MODES_SHOWN = 12
-"""Rows of a table, so that an answer takes no more than a screen."""
+CONTACTS_SHOWN, MODES_SHOWN = 8, 12
+"""Largest numbers of rows of tables, for an answer to fit on a screen."""
 _SIZE = 5.6, 2.4  # inches
 _SAMPLES = 800
 _MIDDLE = ' style="text-align: left"'
@@ -27,7 +26,7 @@ _MIDDLE = ' style="text-align: left"'
 
 @singledispatch
 def html_of(answer: object) -> str:
-    """An answer as one piece of HTML; `TypeError` for what is no answer."""
+    """An answer as one piece of HTML; `TypeError` for an object that is no answer."""
     raise TypeError(f"{type(answer).__name__} is no answer")
 
 
@@ -64,28 +63,28 @@ def _of_history(history: History) -> str:
 
 
 @html_of.register
-def _of_steady_state(found: SteadyState) -> str:
-    """A steady state: what was established, the impulses of the stops as a table, and one period."""
-    lines = [f"{found.solver}: {found.outcome.value}"]
-    omega = found.problem.excitation_frequency
+def _of_steady_state(steady: SteadyState) -> str:
+    """A steady state: its outcome, the impulses of the stops as a table, and one period."""
+    lines = [f"{steady.solver}: {steady.outcome.value}"]
+    omega = steady.problem.excitation_frequency
     if omega is not None:
         lines.append(f"Excitation: {frequency_text(omega)}")
-    if found.period_multiple:
+    if steady.period_multiple:
         lines.append(
-            f"It repeats after {found.period_multiple} excitation period{'s' * (found.period_multiple > 1)}"
-            + (", mirrored half-way." if found.symmetric else ".")
+            f"It repeats after {steady.period_multiple} excitation period{'s' * (steady.period_multiple > 1)}"
+            + (", mirrored half-way." if steady.symmetric else ".")
         )
-    if found.multipliers.size:
-        lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(found.multipliers).max():.4g}")
-    errors = [None] * found.impulses.size if found.impulse_errors is None else found.impulse_errors.tolist()
+    if steady.multipliers.size:
+        lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(steady.multipliers).max():.4g}")
+    errors = [None] * steady.impulses.size if steady.impulse_errors is None else steady.impulse_errors.tolist()
     rows = [
         (name, f"{stop.x:g}", stop.side, _with_error(float(impulse), error))
         for name, stop, impulse, error in zip(
-            found.problem.stop_names, found.problem.stops, found.impulses, errors, strict=True
+            steady.problem.stop_names, steady.problem.stops, steady.impulses, errors, strict=True
         )
     ]
     table = _table(("stop", "x [m]", "side", "impulse a period [N s]"), rows, 0) if rows else ""
-    return _page(found.problem.title or "Untitled problem", lines, table + _picture(found.history))
+    return _page(steady.problem.title or "Untitled problem", lines, table + _picture(steady.history))
 
 
 def _with_error(value: float, error: float | None) -> str:
